@@ -38,6 +38,7 @@ _ROUNDING = 1e-12  # of the input
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
 _RESISTED = ("rolling", "twisting", "adhesion")  # where contacts resist these, or cohere
+_CONTACT_COLUMNS = ("peak_overlap", "peak_force", "effective_radius", "yield_overlap", "touching", "yielded")
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
@@ -134,44 +135,35 @@ def restitution(result: Result) -> float | None:
     Of two equal spheres of which one rests, the struck one keeps (1 - e)/2 of its velocity; from a wall it returns with
     -e, of an oblique impact with the normal part. None for every other packing, and as long as the bodies touch.
     """
-    case = result.case
-    boundary = case.boundary
+    case, boundary, load = result.case, result.case.boundary, result.case.load
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
-    if case.load.kind != "impact" or not assemble(case).plain or moves or case.precompression is not None:
+    if load.kind != "impact" or not assemble(case).plain or moves or case.precompression is not None:
         return None
-    if case.load.angle and result.n_spheres > 1:
-        return None
-    if result["energy/elastic"][-1] > _TOUCH * result.energy_input:
+    if (load.angle and result.n_spheres > 1) or result["energy/elastic"][-1] > _TOUCH * result.energy_input:
         return None
     left = float(result["energy/struck_velocity"][-1]) / velocities_of(assemble(case))[result.struck[0]][2]
-    if result.n_spheres == 2 and case.packing.kind == "chain" and case.boundary.bottom == "free":
+    if result.n_spheres == 2 and case.packing.kind == "chain" and boundary.bottom == "free":
         return 1 - 2 * left
-    if result.n_spheres == 1 and case.boundary.bottom == "wall":
-        return -left
-    return None
+    return -left if result.n_spheres == 1 and boundary.bottom == "wall" else None
 
 
 def _energies(result: Result) -> Summary:
     """Energies at the end, shares of the input, and the largest error of the ledger over the largest input."""
     given, plastic, largest = result.energy_input, float(result.yield_ledger[-1]), result.largest_input
-    resisted = [name for name in _RESISTED if f"energy/{name}" in result]
-    names = (*_ENERGIES, *_DISSIPATED, *resisted, "absorbed")
-    final = {name: _last(result, f"energy/{name}") for name in names}
+    lost = [*_DISSIPATED, *(name for name in _RESISTED if f"energy/{name}" in result)]
+    final = {name: _last(result, f"energy/{name}") for name in (*_ENERGIES, *lost, "dissipated", "absorbed")}
     final["plastic"] = 0.0 if abs(plastic) < _ROUNDING * given else plastic  # what is left of a difference
-
-    def share(name: str) -> float | None:
-        energy = final[name]
-        return None if energy is None or not given else energy / given
-
+    shares = {name: final[name] for name in ("dissipated", *lost, "absorbed")}
     return {
         "energy_input_J": given,
         **{f"energy_{name}_J": final[name] for name in _ENERGIES},
         **{f"energy_dissipated_{name}_J": final[name] for name in _DISSIPATED},
         "energy_absorbed_J": final["absorbed"],
-        **{f"energy_dissipated_{name}_J": final[name] for name in resisted},
-        **{f"{name}_fraction": share(name) for name in ("dissipated", *_DISSIPATED, *resisted, "absorbed")},
+        **{f"energy_dissipated_{name}_J": final[name] for name in lost},
+        **{f"{name}_fraction": energy / given if given and energy is not None else None
+           for name, energy in shares.items()},
         "energy_balance_error": float(np.max(misfit(result.ledger)) / largest) if largest else None,
-    }
+    }  # fmt: skip
 
 
 def _transmission(result: Result) -> Summary:
@@ -193,13 +185,11 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
     """Return numbers of contacts, and the largest force and overlap; a large table is shared out."""
     n_rows, size = len(result.file["contacts/i"]), result.at_once
     if n_rows <= size:
-        parts = [_of_rows(result, slice(None))]
+        parts = [_of_rows([result[f"contacts/{name}"] for name in _CONTACT_COLUMNS])]
     else:
-        work = partial(_of_block, result.path, size, result.case)
-        parts = list(processes.map(work, range(0, n_rows, size)))
+        parts = list(processes.map(partial(_of_block, result.path, size, result.case), range(0, n_rows, size)))
     found: dict[str, Any] = {
-        name: max(part[name] for part in parts) if name.startswith("peak") else sum(part[name] for part in parts)
-        for name in parts[0]
+        name: (max if name.startswith("peak") else sum)(part[name] for part in parts) for name in parts[0]
     }
     for name, share in (("beyond_law", LAW_LIMIT), ("beyond_half_law", HALF_LAW_LIMIT)):
         if result.assembly.has_cylinders:
@@ -211,39 +201,30 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
 
 def _of_block(path: Path, size: int, case: Case, first: int) -> dict[str, float]:
     with Result(path, size, case) as result:
-        return _of_rows(result, slice(first, first + size))
+        return _of_rows([result.read(f"contacts/{name}", slice(first, first + size)) for name in _CONTACT_COLUMNS])
 
 
-def _of_rows(result: Result, rows: slice) -> dict[str, float]:
+def _of_rows(columns: list[Array]) -> dict[str, float]:
     """Return what some contacts add to the numbers; pairs that were pressed by rounding alone are not loaded."""
-
-    def column(name: str) -> Array:
-        whole = rows == slice(None)  # is kept for what comes after
-        return result[f"contacts/{name}"] if whole else result.rows_read(f"contacts/{name}", rows)
-
-    overlap, force, radius, least = (
-        *(column(name) for name in ("peak_overlap", "peak_force", "effective_radius")),
-        LISTED_FROM * column("yield_overlap"),
-    )
-    pressed = overlap > np.where(np.isfinite(least), least, 0.0)
+    overlap, force, radius, yield_overlap, touching, yielded = columns
+    pressed = overlap > np.where(np.isfinite(yield_overlap), LISTED_FROM * yield_overlap, 0.0)
     counted = {
-        "touching": column("touching"),
-        "yielded": column("yielded"),
+        "touching": touching,
+        "yielded": yielded,
         "loaded": pressed & (force > 0),
         "beyond_law": overlap > LAW_LIMIT * radius,
         "beyond_half_law": overlap > HALF_LAW_LIMIT * radius,
     }
-    largest = {"peak_force": force, "peak_overlap": overlap}
-    return {name: int(np.count_nonzero(values)) for name, values in counted.items()} | {
-        name: float(np.max(values, initial=0.0)) for name, values in largest.items()
-    }
+    largest = {"peak_force": float(force.max(initial=0.0)), "peak_overlap": float(overlap.max(initial=0.0))}
+    return {name: int(np.count_nonzero(values)) for name, values in counted.items()} | largest
 
 
 def _plasticity(result: Result) -> Summary:
     """Number of contacts and spheres that yielded, and volume and extent of these spheres."""
-    found = []
-    for positions, radii, yielded in result.blocks("spheres/position", "spheres/radius", "spheres/contacts_yielded"):
-        found.append((positions[yielded > 0], radii[yielded > 0]))
+    found = [
+        (positions[yielded > 0], radii[yielded > 0])
+        for positions, radii, yielded in result.blocks("spheres/position", "spheres/radius", "spheres/contacts_yielded")
+    ]
     positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
     offset, yields = positions - result.origin, result.yields
     return {
@@ -255,16 +236,14 @@ def _plasticity(result: Result) -> Summary:
 
 
 def _normalised(result: Result) -> Summary:
-    law, case = result.law, result.case
-    if not result.has_yield_force:
-        return {"velocity_normalised": None, "energy_input_normalised": None}
-    strength, velocity = law.yield_strength, case.load.velocity
-    return {
-        "velocity_normalised": velocity_normalised(velocity, law.effective_modulus, case.material.density, strength)
-        if case.load.kind == "impact"
-        else None,
-        "energy_input_normalised": result.energy_input / (law.yield_force * law.yield_overlap),
-    }
+    """Velocity and energy over those of first yielding."""
+    law, case, speed, energy = result.law, result.case, None, None
+    if result.has_yield_force:
+        energy = result.energy_input / (law.yield_force * law.yield_overlap)
+        if case.load.kind == "impact":
+            material = law.effective_modulus, case.material.density, law.yield_strength
+            speed = velocity_normalised(case.load.velocity, *material)
+    return {"velocity_normalised": speed, "energy_input_normalised": energy}
 
 
 def _walls(result: Result) -> Summary:
@@ -277,16 +256,27 @@ def _walls(result: Result) -> Summary:
     bare = unprotected(result.case, float(result["energy/time"][-1])) if found else None
     ground, moved = (found.ground_force, found.displacement) if found else (None, None)
     peak, ground_peak = (bare.peak_force, bare.ground_peak_force) if bare else (None, None)
-    over = found is not None and found.force.argmax() < len(found.force) - 1  # else it still rises: no peak is known
-    reduction = _ratio(peak, found.force) if found and over else None
-    # the sum is the same to the last digit however the packing is parted
-    mass = math.fsum(mass for part in result.parts() for mass in part["spheres/mass"][part.in_packing].tolist())
-    height = _height(result)
-    return {
+
+    def reduced(without: float | None, force: Array) -> float | None:
+        largest = float((force - force[0]).max())
+        return without / largest if largest > 0 and without else None
+
+    # while the force still rises at the end no peak is known
+    reduction = reduced(peak, found.force) if found and found.force.argmax() < len(found.force) - 1 else None
+    mass, height = _mass_and_height(result)
+    summary: Summary = {
         "wall_peak_force_N": found.peak_force if found else None,
         "wall_impulse_Ns": float(found.impulse[-1]) if found else None,
         "base_arrival_s": found.arrival if found else None,
-        **_other_walls(result),
+    }
+    for name in (name for name in result.names("walls") if name in SIDE_WALLS or name == PLATE):
+        force, impulse = result[f"walls/{name}/force"], result[f"walls/{name}/impulse"]
+        prefix = name if name == PLATE else f"wall_{name}"
+        summary |= {f"{prefix}_peak_force_N": float(force.max()), f"{prefix}_impulse_Ns": float(impulse[-1])}
+    if f"walls/{PLATE}" in result:
+        summary["plate_velocity_m_s"] = -float(result[f"walls/{PLATE}/velocity"][-1])
+        summary["energy_plate_J"] = float(result["energy/plate"][-1])
+    return summary | {
         "target_peak_force_N": found.peak_force if found else None,
         "ground_peak_force_N": found.ground_peak_force if found else None,
         "target_peak_displacement_m": None if moved is None else float(np.abs(moved).max()),
@@ -296,7 +286,7 @@ def _walls(result: Result) -> Summary:
         "unprotected_peak_force_N": peak,
         "unprotected_ground_peak_force_N": None if ground is None else ground_peak,
         "peak_reduction": reduction,
-        "ground_peak_reduction": None if ground is None else _ratio(ground_peak, ground),
+        "ground_peak_reduction": None if ground is None else reduced(ground_peak, ground),
         "packing_mass_kg": mass,
         "packing_height_m": height,
         "peak_reduction_per_kg": None if reduction is None else reduction / mass,
@@ -304,42 +294,24 @@ def _walls(result: Result) -> Summary:
     }
 
 
-def _ratio(without: float | None, force: Array) -> float | None:
-    """Return a force without the packing over the largest rise of one with it."""
-    largest = float((force - force[0]).max())
-    return without / largest if largest > 0 and without else None
-
-
-def _height(result: Result) -> float:
-    """Height of the packing, strikers left out, m."""
-    top, bottom = np.inf, -np.inf
+def _mass_and_height(result: Result) -> tuple[float, float]:
+    """Mass (kg) and height (m) of the packing, strikers left out."""
+    masses, top, bottom = [], np.inf, -np.inf
     for part in result.parts():
         inside = part.in_packing
         depth, radii = part["spheres/position"][inside, 2], part["spheres/radius"][inside]
         top, bottom = (depth - radii).min(initial=top), (depth + radii).max(initial=bottom)
-    return float(bottom - top)
-
-
-def _other_walls(result: Result) -> Summary:
-    """Peak force and impulse of each side wall, and of a plate on the top; and how fast this is at the end."""
-    found: Summary = {}
-    for name in (name for name in result.names("walls") if name in SIDE_WALLS or name == PLATE):
-        force, impulse = result[f"walls/{name}/force"], result[f"walls/{name}/impulse"]
-        prefix = name if name == PLATE else f"wall_{name}"
-        found |= {f"{prefix}_peak_force_N": float(force.max()), f"{prefix}_impulse_Ns": float(impulse[-1])}
-    if f"walls/{PLATE}" in result:
-        found["plate_velocity_m_s"] = -float(result[f"walls/{PLATE}/velocity"][-1])
-        found["energy_plate_J"] = float(result["energy/plate"][-1])
-    return found
+        masses += part["spheres/mass"][inside].tolist()
+    return math.fsum(masses), float(bottom - top)  # the same to the last digit however the packing is parted
 
 
 def _sensors(result: Result) -> Summary:
     """Largest force at each sensor of a chain; largest acceleration and speed at each of another packing."""
-    if "chain" not in result:
-        found = {"peak_acceleration_m_s2": sensor_accelerations(result), "peak_velocity_m_s": sensor_velocities(result)}
-        return {
-            f"sensor_{name}_{quantity}": float(np.linalg.norm(values, axis=1).max())
-            for quantity, sensors in found.items()
-            for name, values in sensors.items()
-        }
-    return {f"sensor_{name}_peak_force_N": float(force.max()) for name, force in sensor_forces(result).items()}
+    if "chain" in result:
+        return {f"sensor_{name}_peak_force_N": float(force.max()) for name, force in sensor_forces(result).items()}
+    found = {"peak_acceleration_m_s2": sensor_accelerations(result), "peak_velocity_m_s": sensor_velocities(result)}
+    return {
+        f"sensor_{name}_{quantity}": float(np.linalg.norm(values, axis=1).max())
+        for quantity, sensors in found.items()
+        for name, values in sensors.items()
+    }

@@ -28,7 +28,7 @@ from granwave.analysis.measures import waves
 from granwave.analysis.measures.geometry import preferred_directions
 from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, extent_holding, packing_zone
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, cut_of, extent_holding, packing_zone
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.lattices import is_plane_crystal
@@ -134,7 +134,7 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
     end = float(result["energy/time"][-1])
     time = np.concatenate([[0.0], growth.time, [end]])
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
-    if cut := packing_zone(result).cut:
+    if cut := cut_of(packing_zone(result)):
         upper.set_title(f"the zone reaches a bound: {bounds_in_words(cut)}", fontsize=7)
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
@@ -188,12 +188,12 @@ def plastic_zone_size(result: Result) -> Drawing | None:
         return None
     zone = packing_zone(result)
     distances, bounds = {}, {}
-    for name, values, bound in (("depth", zone.depth, BOTTOM), ("radius", zone.radius, SIDES)):
+    for name, values, bound in (("depth", zone.get("depth"), BOTTOM), ("radius", zone.get("radius"), SIDES)):
         if values is not None:
             distances[name] = values
-            if bound in zone.cut:
-                bounds[bound] = float(values[zone.bounds[bound]].min())
-    return draw_zone_size(zone.energy, distances, result.case.packing.diameter, "D", bounds)
+            if bound in cut_of(zone):
+                bounds[bound] = float(values[zone[bound]].min())
+    return draw_zone_size(zone["energy"], distances, result.case.packing.diameter, "D", bounds)
 
 
 def draw_zone_size(

@@ -10,13 +10,13 @@ import dataclasses
 import struct
 from collections.abc import Iterator, Sequence
 from pathlib import Path
-from typing import Any, NoReturn
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.frame import AGAIN, DAMAGED, WHOLE, CutShortError, Frame, Unread
+from granwave.analysis.lammps_output.frame import AGAIN, DAMAGED, WHOLE, CutShortError, Frame
 
 BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
 _MAGIC = b"DUMPCUSTOM"
@@ -33,19 +33,16 @@ class _Bytes:
 
     def __init__(self, path: Path) -> None:
         self.path, self.size, self.place, self.number = path, path.stat().st_size, 0, 0
-        self._ahead, self._from = b"", 0
+        self._ahead, self._from = np.empty(0, np.uint8), 0
 
     def take(self, form: str) -> tuple[Any, ...]:
         """Read values of a header, as `struct` names them."""
-        n = struct.calcsize(f"={form}")
-        self._check_room(n)
-        start = self.place - self._from
-        if not 0 <= start <= len(self._ahead) - n:
-            with open(self.path, "rb") as file:
-                file.seek(self.place)
-                self._ahead, self._from, start = file.read(max(n, _AHEAD)), self.place, 0
+        n = self.check_room(struct.calcsize(f"={form}"))
+        if not 0 <= self.place - self._from <= len(self._ahead) - n:
+            self._ahead, self._from = np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place), self.place
+        values = struct.unpack_from(f"={form}", self._ahead.data, self.place - self._from)
         self.place += n
-        return struct.unpack_from(f"={form}", self._ahead, start)
+        return values
 
     def text(self) -> str:
         """Read a text and its length before it."""
@@ -54,65 +51,23 @@ class _Bytes:
             raise self.damaged(f"found a text of {length} bytes in the header")
         return self.take(f"{length}s")[0].decode("ascii", errors="replace")
 
-    def values(self, n: int) -> tuple[int, int]:
-        """Pass over so many values of a block; return the place of the first, and their number."""
-        self._check_room(8 * n)
-        self.place += 8 * n
-        return self.place - 8 * n, n
-
-    def _check_room(self, n: int) -> None:
+    def check_room(self, n: int) -> int:
+        """Return a number of bytes; raise CutShortError if there are fewer."""
         if self.place + n > self.size:
-            raise CutShortError(self._where(), self.number)
+            raise CutShortError(self.where(), self.number)
+        return n
+
+    def where(self) -> str:
+        """Return the file and the place in it."""
+        return f"{self.path}: byte {self.place} (snapshot {self.number})"
 
     def damaged(self, fault: str) -> OutputFormatError:
         """Return the error of a damaged file."""
-        return OutputFormatError(f"{self._where()}: {fault}; {DAMAGED}")
-
-    def _where(self) -> str:
-        return f"{self.path}: byte {self.place} (snapshot {self.number})"
-
-    def header(self) -> tuple[Frame, int, int]:
-        """Read all that comes before the rows: the frame without rows, and their number and that of the blocks."""
-        (length,) = self.take("q")
-        if length != -len(_MAGIC) or self.take(f"{len(_MAGIC)}s")[0] != _MAGIC:
-            raise self.damaged("expected the header of a binary dump of LAMMPS")
-        endian, revision = self.take("ii")
-        if (endian, revision) != (_ENDIAN, _REVISION):
-            raise OutputFormatError(
-                f"{self._where()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
-                f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
-            )
-        step, n_rows, triclinic, *_ = self.take("qq7i")
-        box = np.array(self.take("6d")).reshape(3, 2)
-        if triclinic:
-            self.take("3d")
-        (n_columns,) = self.take("i")
-        self.text()  # units
-        if self.take("b")[0]:
-            self.take("d")  # time
-        columns = tuple(self.text().split())
-        (n_blocks,) = self.take("i")
-        if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
-            raise self.damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
-        if not np.all(np.isfinite(box)):
-            raise self.damaged("the box is not finite")
-        self._check_room(8 * n_rows * len(columns))
-        return Frame(step, box, columns, np.empty((0, len(columns)))), n_rows, n_blocks
-
-    def pieces(self, n_blocks: int, n_values: int) -> Iterator[tuple[int, int]]:
-        """Iterate over the blocks of a snapshot, each in pieces of at most so many values: place and number."""
-        for _ in range(n_blocks):
-            (left,) = self.take("i")
-            if left < 0:
-                raise self.damaged(f"found a block of {left} values")
-            while left:
-                place, n = self.values(min(left, n_values))
-                left -= n
-                yield place, n
+        return OutputFormatError(f"{self.where()}: {fault}; {DAMAGED}")
 
 
 @dataclasses.dataclass(frozen=True)
-class BinaryRows(Unread):
+class BinaryRows:
     """Rows of snapshot ``number`` of a binary dump, from row ``first`` on; unread.
 
     Attributes
@@ -143,11 +98,20 @@ class BinaryRows(Unread):
         return dataclasses.replace(self, first=self.first + start, pieces=tuple(pieces))
 
     def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
-        """Read and check the values: (n_rows, n_columns)."""
+        """Read the values, (n_rows, n_columns); check that they are finite, and that ids are whole."""
         found = [np.fromfile(self.path, np.float64, n, offset=place) for place, n in self.pieces]
         values = found[0] if len(found) == 1 else np.concatenate([np.empty(0), *found])
         table = values.reshape(len(self), self.width)
-        _check_values(self, table, columns)
+        whole = np.isin(columns, WHOLE)
+        strange = np.zeros(table.shape, dtype=bool)
+        strange[:, whole] = table[:, whole] != np.rint(table[:, whole])
+        for faults, expected in ((~np.isfinite(table), "a finite number"), (strange, "a whole number")):
+            for row, column in np.argwhere(faults)[:1].tolist():
+                raise OutputFormatError(
+                    f"{self.path}: byte {self.pieces[-1][0] + 8 * self.pieces[-1][1]} (snapshot {self.number}): row "
+                    f"{self.first + row}: found {table[row, column]} for {columns[column]}, expected {expected}; "
+                    f"{DAMAGED}"
+                )
         return table
 
 
@@ -159,33 +123,49 @@ def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """
     data = _Bytes(path)
     while data.place < data.size:
-        like, n_rows, n_blocks = data.header()
-        width = max(1, len(like.columns))
-        pieces = list(data.pieces(n_blocks, data.size))
-        rows = BinaryRows(path, data.number, 0, width, tuple(pieces))
+        like, n_rows, n_blocks = _header(data)
+        width, pieces = max(1, len(like.columns)), []
+        for _ in range(n_blocks):
+            (n,) = data.take("i")
+            if n < 0:
+                raise data.damaged(f"found a block of {n} values")
+            pieces.append((data.place, n))
+            data.place += data.check_room(8 * n)
         found = sum(n for _, n in pieces)
-        if found < n_rows * width:
-            raise data.damaged(f"found {found // width} of {n_rows} rows")
-        if found > n_rows * width:
-            raise data.damaged(f"found more than {n_rows} rows")
+        if found != n_rows * width:
+            n_found = f"{found // width} of" if found < n_rows * width else "more than"
+            raise data.damaged(f"found {n_found} {n_rows} rows")
+        rows = BinaryRows(path, data.number, 0, width, tuple(pieces))
         data.number += 1
         n = max(1, n_rows if at_once is None else at_once)
         for first in range(0, max(1, n_rows), n):
             yield like.with_rows(rows[first : first + n], more=first + n < n_rows)  # type: ignore[arg-type]
 
 
-def _check_values(rows: BinaryRows, table: NDArray[np.float64], columns: Sequence[str]) -> None:
-    """Check values that were read: finite numbers, and whole ones for ids."""
-
-    def refuse(row: int, column: int, expected: str) -> NoReturn:
-        where = f"{rows.path}: byte {rows.pieces[-1][0] + 8 * rows.pieces[-1][1]} (snapshot {rows.number})"
-        fault = f"row {rows.first + row}: found {table[row, column]} for {columns[column]}, expected {expected}"
-        raise OutputFormatError(f"{where}: {fault}; {DAMAGED}")
-
-    finite = np.isfinite(table)
-    if not finite.all():
-        row, column = np.argwhere(~finite)[0].tolist()
-        refuse(row, column, "a finite number")
-    for n, name in enumerate(columns):
-        if name in WHOLE and np.any(strange := table[:, n] != np.rint(table[:, n])):
-            refuse(int(np.argmax(strange)), n, "a whole number")
+def _header(data: _Bytes) -> tuple[Frame, int, int]:
+    """Read all that comes before the rows: the frame without rows, and their number and that of the blocks."""
+    (length,) = data.take("q")
+    if length != -len(_MAGIC) or data.take(f"{len(_MAGIC)}s")[0] != _MAGIC:
+        raise data.damaged("expected the header of a binary dump of LAMMPS")
+    endian, revision = data.take("ii")
+    if (endian, revision) != (_ENDIAN, _REVISION):
+        raise OutputFormatError(
+            f"{data.where()}: found byte order {endian} and revision {revision}, expected {_ENDIAN} and "
+            f"{_REVISION}: another machine or another LAMMPS wrote it; {AGAIN}"
+        )
+    step, n_rows, triclinic, *_ = data.take("qq7i")
+    box = np.array(data.take("6d")).reshape(3, 2)
+    if triclinic:
+        data.take("3d")
+    (n_columns,) = data.take("i")
+    data.text()  # units
+    if data.take("b")[0]:
+        data.take("d")  # time
+    columns = tuple(data.text().split())
+    (n_blocks,) = data.take("i")
+    if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
+        raise data.damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
+    if not np.all(np.isfinite(box)):
+        raise data.damaged("the box is not finite")
+    data.check_room(8 * n_rows * len(columns))
+    return Frame(step, box, columns, np.empty((0, len(columns)))), n_rows, n_blocks

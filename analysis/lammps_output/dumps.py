@@ -12,13 +12,13 @@ OutputFormatError
 
 from __future__ import annotations
 
+import dataclasses
 import itertools
 import logging
 import re
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -103,168 +103,137 @@ def read_frame_forces(directory: Path) -> Iterator[Frame]:
     return read_instants(directory, files.FRAME_FORCES_FILE, columns.names(columns.FORCES_AT_FRAMES))
 
 
-def read_contacts(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a row of its own.
-
-    Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential, friction (dissipation) and
-    initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never). Without ``at_once`` it is
-    one frame. The files of all ranks must hold as many rows as LAMMPS noted.
-    """
-    paths = _rank_files(contacts_path(directory), like=_dumps_of_frames(directory)[-1])
-    return _contacts(contacts_path(directory), paths, CONTACT_COLUMNS, files.COUNT_FILE, at_once)
-
-
-class Rows(NamedTuple):
-    """Rows of a dump of contacts, in pieces that any process can read.
+@dataclasses.dataclass(frozen=True)
+class ContactDump:
+    """Contacts at one instant: files of all ranks, whose rows LAMMPS counted.
 
     Attributes
     ----------
-    pieces
-        Frames, unread.
-    expected
-        Number of rows.
-    again
-        Function that reads them all in one process, and raises the error of a damaged file.
+    path
+        Path of the dump, with "%" if each rank wrote its own.
+    like
+        Another dump of the same ranks, if there is one.
+    required
+        Columns that it must have.
+    count
+        Name of the file with the number of rows in the files of all ranks.
     """
 
     path: Path
-    pieces: Iterable[Frame]
-    expected: int
-    again: Callable[[], Iterator[Frame]]
+    like: Path | None
+    required: tuple[str, ...]
+    count: str
+
+    @property
+    def paths(self) -> list[Path]:
+        """Files of the dump."""
+        return _rank_files(self.path, self.like)
+
+    def frames(self, at_once: int | None = None) -> Iterator[Frame]:
+        """Iterate over the rows; without ``at_once`` they are one frame."""
+        rows = self._frames(at_once)
+        return joined(rows) if at_once is None else rows
+
+    def _frames(self, at_once: int | None) -> Iterator[Frame]:
+        first, *others = self.paths
+        n_rows, frame, in_parts = 0, None, RANK in self.path.name
+        for frame in _pieces([first], self.required, at_once):
+            n_rows += len(frame)
+            yield frame.with_rows(frame.values, more=True) if in_parts else frame
+        if not in_parts:
+            return
+        assert frame is not None  # else there was no complete snapshot
+        for other in others:
+            try:
+                for rows in rows_without_header(other, frame, at_once):
+                    n_rows += len(rows)
+                    yield rows
+            except CutShortError as error:
+                raise OutputFormatError(f"{error}; {CUT}") from None
+        expected = self._noted()
+        if n_rows != expected:
+            raise OutputFormatError(
+                f"{self.path} (all ranks): found {n_rows} contacts, {self.count} says {expected}: a file was cut or "
+                f"belongs to another run; {AGAIN}"
+            )
+        yield frame.with_rows(frame.values[:0])
+
+    def unread(self, at_once: int) -> tuple[Frame, Iterator[Frame], int]:
+        """Return a frame without rows, the rows in pieces of about so many that any process can read, and their number.
+
+        Where fewer or more are found, `frames` raises the error of the damaged file.
+        """
+        like = next(self.frames(1))  # its header and its columns are checked
+        paths = self.paths
+        begin, expected = after_header(paths[0])
+        if RANK in self.path.name:
+            expected = self._noted()
+        begins = itertools.chain([begin], itertools.repeat(0))
+        pieces = map(partial(text_rows, n_bytes=_ROW_BYTES * at_once), paths, begins)
+        rows = (like.with_rows(piece) for piece in itertools.chain.from_iterable(pieces))  # type: ignore[arg-type]
+        return like.with_rows(like.values[:0]), rows, expected
+
+    def _noted(self) -> int:
+        noted = self.path.with_name(self.count)
+        if not noted.exists():
+            raise MissingOutputError(f"{noted} is missing; {AGAIN}")
+        return whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
 
 
-def contact_rows(directory: Path, at_once: int) -> Rows:
-    """Return the contacts at the end of the run, `read_contacts`, in pieces of about so many rows."""
-    path = contacts_path(directory)
-    paths = _rank_files(path, like=_dumps_of_frames(directory)[-1])
-    return _rows(path, paths, at_once, files.COUNT_FILE, partial(read_contacts, directory, at_once))
+def contacts_at_end(directory: Path) -> ContactDump:
+    """Return the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a row of its own.
+
+    Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential, friction (dissipation) and
+    initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never).
+    """
+    path = _present(directory, [files.CONTACTS_FILE, of_each_rank(files.CONTACTS_FILE)])
+    return ContactDump(path, _dumps_of_frames(directory)[-1], CONTACT_COLUMNS, files.COUNT_FILE)
 
 
-def initial_force_rows(directory: Path, path: Path, at_once: int) -> Rows:
-    """Return the contact forces after the static stage, `read_initial_forces`, in pieces of about so many rows."""
-    again = partial(read_initial_forces, directory, at_once)
-    return _rows(path, _rank_files(path), at_once, files.INITIAL_COUNT_FILE, again)
+def contacts_after_static_stage(directory: Path) -> ContactDump | None:
+    """Return the contact forces after the static stage: i, j, force (N).
 
-
-def _rows(path: Path, paths: list[Path], at_once: int, count: str, again: Callable[[], Iterator[Frame]]) -> Rows:
-    first = next(again())  # its header and its columns are checked
-    begin, expected = after_header(paths[0])
-    if RANK in path.name:
-        expected = _count(path.with_name(count))
-    pieces = (rows for one in paths for rows in text_rows(one, begin if one is paths[0] else 0, _ROW_BYTES * at_once))
-    return Rows(path, (first.with_rows(rows) for rows in pieces), expected, again)  # type: ignore[arg-type]
-
-
-def contacts_path(directory: Path) -> Path:
-    """Return the path of the dump of contacts as `frames_path` does."""
-    return _present(directory, [files.CONTACTS_FILE, of_each_rank(files.CONTACTS_FILE)])
-
-
-def read_initial_forces(directory: Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the contact forces after the static stage: i, j, force (N); none without `initial_forces_path`."""
-    if (path := initial_forces_path(directory)) is None:
-        return iter(())
-    if not all((path.parent / name).exists() for name in files_of(path.parent, path.name) or [path.name]):
-        raise MissingOutputError(f"{path} is missing; {AGAIN}")
-    return _contacts(path, _rank_files(path), columns.names(columns.FORCES), files.INITIAL_COUNT_FILE, at_once)
-
-
-def initial_forces_path(directory: Path) -> Path | None:
-    """Return the path of the dump of contact forces after the static stage, with "%" if each rank wrote its own.
-
-    None if there was no such stage, or an early version ran it, which did not write it. A file that is listed among
+    None if there was no such stage, or an early version ran it, which did not write them. A file that is listed among
     those of the run counts, even if it is missing.
     """
     folder, own = directory / DUMPS, output_names(directory)
     for name in (files.INITIAL_FORCES_FILE, of_each_rank(files.INITIAL_FORCES_FILE)):
-        there = files_of(folder, name)
-        if any(f"{DUMPS}/{file}" in own for file in there or [name]):
-            return folder / name
-        if not own and any((folder / file).exists() for file in there):
-            return folder / name
+        there, path = files_of(folder, name) or [name], folder / name
+        exist = [(folder / file).exists() for file in there]
+        if any(f"{DUMPS}/{file}" in own for file in there) or (not own and any(exist)):
+            if not all(exist):
+                raise MissingOutputError(f"{path} is missing; {AGAIN}")
+            return ContactDump(path, None, columns.names(columns.FORCES), files.INITIAL_COUNT_FILE)
     return None
 
 
-def _contacts(
-    path: Path, paths: list[Path], required: tuple[str, ...], count: str, at_once: int | None
-) -> Iterator[Frame]:
-    """Iterate over the rows of a dump of contacts, the files of all ranks; ``count``: file with their number."""
-    rows = _contacts_of_ranks(path, paths, required, count, at_once)
-    return joined(rows) if at_once is None else rows
-
-
-def _contacts_of_ranks(
-    path: Path, paths: list[Path], required: tuple[str, ...], count: str, at_once: int | None
-) -> Iterator[Frame]:
-    first, *others = paths
-    n_rows, frame, in_parts = 0, None, RANK in path.name
-    for frame in _pieces([first], required, at_once):
-        n_rows += len(frame)
-        yield frame.with_rows(frame.values, more=True) if in_parts else frame
-    if not in_parts:
-        return
-    assert frame is not None  # else there was no complete snapshot
-    for other in others:
-        try:
-            for rows in rows_without_header(other, frame, at_once):
-                n_rows += len(rows)
-                yield rows
-        except CutShortError as error:
-            raise OutputFormatError(f"{error}; {CUT}") from None
-    expected = _count(path.with_name(count))
-    if n_rows != expected:
-        raise OutputFormatError(
-            f"{path} (all ranks): found {n_rows} contacts, {count} says {expected}: a file was cut or "
-            f"belongs to another run; {AGAIN}"
-        )
-    yield frame.with_rows(frame.values[:0])
-
-
-def _count(noted: Path) -> int:
-    """Read the number of contacts in the files of all ranks."""
-    if not noted.exists():
-        raise MissingOutputError(f"{noted} is missing; {AGAIN}")
-    return whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
-
-
-def read_wall_contacts(directory: Path) -> dict[str, Frame]:
+def read_wall_contacts(directory: Path, *, after_static_stage: bool = False) -> dict[str, Frame]:
     """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name; none: empty.
 
-    Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial.
+    Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial. Only dumps of the deck
+    count, if it lists them; a plane has NAME, and NAME_2 for a further material.
+
+    Parameters
+    ----------
+    after_static_stage
+        True to read the forces after the static stage instead: id and force (N).
     """
-    return _by_wall(_wall_dumps(directory), WALL_COLUMNS)
-
-
-def read_initial_wall_forces(directory: Path) -> dict[str, Frame]:
-    """Read the forces on each plane after the static stage, id and force (N), by its name."""
-    paths = {
-        fix: path.with_name(files.INITIAL_WALL_FORCES_FILE.format(fix)) for fix, path in _wall_dumps(directory).items()
-    }
-    if missing := [path for path in paths.values() if not path.exists()]:
-        raise MissingOutputError(f"{missing[0]} is missing; {AGAIN}")
-    return _by_wall(paths, columns.names(columns.WALL_FORCES))
-
-
-def _by_wall(paths: dict[str, Path], required: tuple[str, ...]) -> dict[str, Frame]:
-    """Read dumps of the fixes of planes; a plane has NAME, and NAME_2 for a further material."""
+    before, after = files.WALL_CONTACTS_FILE.split("{}")
+    required = columns.names(columns.WALL_FORCES) if after_static_stage else WALL_COLUMNS
     found: dict[str, list[Frame]] = {}
-    for fix, path in paths.items():
-        *_, frame = joined(_pieces([path], ("id", *required)))
+    own = output_names(directory)
+    for path in sorted((directory / DUMPS).glob(f"{before}*{after}")):
+        if own and f"{DUMPS}/{path.name}" not in own:
+            continue
+        fix = path.name.removeprefix(before).removesuffix(after)
+        source = path.with_name(files.INITIAL_WALL_FORCES_FILE.format(fix)) if after_static_stage else path
+        if not source.exists():
+            raise MissingOutputError(f"{source} is missing; {AGAIN}")
+        *_, frame = joined(_pieces([source], ("id", *required)))
         found.setdefault(fix.split("_")[0], []).append(frame)
     return {
         name: parts[0].with_rows(np.concatenate([part.values for part in parts])).sorted_by("id")
         for name, parts in found.items()
-    }
-
-
-def _wall_dumps(directory: Path) -> dict[str, Path]:
-    """Return the paths of the dumps of walls by fix; only those of the deck, if it lists them."""
-    before, after = files.WALL_CONTACTS_FILE.split("{}")
-    paths, own = sorted((directory / DUMPS).glob(files.WALL_CONTACTS_FILE.format("*"))), output_names(directory)
-    return {
-        path.name.removeprefix(before).removesuffix(after): path
-        for path in paths
-        if not own or f"{DUMPS}/{path.name}" in own
     }
 
 

@@ -5,12 +5,12 @@ Errors of rows name file, line and column.
 
 from __future__ import annotations
 
-import abc
 import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -51,8 +51,13 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
         if np.array_equal(table[:, whole], np.rint(table[:, whole])):
             return table
     for n, row in enumerate(rows):
-        if fault := _fault(row.split(), columns):
-            raise OutputFormatError(f"{place(n)}: {fault}; {DAMAGED}")
+        words = row.split()
+        if len(words) != len(columns):
+            faults = [f"found {len(words)} values, expected {len(columns)} ({' '.join(columns)})"]
+        else:
+            faults = list(filter(None, map(_fault, words, columns)))
+        if faults:
+            raise OutputFormatError(f"{place(n)}: {faults[0]}; {DAMAGED}")
     raise OutputFormatError(f"{place(0)}: expected {shape[0]} rows of {shape[1]} numbers; {DAMAGED}")
 
 
@@ -67,20 +72,15 @@ def whole_number(text: str, name: str, place: str) -> int:
     return value
 
 
-def _fault(words: Sequence[str], columns: Sequence[str]) -> str:
-    """Describe the fault in the values of a row; empty if there is none."""
-    if len(words) != len(columns):
-        return f"found {len(words)} values, expected {len(columns)} ({' '.join(columns)})"
-    for word, name in zip(words, columns, strict=True):
-        try:
-            value = float(word)
-        except ValueError:
-            return f"found {word!r} for {name}, expected a number"
-        if not math.isfinite(value):
-            return f"found {word} for {name}, expected a finite number"
-        if name in WHOLE and value != round(value):
-            return f"found {word} for {name}, expected a whole number"
-    return ""
+def _fault(word: str, name: str) -> str:
+    """Describe the fault in a value of a column; empty if there is none."""
+    try:
+        value = float(word)
+    except ValueError:
+        return f"found {word!r} for {name}, expected a number"
+    if not math.isfinite(value):
+        return f"found {word} for {name}, expected a finite number"
+    return f"found {word} for {name}, expected a whole number" if name in WHOLE and value != round(value) else ""
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -133,10 +133,8 @@ class Frame:
 
     def read(self) -> Frame:
         """Return the frame with its rows, which are read from the file if they were not; raise as `text_frames`."""
-        rows: object = self.values
-        if isinstance(rows, Unread):
-            return self.with_rows(rows.read(self.columns), more=self.more)
-        return self
+        rows: Any = self.values
+        return self if isinstance(rows, np.ndarray) else self.with_rows(rows.read(self.columns), more=self.more)
 
     def up_to(self, number: int) -> Frame:
         """Return the rows with ids up to ``number`` of a frame sorted by id."""
@@ -148,14 +146,6 @@ class Frame:
         if np.any(key[1:] < key[:-1]):
             self.values[:] = self.values[np.argsort(key, kind="stable")]
         return self
-
-
-class Unread(abc.ABC):
-    """Rows in a file that were not read yet; any process can."""
-
-    @abc.abstractmethod
-    def read(self, columns: Sequence[str]) -> NDArray[np.float64]:
-        """Read and check the values: (n_rows, n_columns)."""
 
 
 def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
@@ -249,7 +239,7 @@ def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> 
 
 
 @dataclasses.dataclass(frozen=True)
-class TextRows(Unread):
+class TextRows:
     """Lines of a text file that hold rows, the first of them at byte ``begin``, the last before ``end``; unread."""
 
     path: Path

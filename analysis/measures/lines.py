@@ -266,7 +266,7 @@ def sensor_accelerations(result: Result) -> Arrays:
     found = _probed(result, "f")
     for sensor in [sensor for sensor in result.case.sensor if sensor.name in found]:
         row = int(result.rows(sensor.id))
-        found[sensor.name] = found[sensor.name] / result.rows_read("spheres/mass", slice(row, row + 1))[0]
+        found[sensor.name] = found[sensor.name] / result.read("spheres/mass", slice(row, row + 1))[0]
     return found
 
 

@@ -24,7 +24,6 @@ fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one
 
 from __future__ import annotations
 
-import dataclasses
 from collections.abc import Callable, Iterable, Mapping
 from enum import IntEnum
 from typing import TYPE_CHECKING, Any
@@ -40,9 +39,12 @@ from granwave.lammps_inputs.packing.places import Places
 if TYPE_CHECKING:
     from granwave.analysis.result.reader import Result
 
+Zone = dict[str, NDArray]  # columns of spheres, see `packing_zone`
+
 LAW_LIMIT = 0.2  # of R*: the largest overlap that the elasto-plastic law was fitted to
 HALF_LAW_LIMIT = 0.1  # of R*
 BOTTOM, SIDES = "bottom", "sides"  # bounds that a zone, or a wave, may reach
+_WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance towards each
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
 _ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it
 NOTED_SHARE = 0.01  # of the energy, dissipated after the first wave came back: from here on it is marked
@@ -77,9 +79,8 @@ def volume_holding(volume: Array, energy: Array, share: float) -> float:
 def _parts_holding(energy: Array, share: float) -> int:
     """Number of parts, from the first, that hold a share of the energy; 0 where there is none."""
     held = np.cumsum(energy)
-    if not len(held) or held[-1] <= 0:
-        return 0
-    return int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])) + 1
+    holds = len(held) and held[-1] > 0
+    return int(np.searchsorted(held, (1 - _ROUNDING) * share * held[-1])) + 1 if holds else 0
 
 
 def zone_sizes(
@@ -140,67 +141,55 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
     return dict(zip(WAVE_KEYS, (within, first, max(share, 0.0)), strict=True))
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class PackingZone:
-    """Spheres of the packing, strikers left out, as the plastic zone needs them; every array (n_spheres,).
+def packing_zone(result: Result) -> Zone:
+    """Return what the plastic zone of a run is made of: columns of the spheres of the packing, strikers left out.
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last row at the ``sides``.
     With periodic sides those half a period from the axis are, where a zone meets its image. A packing of one layer has
-    no bottom, a chain no sides.
+    no bottom, a chain no sides; grains of a file may leave off anywhere, and have no bounds.
+
+    Returns
+    -------
+    dict
+        Arrays (n_spheres,): ``energy`` dissipated by yielding, J; ``volume``, m^3; ``yielded``, True with a contact
+        that yielded, or that dissipated energy at a wall; ``yield_time`` of the first such contact, s (NaN: never);
+        and as far as the packing extends that way ``depth`` of the centres below that of the struck sphere, m,
+        ``radius``, their distance from the impact axis, m, and ``bottom`` and ``sides``, True where they touch these
+        bounds.
     """
-
-    energy: Array  # dissipated by yielding, J
-    volume: Array  # m^3
-    depth: Array | None  # of the centres below that of the struck sphere, m; None in a packing of one layer
-    radius: Array | None  # distance of the centres from the impact axis, m; None in a chain
-    yielded: NDArray[np.bool_]  # with a contact that yielded, or that dissipated energy at a wall
-    bounds: dict[str, NDArray[np.bool_]]  # True where they touch a bound, by its name
-    yield_time: Array  # when a contact of the sphere first yielded, s; NaN: never
-
-    @property
-    def cut(self) -> list[str]:
-        """Bounds that a yielded sphere touches."""
-        return [name for name, touching in self.bounds.items() if np.any(self.yielded & touching)]
-
-    def distance(self, bound: str) -> Array:
-        """Distance of the spheres from the impact towards a bound that there is: (n_spheres,), m."""
-        found = self.depth if bound == BOTTOM else self.radius
-        assert found is not None
-        return found
-
-    def growing(self, end_time: float) -> list[str]:
-        """Outermost yields, ``depth`` or ``radius``, that moved out in the last tenth of a run of so many seconds."""
-        spheres = np.isfinite(self.yield_time)
-        found = []
-        for name, distance in (("depth", self.depth), ("radius", self.radius)):
-            if distance is None or not spheres.any():
-                continue
-            outermost = distance[spheres] >= (1 - _SAME) * distance[spheres].max()
-            if self.yield_time[spheres][outermost].min() > (1 - _LATE) * end_time:
-                found.append(name)
-        return found
-
-
-def packing_zone(result: Result) -> PackingZone:
-    """Return what the plastic zone of a run is made of."""
-    own = result.in_packing
-    lattice = result.assembly.lattice
+    own, lattice = result.in_packing, result.assembly.lattice
     nx, ny, nz = lattice.shape
-    free = isinstance(lattice, Places)
     offset = (result["spheres/position"] - result.origin)[own]
     periods = np.array(lattice.lengths) if result.case.boundary.sides == "periodic" else None
     if periods is not None:
         offset[:, :2] -= periods * np.round(offset[:, :2] / periods)
     energy = np.maximum(result.yield_energy[own], 0.0)
-    return PackingZone(
-        energy=energy,
-        volume=4 / 3 * np.pi * result["spheres/radius"][own] ** 3,
-        depth=np.maximum(offset[:, 2], 0.0) if nz > 1 or free else None,
-        radius=np.hypot(offset[:, 0], offset[:, 1]) if nx * ny > 1 or free else None,
-        yielded=(result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
-        bounds=_bounds(result, own, offset, periods),
-        yield_time=result["spheres/time_yield"][own],
-    )
+    zone: Zone = {
+        "energy": energy,
+        "volume": 4 / 3 * np.pi * result["spheres/radius"][own] ** 3,
+        "yielded": (result["spheres/contacts_yielded"][own] > 0) | (energy > 0),
+        "yield_time": result["spheres/time_yield"][own],
+    }
+    free = isinstance(lattice, Places)
+    if nz > 1 or free:
+        zone["depth"] = np.maximum(offset[:, 2], 0.0)
+    if nx * ny > 1 or free:
+        zone["radius"] = np.hypot(offset[:, 0], offset[:, 1])
+    if not isinstance(lattice, Places):
+        ids = result["spheres/id"][own]
+        if nz > 1:
+            zone[BOTTOM] = ids >= lattice.last_layer[0]
+        if periods is not None:
+            pitch = np.array(lattice.rule.pitch) * lattice.diameter
+            zone[SIDES] = np.any(np.abs(offset[:, :2]) >= periods / 2 - pitch, axis=1)
+        elif nx * ny > 1:
+            zone[SIDES] = lattice.at_sides(ids)
+    return zone
+
+
+def cut_of(zone: Zone) -> list[str]:
+    """Return the bounds that a yielded sphere touches."""
+    return [name for name in _WAYS if name in zone and np.any(zone["yielded"] & zone[name])]
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
@@ -209,56 +198,28 @@ def zone_summary(result: Result) -> dict[str, Any]:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
     single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
 
-    def zones() -> Iterable[PackingZone]:
+    def zones() -> Iterable[Zone]:
         """Return the zones of all parts of the packing, made anew each time if there are several."""
         return single or map(packing_zone, result.parts())
 
-    zone = _active(zones())
-    sizes = zone_sizes(zone.energy, zone.volume, zone.depth, zone.radius)
+    # sizes and bounds follow from the spheres that yielded or dissipated alone
+    kept = [(zone, zone["yielded"] | (zone["energy"] > 0) | np.isfinite(zone["yield_time"])) for zone in zones()]
+    active = {name: np.concatenate([zone[name][chosen] for zone, chosen in kept]) for name in kept[0][0]}
+    sizes = zone_sizes(*map(active.get, ("energy", "volume", "depth", "radius")))
     times = _return_times(result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
-    lost = result.yield_ledger
+    lost, time = result.yield_ledger, result["energy/time"]
     if lost[-1] <= _NOTHING * result.energy_input:
         lost = np.zeros_like(lost)
-    waves = wave_returns(times, result["energy/time"], lost)
-    reached = {"zone_cut": zone.cut, "zone_growing": zone.growing(float(result["energy/time"][-1]))}
-    return sizes | reached | waves
-
-
-def _active(zones: Iterable[PackingZone]) -> PackingZone:
-    """Join the spheres of some zones that yielded or dissipated; sizes and bounds of a zone follow from these alone."""
-    found = [(zone, zone.yielded | (zone.energy > 0) | np.isfinite(zone.yield_time)) for zone in zones]
-    first = found[0][0]
-
-    def column(name: str) -> NDArray | None:
-        if getattr(first, name) is None:
-            return None
-        return np.concatenate([getattr(zone, name)[kept] for zone, kept in found])
-
-    columns = {field.name: column(field.name) for field in dataclasses.fields(PackingZone) if field.name != "bounds"}
-    bounds = {name: np.concatenate([zone.bounds[name][kept] for zone, kept in found]) for name in first.bounds}
-    return PackingZone(bounds=bounds, **columns)  # type: ignore[arg-type]
-
-
-def _bounds(result: Result, own: NDArray[np.bool_], offset: Array, periods: Array | None) -> dict[str, NDArray]:
-    """Spheres that touch each bound, by its name; see `PackingZone`."""
-    lattice = result.assembly.lattice
-    if isinstance(lattice, Places):
-        return {}  # such grains may leave off anywhere
-    nx, ny, nz = lattice.shape
-    ids = result["spheres/id"][own]
-    found = {}
-    if nz > 1:
-        found[BOTTOM] = ids >= lattice.last_layer[0]
-    if periods is not None:
-        pitch = np.array(lattice.rule.pitch) * lattice.diameter
-        found[SIDES] = np.any(np.abs(offset[:, :2]) >= periods / 2 - pitch, axis=1)
-    elif nx * ny > 1:
-        found[SIDES] = lattice.at_sides(ids)
-    return found
+    growing, when = [], active["yield_time"]
+    for name in [name for name in _WAYS.values() if name in active and np.isfinite(when).any()]:
+        outermost = active[name] >= (1 - _SAME) * active[name][np.isfinite(when)].max()
+        if np.nanmin(when[outermost]) > (1 - _LATE) * time[-1]:
+            growing.append(name)
+    return sizes | {"zone_cut": cut_of(active), "zone_growing": growing} | wave_returns(times, time, lost)
 
 
 def _return_times(
-    result: Result, zones: Callable[[], Iterable[PackingZone]], border: dict[str, float | None]
+    result: Result, zones: Callable[[], Iterable[Zone]], border: dict[str, float | None]
 ) -> dict[str, float] | None:
     """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
 
@@ -269,24 +230,24 @@ def _return_times(
     None where that is not known either.
     """
     first = next(iter(zones()))
-    inner = {name: border[name] or 0.0 for name in first.bounds}
+    inner = {name: border[name] or 0.0 for name in _WAYS if name in first}
     if result.case.precompression is None:
         sets = [
-            [part for name in inner for part in (zone.bounds[name], zone.distance(name) >= (1 - _SAME) * inner[name])]
+            [part for name in inner for part in (zone[name], zone[_WAYS[name]] >= (1 - _SAME) * inner[name])]
             for zone in zones()
         ]
         arrivals = wave_arrivals(result, sets)
         found = zip(inner, arrivals[::2], arrivals[1::2], strict=True)
         return {name: far + max(far - near, 0.0) for name, far, near in found if np.isfinite(far)}
     target = reached(result)
-    if target is None or first.depth is None:
+    if target is None or "depth" not in first:
         return None
     if not target.arrival:
         return {}
-    speed = max(float(zone.distance(BOTTOM).max(initial=0.0)) for zone in zones()) / target.arrival
+    speed = max(float(zone["depth"].max(initial=0.0)) for zone in zones()) / target.arrival
     times = {}
     for name, within in inner.items():
-        nearest = min(float(zone.distance(name)[zone.bounds[name]].min(initial=np.inf)) for zone in zones())
+        nearest = min(float(zone[_WAYS[name]][zone[name]].min(initial=np.inf)) for zone in zones())
         times[name] = (nearest + max(nearest - within, 0.0)) / speed
     return {name: time for name, time in times.items() if np.isfinite(time)}
 
@@ -304,7 +265,7 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     """
     members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
     last = result.assembly.lattice.n_spheres
-    of_all, fronts = 0.0, [(np.empty(0), np.empty(0)) for _ in members]
+    of_all, fronts = 0.0, [np.empty((2, 0)) for _ in members]  # of each set: force and time
     for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
         ends = np.stack([i, j])
         own = ends <= last
@@ -312,25 +273,17 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
         of_all = max(of_all, float(force.max(initial=0.0)))
         for n, of_set in enumerate(members):
             here = (own & of_set[at_rows]).any(axis=0) & (force > 0)
-            fronts[n] = _front(
-                *(np.concatenate(both) for both in zip(fronts[n], (force[here], time[here]), strict=True))
-            )
+            found = np.concatenate([fronts[n], [force[here], time[here]]], axis=1)
+            # of these only contacts that bear more than all whose peak came sooner can be the first
+            found = found[:, found[0] >= _BEARS * found[0].max(initial=0.0)]
+            found = found[:, np.argsort(found[1], kind="stable")]
+            fronts[n] = found[:, np.diff(np.maximum.accumulate(found[0]), prepend=0.0) > 0]
     arrivals = []
     for force, time in fronts:
         largest = float(force.max(initial=0.0))
         first = float(np.nanmin(time[force >= _BEARS * largest], initial=np.inf))
         arrivals.append(first if largest > _NO_WAVE * of_all else np.inf)
     return arrivals
-
-
-def _front(force: Array, time: Array) -> tuple[Array, Array]:
-    """Return the contacts that bear more than all whose peak came sooner; the others cannot be the first to do so."""
-    enough = force >= _BEARS * force.max(initial=0.0)
-    force, time = force[enough], time[enough]
-    order = np.argsort(time, kind="stable")
-    force, time = force[order], time[order]
-    higher = np.diff(np.maximum.accumulate(force), prepend=0.0) > 0
-    return force[higher], time[higher]
 
 
 class Mark(IntEnum):
@@ -368,13 +321,10 @@ def zone_warning(summary: Mapping[str, Any]) -> str:
         return ""
     found = []
     if summary.get("zone_cut"):
-        found.append(f"the plastic zone reaches {_with_articles(summary['zone_cut'])} of the {what}")
+        found.append(f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {what}")
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
-        came = f"a wave came back from {_with_articles(summary.get('wave_returned') or ())}"
-        found.append(f"up to {100 * share:.3g} % was dissipated after {came} ({1e6 * summary['wave_return_s']:.3g} us)")
+        bounds, microseconds = " and the ".join(summary.get("wave_returned") or ()), 1e6 * summary["wave_return_s"]
+        came = f"a wave came back from the {bounds} ({microseconds:.3g} us)"
+        found.append(f"up to {100 * share:.3g} % was dissipated after {came}")
     return f"{', '.join(found)}; a larger {what} does without" if found else ""
-
-
-def _with_articles(names: Iterable[str]) -> str:
-    return " and ".join(f"the {name}" for name in names)

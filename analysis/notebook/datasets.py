@@ -26,44 +26,33 @@ from granwave.lammps_inputs.run_directory import SPECTRA_KINDS
 if TYPE_CHECKING:
     import h5py
 
-#: Dimensions of variables by kind, then group and name in spectra.h5; those after the bar are coordinates.
-_VARIABLES: dict[str, dict[str, tuple[str, ...]]] = {
+#: Dimensions of variables by kind, then group and name in spectra.h5.
+_VARIABLES = {
     "bands": {
-        "frequency": ("point", "band"),
-        "group_velocity": ("point", "band", "axis"),
-        "edges": ("band", "edge"),
-        "gaps": ("gap", "edge"),
-        "speed": ("wave",),
-        "surface_share": ("point", "band"),
-        "complex/attenuation": ("complex_frequency", "root"),
-        "complex/phase": ("complex_frequency", "root"),
-        "plane/frequency": ("plane_k2", "plane_k1", "plane_band"),
-        "plane/slowness": ("angle", "plane_wave"),
+        "frequency": "point band", "group_velocity": "point band axis", "edges": "band edge", "gaps": "gap edge",
+        "speed": "wave", "surface_share": "point band", "complex/attenuation": "complex_frequency root",
+        "complex/phase": "complex_frequency root", "plane/frequency": "plane_k2 plane_k1 plane_band",
+        "plane/slowness": "angle plane_wave",
     },
     "modes": {
-        "frequency": ("mode",),
-        "participation_ratio": ("mode",),
-        "shape": ("freedom", "mode"),
-        "density_of_states": ("density_frequency",),
+        "frequency": "mode", "participation_ratio": "mode", "shape": "freedom mode",
+        "density_of_states": "density_frequency",
     },
-    "transmission": {"amplitude_ratio": ("frequency", "sensor"), "phase": ("frequency", "sensor")},
-}
-_COORDINATES: dict[str, dict[str, tuple[str, tuple[str, ...]]]] = {
+    "transmission": {"amplitude_ratio": "frequency sensor", "phase": "frequency sensor"},
+}  # fmt: skip
+#: Source and dimensions of coordinates by kind.
+_COORDINATES = {
     "bands": {
-        "distance": ("distance", ("point",)),
-        "k": ("k", ("point", "axis")),
-        "complex_frequency": ("complex/frequency", ("complex_frequency",)),
-        "plane_k1": ("plane/k", ("plane_k1",)),
-        "plane_k2": ("plane/k", ("plane_k2",)),
-        "angle": ("plane/angle", ("angle",)),
+        "distance": ("distance", "point"), "k": ("k", "point axis"),
+        "complex_frequency": ("complex/frequency", "complex_frequency"), "plane_k1": ("plane/k", "plane_k1"),
+        "plane_k2": ("plane/k", "plane_k2"), "angle": ("plane/angle", "angle"),
     },
     "modes": {
-        "id": ("id", ("freedom",)),
-        "direction": ("freedom", ("freedom",)),
-        "density_frequency": ("density_frequency", ("density_frequency",)),
+        "id": ("id", "freedom"), "direction": ("freedom", "freedom"),
+        "density_frequency": ("density_frequency", "density_frequency"),
     },
-    "transmission": {"frequency": ("frequency", ("frequency",)), "sensor": ("sensor", ("sensor",))},
-}
+    "transmission": {"frequency": ("frequency", "frequency"), "sensor": ("sensor", "sensor")},
+}  # fmt: skip
 _OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
 
 
@@ -76,7 +65,7 @@ class _OnDemand(BackendArray):
         self.shape, self.dtype = self.source.shape, self.source.dtype
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return _reopened, (self.result.path, self.name)
+        return type(self), (self.result, self.name)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
         return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
@@ -86,11 +75,6 @@ class _OnDemand(BackendArray):
             return np.asarray(self.source[key])
         except OSError as error:
             raise OutputFormatError(self.result.damaged(f"{self.name}: {error}")) from None
-
-
-def _reopened(path: Path, name: str) -> _OnDemand:
-    """Open a data set again, in another process for instance."""
-    return _OnDemand(Result(path), name)
 
 
 def fields(result: Result) -> Dataset:
@@ -104,17 +88,16 @@ def fields(result: Result) -> Dataset:
         ``friction_energy`` J (time, id). Coordinates ``time`` s, ``step``, ``id``, ``radius`` m, ``mass`` kg, ``axis``.
         Each has its unit in ``attrs["units"]``.
     """
-    constant = {name: f"{GROUP}/{name}" for name in ("radius", "mass")}
     coordinates = {
         "time": Variable("time", result.frame_times, {"units": "s"}),
         "step": Variable("time", result[f"{GROUP}/position/step"], {"units": "1"}),
         "id": Variable("id", result["spheres/id"], {"units": "1"}),
         "axis": Variable("axis", list("xyz"), {"long_name": "axis; impact goes along +z"}),
-        **{name: Variable("id", result[path], {"units": result.unit(path)}) for name, path in constant.items()},
-    }
-    variables = {
-        name: _variable(result, f"{GROUP}/{name}/value", ("time", "id", "axis"), name) for name in result.quantities
-    }
+        **{name: Variable("id", result[f"{GROUP}/{name}"], {"units": result.unit(f"{GROUP}/{name}")})
+           for name in ("radius", "mass")},
+    }  # fmt: skip
+    dimensions = ("time", "id", "axis")
+    variables = {name: _variable(result, f"{GROUP}/{name}/value", dimensions, name) for name in result.quantities}
     return Dataset(variables, coordinates, {"name": result.case.name})
 
 
@@ -199,11 +182,8 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
         for name, shape in _VARIABLES[kind].items()
         if name in found
     }
-    coordinates = {
-        name: _variable_of(shape, found[source])
-        for name, (source, shape) in _COORDINATES[kind].items()
-        if source in found
-    }
+    sources = {name: of for name, of in _COORDINATES[kind].items() if of[0] in found}
+    coordinates = {name: _variable_of(shape, found[source]) for name, (source, shape) in sources.items()}
     if kind == "bands":
         coordinates["axis"] = Variable("axis", list("xyz"), {"units": "1"})
         coordinates["edge"] = Variable("edge", ["low", "high"], {"units": "1"})
@@ -234,6 +214,6 @@ def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
     return next(iter(found.values())) if len(found) == 1 else found
 
 
-def _variable_of(shape: tuple[str, ...], content: tuple[Any, str]) -> Variable:
+def _variable_of(dimensions: str, content: tuple[Any, str]) -> Variable:
     values, unit = content
-    return Variable(shape, list(values) if isinstance(values, tuple) else values, {"units": unit})
+    return Variable(dimensions.split(), list(values) if isinstance(values, tuple) else values, {"units": unit})

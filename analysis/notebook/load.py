@@ -11,24 +11,13 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingDataError, OutputFormatError
 from granwave.analysis.inference.tables import in_words
-from granwave.analysis.notebook.run import Run, frame_of
+from granwave.analysis.notebook.run import Run, Values, frame_of
 from granwave.analysis.quantities import SCAN_COLUMNS
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.scans.table import Columns, column_unit, read_scan, scan_statistics, scan_table
+from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.run_directory import (
-    DESIGN_OUTCOME,
-    DESIGN_TABLE,
-    INFERENCE,
-    INFERRED_FORCES,
-    INFERRED_GRAINS,
-    MADE_MEASUREMENT,
-    SPECTRA_KINDS,
-    SUITE_INDEX,
-    is_design,
-    is_scan,
-)
 
 if TYPE_CHECKING:
     import pandas
@@ -100,9 +89,8 @@ class ScanRuns:
         if point is None:
             raise MissingDataError(f"scan {self.name}: has no point {number}; it has 1 to {len(self.points)}")
         if point.status != "done":
-            raise MissingDataError(
-                f"scan {self.name}: point {number} is {point.status}" + f": {point.reason}".rstrip(": ")
-            )
+            reason = f": {point.reason}".rstrip(": ")
+            raise MissingDataError(f"scan {self.name}: point {number} is {point.status}{reason}")
         return _run(point)
 
     @cached_property
@@ -187,7 +175,7 @@ def _run(point: PointResult) -> Run:
     return Run(point.directory, point.labels)
 
 
-class InferredForces(Mapping[str, Any]):
+class InferredForces(Values):
     """Inferred contact forces: a mapping of the values of their ``summary.json``, with tables.
 
     Parameters
@@ -210,19 +198,10 @@ class InferredForces(Mapping[str, Any]):
     def __init__(self, summary: Mapping[str, Any], forces: Any, grains: Any, measurement: Any = None) -> None:
         import pandas
 
-        self._summary = dict(summary)
+        super().__init__(summary)
         self.forces: DataFrame = pandas.DataFrame(dict(forces))
         self.grains: DataFrame = pandas.DataFrame(dict(grains))
         self.measurement: DataFrame | None = None if measurement is None else pandas.DataFrame(dict(measurement))
-
-    def __getitem__(self, name: str) -> Any:
-        return self._summary[name]
-
-    def __iter__(self) -> Iterator[str]:
-        return iter(self._summary)
-
-    def __len__(self) -> int:
-        return len(self._summary)
 
     def __repr__(self) -> str:
         return in_words(self)
@@ -238,13 +217,13 @@ def load_inferred(directory: Path, summary: Mapping[str, Any]) -> InferredForces
     """
     import pandas
 
-    made = directory / MADE_MEASUREMENT
+    made = directory / files.MADE_MEASUREMENT
     try:
-        forces, grains = (pandas.read_csv(directory / name) for name in (INFERRED_FORCES, INFERRED_GRAINS))
+        forces, grains = (pandas.read_csv(directory / name) for name in (files.INFERRED_FORCES, files.INFERRED_GRAINS))
         return InferredForces(summary, forces, grains, pandas.read_csv(made) if made.is_file() else None)
     except (OSError, ValueError) as error:
         raise OutputFormatError(
-            f"{directory}: {INFERRED_FORCES} or {INFERRED_GRAINS} cannot be read: {error}"
+            f"{directory}: {files.INFERRED_FORCES} or {files.INFERRED_GRAINS} cannot be read: {error}"
         ) from None
 
 
@@ -265,12 +244,12 @@ class Designs:
         """Table of all designs: designs.csv, units are part of the names."""
         import pandas
 
-        return pandas.read_csv(self.directory / DESIGN_TABLE)
+        return pandas.read_csv(self.directory / files.DESIGN_TABLE)
 
     @cached_property
     def outcome(self) -> dict[str, Any]:
         """Content of design.json."""
-        return read_json(self.directory / DESIGN_OUTCOME) or {}
+        return read_json(self.directory / files.DESIGN_OUTCOME) or {}
 
     @property
     def best(self) -> dict[str, Any] | None:
@@ -297,16 +276,16 @@ def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Designs | D
         The results are damaged.
     """
     path = Path(directory)
-    if is_scan(path):
+    if files.is_scan(path):
         return ScanRuns(path)
-    if (path / SUITE_INDEX).is_file():
-        scans = ", ".join(str(place) for place in sorted(path.iterdir()) if is_scan(place))
+    if (path / files.SUITE_INDEX).is_file():
+        scans = ", ".join(str(place) for place in sorted(path.iterdir()) if files.is_scan(place))
         raise InputError(f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}")
-    if is_design(path):
+    if files.is_design(path):
         return Designs(path)
-    if any((path / f"{kind}.json").is_file() for kind in SPECTRA_KINDS):
+    if any((path / f"{kind}.json").is_file() for kind in files.SPECTRA_KINDS):
         from granwave.analysis.notebook.datasets import load_spectra
 
         return load_spectra(path)
     run = Run(path)
-    return load_inferred(path, run.summary) if run.summary.get("kind") == INFERENCE else run
+    return load_inferred(path, run.summary) if run.summary.get("kind") == files.INFERENCE else run

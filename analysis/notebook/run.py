@@ -49,21 +49,39 @@ def frame_of(columns: Mapping[str, Any], units: Mapping[str, str], index: str = 
     import pandas
 
     split: dict[str, Any] = {}
-    split_units: dict[str, str] = {}
     for name, values in columns.items():
-        parts = {name: values}
-        if np.ndim(values) == 2:
-            parts = {f"{name}_{axis}": part for axis, part in zip("xyz", np.transpose(values), strict=True)}
-        split |= parts
-        split_units |= dict.fromkeys(parts, units[name])
-    table = pandas.DataFrame(split)
+        parts = zip(("_x", "_y", "_z"), np.transpose(values), strict=True) if np.ndim(values) == 2 else [("", values)]
+        split |= {f"{name}{axis}": (part, units[name]) for axis, part in parts}
+    table = pandas.DataFrame({name: part for name, (part, _) in split.items()})
     if index:
         table = table.set_index(index)
-    table.attrs[UNITS] = split_units
+    table.attrs[UNITS] = {name: unit for name, (_, unit) in split.items()}
     return table
 
 
-class Run(Mapping[str, Any]):
+class Values(Mapping[str, Any]):
+    """Values of a summary.json, as a mapping.
+
+    Attributes
+    ----------
+    summary
+        Content of summary.json.
+    """
+
+    def __init__(self, summary: Mapping[str, Any]) -> None:
+        self.summary: dict[str, Any] = dict(summary)
+
+    def __getitem__(self, key: str) -> Any:
+        return self.summary[key]
+
+    def __iter__(self) -> Iterator[str]:
+        return iter(self.summary)
+
+    def __len__(self) -> int:
+        return len(self.summary)
+
+
+class Run(Values):
     """Results of one run; a mapping of the values of its summary.json.
 
     Tables and fields are read from result.h5 when they are first asked for.
@@ -96,9 +114,14 @@ class Run(Mapping[str, Any]):
 
     def __init__(self, directory: str | Path, labels: Mapping[str, Any] | None = None) -> None:
         path = Path(directory)
-        self.summary: dict[str, Any] = read_summary(path) if path.is_dir() else {}
+        super().__init__(read_summary(path) if path.is_dir() else {})
         if "name" not in self.summary:
-            raise _no_summary(path)
+            summary = path / SUMMARY_FILE
+            if not path.is_dir() or not (path / RESULT_FILE).exists():
+                raise MissingOutputError(why_no_run(path))
+            if summary.exists():
+                raise OutputFormatError(f"{summary}: is damaged: make it anew with  granwave analyse {path}")
+            raise MissingOutputError(f"{summary} is missing: make it with  granwave analyse {path}")
         self.directory = path.absolute()
         self.name = str(self.summary["name"])
         self.labels: dict[str, Any] = dict(labels or {})
@@ -117,12 +140,6 @@ class Run(Mapping[str, Any]):
             hint = did_you_mean(str(key), self.summary) or "keys() lists them"
             raise MissingDataError(f"{self.directory / SUMMARY_FILE}: has no value {key}; {hint}") from None
 
-    def __iter__(self) -> Iterator[str]:
-        return iter(self.summary)
-
-    def __len__(self) -> int:
-        return len(self.summary)
-
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)
 
@@ -133,7 +150,9 @@ class Run(Mapping[str, Any]):
         return f"{lines([(row.label, row.text) for row in self._rows])}\n\nresults in {self.directory}"
 
     def _repr_html_(self) -> str:
-        rows = "\n".join(_html_row(row) for row in self._rows)
+        row = '<tr title="{}"><th style="text-align: left">{}</th><td style="text-align: left">{}</td></tr>'
+        cells = [("\n".join(map(explanation, one.keys)), one.label, one.text) for one in self._rows]
+        rows = "\n".join(row.format(*map(html.escape, texts)) for texts in cells)
         place = html.escape(f"results in {self.directory}")
         return f"<table>\n{rows}\n</table>\n<p>{place}</p>"
 
@@ -195,13 +214,15 @@ class Run(Mapping[str, Any]):
         """
         result, there = self.result, self.tables
         if name not in there:
-            near = did_you_mean(str(name), there, 0.7)
-            hint = f"{near} " if near else ""
+            hint = f"{did_you_mean(str(name), there, 0.7)} ".lstrip()
             raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}")
-        columns = sorted(result.names(name), key=place_of_column)
-        values = {column: result.read(f"{name}/{column}") for column in columns}
-        units = {column: result.unit(f"{name}/{column}") for column in columns}
-        return frame_of(values, units, _INDEX.get(name, ""))
+        return frame_of(*self._columns(name), _INDEX.get(name, ""))
+
+    def _columns(self, group: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+        """Return the columns of a group of result.h5, and their units."""
+        names = sorted(self.result.names(group), key=place_of_column)
+        values = {name: self.result.read(f"{group}/{name}") for name in names}
+        return values, {name: self.result.unit(f"{group}/{name}") for name in names}
 
     @cached_property
     def spheres(self) -> pandas.DataFrame:
@@ -257,11 +278,9 @@ class Run(Mapping[str, Any]):
 
         units, parts = {"wall": "1", "time": "s", "force": "N"}, []
         for wall in self.result.names("walls"):
-            path = f"walls/{wall}"
-            columns = sorted(self.result.names(path), key=place_of_column)
-            values = {name: self.result.read(f"{path}/{name}") for name in columns}
+            values, own = self._columns(f"walls/{wall}")
             parts.append(pandas.DataFrame({"wall": wall} | values))
-            units |= {name: self.result.unit(f"{path}/{name}") for name in columns}
+            units |= own
         found = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame({name: [] for name in units})
         found.attrs[UNITS] = {str(name): units[str(name)] for name in found.columns}
         return found
@@ -308,13 +327,12 @@ class Run(Mapping[str, Any]):
             return ()
         folder = FigureFolder(self.directory)
         there = set(folder.names()) - folder.not_drawn().keys()
-
-        def applies(name: str) -> bool:
-            draw = partial(FIGURES[name].draw, self.result)
-            return name in there or isinstance(attempt(f"figure {name}", draw), Drawing)
-
         with style():
-            return tuple(filter(applies, FIGURES))
+            return tuple(
+                name
+                for name, figure in FIGURES.items()
+                if name in there or isinstance(attempt(f"figure {name}", partial(figure.draw, self.result)), Drawing)
+            )
 
     def figure(self, name: str) -> Axes | list[Axes]:
         """Draw a figure, to go on with; it is not saved.
@@ -338,21 +356,3 @@ class Run(Mapping[str, Any]):
         if axes is None:
             raise MissingDataError(f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})")
         return axes
-
-
-def _no_summary(path: Path) -> MissingOutputError | OutputFormatError:
-    """Return the error that a directory has no summary of a run."""
-    if not path.is_dir() or not (path / RESULT_FILE).exists():
-        return MissingOutputError(why_no_run(path))
-    summary = path / SUMMARY_FILE
-    if summary.exists():
-        return OutputFormatError(f"{summary}: is damaged: make it anew with  granwave analyse {path}")
-    return MissingOutputError(f"{summary} is missing: make it with  granwave analyse {path}")
-
-
-def _html_row(row: Row) -> str:
-    meaning = html.escape("\n".join(map(explanation, row.keys)))
-    label, text = html.escape(row.label), html.escape(row.text)
-    return (
-        f'<tr title="{meaning}"><th style="text-align: left">{label}</th><td style="text-align: left">{text}</td></tr>'
-    )

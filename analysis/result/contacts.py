@@ -32,7 +32,7 @@ _LARGE = 1.5  # radius over the median from which on the neighbours of a sphere 
 
 
 def merge_dents(dents: Frame) -> Contacts:
-    """Merge the dents of `granwave.analysis.lammps_output.dumps.read_contacts` into one row a pair, sorted by (i, j).
+    """Merge the dents of `granwave.analysis.lammps_output.dumps.contacts_at_end` into one row a pair, sorted by (i, j).
 
     Returns
     -------

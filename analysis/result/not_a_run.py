@@ -32,7 +32,13 @@ def why_no_run(path: Path) -> str:
     if not path.is_dir():
         return f"{path}: is a file, expected the directory of a run{around(path)}"
     if (path / files.SCAN_INDEX).exists() or (path / files.SUITE_INDEX).exists():
-        return _scan(path)
+        scans = [path] if files.is_scan(path) else sorted(place for place in path.iterdir() if files.is_scan(place))
+        points = [place for scan in scans for place in sorted((scan / files.POINTS).glob("*"))]
+        done = next((place for place in points if (place / files.RESULT_FILE).is_file()), None)
+        if done is None:
+            return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
+        which = f"{files.SCAN_TABLE} tells which is which"
+        return f"{path}: is a scan, expected a run; give the directory of a point, such as {done} ({which})"
     if (what := held(path)) in (GROUPS[files.SPECTRA], GROUPS[files.INFERENCE]):
         return f"{path}: holds {what}, expected a run"
     found = sorted(entry.name for entry in path.iterdir())
@@ -101,20 +107,6 @@ def similar(path: Path) -> str:
     return f"; did you mean {path.with_name(near[0])}?" if near else ""
 
 
-def _scan(path: Path) -> str:
-    scans = [path] if files.is_scan(path) else sorted(place for place in path.iterdir() if files.is_scan(place))
-    done = [
-        place
-        for scan in scans
-        for place in sorted((scan / files.POINTS).glob("*"))
-        if (place / files.RESULT_FILE).is_file()
-    ]
-    if not done:
-        return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
-    which = f"{files.SCAN_TABLE} tells which is which"
-    return f"{path}: is a scan, expected a run; give the directory of a point, such as {done[0]} ({which})"
-
-
 #: Columns that every result has, by table.
 _COLUMNS = {
     "spheres": ("id", "position", "radius", "mass", "peak_force", "dissipated_energy"),
@@ -130,38 +122,39 @@ def damage_of(file: h5py.File) -> str:
     Values of data sets are not read.
     """
     try:
-        tomllib.loads(file.attrs["case"])
-        for name in ("run", "versions"):
-            if not isinstance(json.loads(file.attrs[name]), dict):
-                return f"its {name} is no table"
-        return _of_tables(file) or _of_trajectory(file)
+        _check(file)
     except (OSError, RuntimeError, KeyError, AttributeError, TypeError, ValueError) as error:  # of h5py and the parsers
         return " ".join(str(error.args[0] if error.args else error).split())
+    return ""
 
 
-def _of_tables(file: h5py.File) -> str:
+def _check(file: h5py.File) -> None:
+    """Raise ValueError with the damage, or an error of h5py or of the parsers."""
+    tomllib.loads(file.attrs["case"])
+    for name in ("run", "versions"):
+        if not isinstance(json.loads(file.attrs[name]), dict):
+            raise ValueError(f"its {name} is no table")
     tables = {name: file[name] for name in (*_COLUMNS, "wall_contacts", "probes") if name in file}
     tables |= {f"walls/{name}": table for name, table in file.get("walls", {}).items()}
     for name, required in _COLUMNS.items():
         if missing := [column for column in required if column not in tables.get(name, ())]:
-            return f"it has no {name}/{missing[0]}"
+            raise ValueError(f"it has no {name}/{missing[0]}")
     for name, table in tables.items():
         lengths = {column: values.shape[0] for column, values in table.items()}
         first = next(iter(lengths), "")
         for column, length in lengths.items():
             if length != lengths[first]:
-                return f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}"
+                raise ValueError(f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}")
             if table[column].dtype.kind not in "biuf" and column not in _TEXTS:
-                return f"{name}/{column} does not hold numbers"
-    if not len(file["energy/time"]) or not len(file["spheres/id"]):
-        return "it holds no instant or no sphere"
-    return "" if file["spheres/position"].shape[1:] == (3,) else "spheres/position does not hold vectors"
-
-
-def _of_trajectory(file: h5py.File) -> str:
+                raise ValueError(f"{name}/{column} does not hold numbers")
     n_spheres, n_frames = len(file["spheres/id"]), len(file[f"{GROUP}/position/time"])
+    if not len(file["energy/time"]) or not n_spheres:
+        raise ValueError("it holds no instant or no sphere")
+    if file["spheres/position"].shape[1:] != (3,):
+        raise ValueError("spheres/position does not hold vectors")
     for name, element in file[GROUP].items():
         shape = element["value"].shape[:2] if isinstance(element, h5py.Group) and "value" in element else None
         if shape not in (None, (n_frames, n_spheres)):
-            return f"{GROUP}/{name} holds {shape[0]} snapshots of {shape[1]} spheres, not {n_frames} of {n_spheres}"
-    return ""
+            raise ValueError(
+                f"{GROUP}/{name} holds {shape[0]} snapshots of {shape[1]} spheres, not {n_frames} of {n_spheres}"
+            )

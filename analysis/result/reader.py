@@ -94,23 +94,22 @@ class Result:
             self.file = h5py.File(self.path, "r")
         except OSError as error:
             raise OutputFormatError(self._not_opened(path, error)) from None
+        fault = ""
         try:
-            whole = "case" in self.file.attrs and "spheres" in self.file
-            kind = self.file.attrs.get("kind", "")
-        except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5 itself
+            made = json.loads(self.file.attrs.get("versions", "{}"))
+            if "case" not in self.file.attrs or "spheres" not in self.file:
+                kind = self.file.attrs.get("kind", "")
+                what = f"is of a {kind} run" if kind else "has no /spheres or no case"
+                fault = f"{self.path} {what}: expected the result.h5 of a run of spheres"
+            elif damage := damage_of(self.file):
+                fault = self.damaged(damage)
+            elif newer := newer_format(made.get(RESULTS_FORMAT), made.get("granwave")):
+                fault = f"{self.path}: {newer}"
+        except (AttributeError, KeyError, OSError, RuntimeError, ValueError) as error:  # checksums of HDF5 itself, JSON
+            fault = self.damaged(" ".join(str(error).split()))
+        if fault:
             self.file.close()
-            raise OutputFormatError(self.damaged(" ".join(str(error).split()))) from None
-        if not whole:
-            self.file.close()
-            what = f"is of a {kind} run" if kind else "has no /spheres or no case"
-            raise OutputFormatError(f"{self.path} {what}: expected the result.h5 of a run of spheres")
-        if damage := damage_of(self.file):
-            self.file.close()
-            raise OutputFormatError(self.damaged(damage))
-        made = json.loads(self.file.attrs.get("versions", "{}"))
-        if newer := newer_format(made.get(RESULTS_FORMAT), made.get("granwave")):
-            self.file.close()
-            raise OutputFormatError(f"{self.path}: {newer}")
+            raise OutputFormatError(fault)
         self._read: dict[str, NDArray] = {}
         self._part: tuple[slice, dict[str, NDArray]] | None = None  # rows of some spheres, and what was read of them
 
@@ -127,6 +126,9 @@ class Result:
     def damaged(self, why: object) -> str:
         """Return the message that the file is damaged."""
         return f"{self.path} is damaged ({why}): make it anew with  granwave analyse {self.path.parent}"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return type(self), (self.path, self.at_once)  # opened again, as open files cannot be sent to other processes
 
     def __enter__(self) -> Result:
         return self
@@ -148,20 +150,13 @@ class Result:
 
     def __getitem__(self, name: str) -> NDArray:
         """Read a data set, such as ``energy/time``, and keep it; raise as `read`."""
-        if self._part is None or not name.startswith("spheres/"):
-            return self._whole(name)
-        rows, kept = self._part
+        rows, kept = self._part if self._part and name.startswith("spheres/") else ((), self._read)
         if name not in kept:
-            kept[name] = self.rows_read(name, rows)
+            kept[name] = self.read(name, rows)
         return kept[name]
 
-    def _whole(self, name: str) -> NDArray:
-        if name not in self._read:
-            self._read[name] = self.read(name)
-        return self._read[name]
-
-    def read(self, name: str) -> NDArray:
-        """Read a data set without keeping it.
+    def read(self, name: str, rows: slice | tuple[()] = ()) -> NDArray:
+        """Read a data set, or some of its rows, without keeping it.
 
         Raises
         ------
@@ -170,23 +165,6 @@ class Result:
         OutputFormatError
             The data set is damaged.
         """
-        return self.rows_read(name)
-
-    def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:
-        """Iterate over the rows of columns of one table, so many at once that they need little memory; raise as `read`.
-
-        The columns of a small table are kept as by ``[]``.
-        """
-        n_rows = len(self.file[names[0]]) if names[0] in self else 0
-        if n_rows <= self.at_once:
-            yield tuple(self._whole(name) for name in names)
-            return
-        for first in range(0, n_rows, self.at_once):
-            rows = slice(first, min(first + self.at_once, n_rows))
-            yield tuple(self.rows_read(name, rows) for name in names)
-
-    def rows_read(self, name: str, rows: slice | tuple[()] = ()) -> NDArray:
-        """Read rows of a data set, or all of it; raise as `read`."""
         if name in self._read:
             return self._read[name][rows]
         with self._intact(name):
@@ -195,6 +173,18 @@ class Result:
                 return found.asstr()[rows] if h5py.check_string_dtype(found.dtype) else found[rows]
         remedy = f"make it anew with  granwave analyse {self.path.parent}"
         raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
+
+    def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:
+        """Iterate over the rows of columns of one table, so many at once that they need little memory; raise as `read`.
+
+        The columns of a small table are kept as by ``[]``.
+        """
+        n_rows = len(self.file[names[0]]) if names[0] in self else 0
+        if n_rows <= self.at_once:
+            yield tuple(self[name] for name in names)
+            return
+        for first in range(0, n_rows, self.at_once):
+            yield tuple(self.read(name, slice(first, first + self.at_once)) for name in names)
 
     def get(self, name: str) -> NDArray | None:
         """Read a data set; None if the run does not have it."""
@@ -271,7 +261,7 @@ class Result:
         """Initial centre of the struck sphere of the packing: (3,), m."""
         sphere = struck_site(self.assembly)
         row = 0 if sphere is None else int(self.rows(sphere))
-        return self.rows_read("spheres/position", slice(row, row + 1))[0]
+        return self.read("spheres/position", slice(row, row + 1))[0]
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
         """Return the rows of the spheres with these ids: ids - 1, unless there are vacancies.
@@ -282,10 +272,10 @@ class Result:
             There is no such sphere.
         """
         if "spheres/id" not in self._read:  # perhaps there is no need to
-            last = self.rows_read("spheres/id", slice(self.n_spheres - 1, None))
+            last = self.read("spheres/id", slice(self.n_spheres - 1, None))
             if len(last) and last[0] == self.n_spheres:
                 return rows_of_all(self.n_spheres, np.asarray(ids, dtype=np.int64))
-        return rows_of(self._whole("spheres/id"), ids)
+        return rows_of(self._read.setdefault("spheres/id", self.read("spheres/id")), ids)
 
     @property
     def ends(self) -> NDArray[np.int64]:
@@ -320,11 +310,7 @@ class Result:
 
         A contact along a line has one with any law: 0.2 R* is 0.1 R of equal cylinders.
         """
-        limited = np.full(len(self["contacts/i"]), self.has_law_limit)
-        if not self.has_law_limit:
-            if not self.assembly.has_cylinders:
-                return limited
-            limited = self.along_lines
+        limited = self.has_law_limit or (self.assembly.has_cylinders and self.along_lines)
         return limited & (self["contacts/peak_overlap"] > share * self["contacts/effective_radius"])
 
     @property
@@ -354,7 +340,7 @@ class Result:
             return
         for first in range(0, self.n_spheres, self.at_once):
             part = copy.copy(self)
-            part._part = slice(first, min(first + self.at_once, self.n_spheres)), {}
+            part._part = slice(first, first + self.at_once), {}
             yield part
 
     @property
@@ -365,8 +351,7 @@ class Result:
     @property
     def yield_energy(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses: (n_spheres,), J."""
-        others = [f"spheres/{name}" for name in ("friction_energy", "viscous_energy")]
-        whole = self["spheres/dissipated_energy"]
+        whole, others = self["spheres/dissipated_energy"], ("spheres/friction_energy", "spheres/viscous_energy")
         rest = whole - sum(self[name] for name in others if self.has(name))
         return np.where(rest > _ROUNDING * whole, rest, 0.0)
 
@@ -374,8 +359,7 @@ class Result:
     def yield_ledger(self) -> NDArray[np.float64]:
         """Energy dissipated by yielding against time, without friction, viscous losses and dampers: (n_times,), J."""
         others = ("friction", "rolling", "twisting", "adhesion", "viscous", "support_lost", "holder", "absorbed")
-        columns = [f"energy/{name}" for name in others]
-        return self["energy/dissipated"] - sum(self[name] for name in columns if name in self)
+        return self["energy/dissipated"] - sum(self[f"energy/{name}"] for name in others if f"energy/{name}" in self)
 
     @property
     def energy_input(self) -> float:

@@ -17,35 +17,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import (
-    WALL_COLUMNS,
-    contact_rows,
-    contacts_path,
-    initial_force_rows,
-    initial_forces_path,
-    read_contacts,
-    read_initial_forces,
-    read_initial_wall_forces,
-)
+from granwave.analysis.lammps_output import dumps
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
-from granwave.analysis.result.contacts import (
-    Contacts,
-    dissipated_share,
-    list_contacts,
-    merge_dents,
-    pair_laws,
-    sphere_values,
-    touching_pairs,
-)
-from granwave.analysis.result.hdf5_file import (
-    Encoded,
-    append_columns,
-    encoded_columns,
-    rows_of,
-    sorted_once,
-    write_group,
-)
-from granwave.analysis.result.start import Dents, DentsOfPart, Start
+from granwave.analysis.result import contacts as pairs
+from granwave.analysis.result import hdf5_file as hdf5
+from granwave.analysis.result.contacts import Contacts
+from granwave.analysis.result.hdf5_file import Encoded
+from granwave.analysis.result.start import Dents, Start, periodic
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING
@@ -64,40 +42,22 @@ _OF_WALL_CONTACTS = (
 class AfterStaticStage(NamedTuple):
     """Forces of contacts after the static stage: of pairs of particles (i, j, force), and by plane (id, force)."""
 
-    pairs: Dents
+    contacts: Dents
     planes: Mapping[str, Frame]
     folder: Path
-
-
-def dents_at_end(directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes) -> Dents:
-    """Read the contacts at the end of the run."""
-    path, dents = contacts_path(directory), Dents(start)
-    if start.n_parts > 1:
-        dents.add_rows(start, contact_rows(directory, start.at_once), scratch, processes)
-        return dents
-    for frame in read_contacts(directory):
-        start.check_ids(path, frame)
-        dents.add(frame)
-    return dents
 
 
 def after_static_stage(
     directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes
 ) -> AfterStaticStage | None:
     """Read the forces after the static stage; None if there was none, or an early version ran it."""
-    path = initial_forces_path(directory)
-    if path is None:
+    dump = dumps.contacts_after_static_stage(directory)
+    if dump is None:
         return None
-    pairs, planes = Dents(start), read_initial_wall_forces(directory)
-    if start.n_parts > 1:
-        pairs.add_rows(start, initial_force_rows(directory, path, start.at_once), scratch, processes)
-    else:
-        for frame in read_initial_forces(directory):
-            start.check_ids(path, frame)
-            pairs.add(frame)
+    folder, planes = dump.path.parent, dumps.read_wall_contacts(directory, after_static_stage=True)
     for name, frame in planes.items():
-        start.check_ids(path.with_name(INITIAL_WALL_FORCES_FILE.format(name)), frame)
-    return AfterStaticStage(pairs, planes, path.parent)
+        start.check_ids(folder / INITIAL_WALL_FORCES_FILE.format(name), frame)
+    return AfterStaticStage(Dents(start, dump, scratch, processes), planes, folder)
 
 
 def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
@@ -144,8 +104,8 @@ def write_tables(
     processes
         Processes that make the parts.
     """
-    wall_contacts = _wall_contacts(case, planes, dents.at_bars(), initial)
-    write_group(file, "wall_contacts", wall_contacts)
+    wall_contacts = _wall_contacts(case, planes, dents.at_bars, initial)
+    hdf5.write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
 
@@ -153,30 +113,30 @@ def write_tables(
         first, stop = start.range(part)
         here = (at_walls >= first) & (at_walls < stop)
         at_wall = at_walls[here] - first, {name: lost[here] for name, lost in losses.items()}
-        return _Part(part, dents.of_part(part), initial and initial.pairs.of_part(part), *at_wall)
+        return _Part(part, dents.of_part(part), initial and initial.contacts.of_part(part), *at_wall)
 
     if start.n_parts == 1:
         for name, columns in zip(("contacts", "spheres"), _tables(case, start, task(0)), strict=True):
-            write_group(file, name, columns)
+            hdf5.write_group(file, name, columns)
         return
     n_contacts = 0
     for begin in range(0, start.n_parts, processes.number):  # so that no process holds more than one part
         parts = range(begin, min(begin + processes.number, start.n_parts))
         places, made = [], processes.map(partial(_make, case, start), map(task, parts))
         for part, (n_rows, spheres) in zip(parts, made, strict=True):
-            append_columns(file, "spheres", spheres, start.range(part)[1])
+            hdf5.append_columns(file, "spheres", spheres, start.range(part)[1])
             places.append(n_contacts)
             n_contacts += n_rows
         for n_rows, contacts in processes.map(_encode, places):
-            append_columns(file, "contacts", contacts, n_rows)
+            hdf5.append_columns(file, "contacts", contacts, n_rows)
 
 
 class _Part(NamedTuple):
     """Input of a process that makes the tables of a part."""
 
     number: int
-    dents: DentsOfPart
-    initial: DentsOfPart | None
+    dents: Callable[[], Frame]
+    initial: Callable[[], Frame] | None
     at_walls: NDArray[np.int64]  # rows of the spheres of wall contacts, in the part
     losses: dict[str, NDArray[np.float64]]  # dissipation in these spheres, J
 
@@ -188,30 +148,30 @@ def _make(case: Case, start: Start, part: _Part) -> tuple[int, dict[str, Encoded
     """Make the tables of a part; return the number of its contacts, which `_encode` then encodes, and its spheres."""
     contacts, spheres = _tables(case, start, part)
     _made[:] = [contacts]
-    return len(contacts["i"]), encoded_columns(spheres, start.range(part.number)[0])
+    return len(contacts["i"]), hdf5.encoded_columns(spheres, start.range(part.number)[0])
 
 
 def _encode(first: int) -> tuple[int, dict[str, Encoded]]:
     """Encode the contacts of the part that was made, from row ``first`` on; return also the row after their last."""
     contacts = _made.pop()
-    return first + len(contacts["i"]), encoded_columns(contacts, first)
+    return first + len(contacts["i"]), hdf5.encoded_columns(contacts, first)
 
 
 def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, NDArray]]:
     """Make the tables of the contacts and spheres of a part."""
     contacts, share = _contacts_of(case, start, part.number, part.dents)
     if part.initial is not None:
-        contacts[COLUMN] = _force_of_pairs(part.initial.read(), contacts)
+        contacts[COLUMN] = _force_of_pairs(part.initial(), contacts)
     rows = slice(*start.range(part.number))
     ids, spheres = start.ids(rows.start, rows.stop), start.read(rows)
-    everyone = ids if start.n_parts == 1 else sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
+    everyone = ids if start.n_parts == 1 else hdf5.sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
     own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
     columns: dict[str, NDArray] = {
         "id": ids,
         "position": spheres.vector("x", "y", "z"),
         "radius": spheres["diameter"] / 2,
         "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
-        **{name: values[own] for name, values in sphere_values(everyone, contacts, share).items()},
+        **{name: values[own] for name, values in pairs.sphere_values(everyone, contacts, share).items()},
     }
     for name, lost in part.losses.items():
         columns[name] = np.bincount(part.at_walls, lost, minlength=len(ids)) + columns.get(name, 0.0)
@@ -222,36 +182,32 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     return contacts, columns
 
 
-def _contacts_of(case: Case, start: Start, part: int, dents: DentsOfPart) -> tuple[Contacts, NDArray[np.float64]]:
+def _contacts_of(
+    case: Case, start: Start, part: int, dents: Callable[[], Frame]
+) -> tuple[Contacts, NDArray[np.float64]]:
     """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
     tolerance, sides = TOUCHING * case.packing.diameter, periodic(case)
-    merged = merge_dents(dents.read())
+    merged = pairs.merge_dents(dents())
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
     near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2
 
     def laws_of(contacts: Contacts) -> dict[str, NDArray[np.float64]]:
-        rows = rows_of(near_ids, np.stack([contacts["i"], contacts["j"]], axis=1))
-        return pair_laws(case, near["type"].astype(np.int64)[rows], radii[rows])
+        rows = hdf5.rows_of(near_ids, np.stack([contacts["i"], contacts["j"]], axis=1))
+        return pairs.pair_laws(case, near["type"].astype(np.int64)[rows], radii[rows])
 
     lengths = start.box[:, 1] - start.box[:, 0]
     periods = tuple(length * goes_on for length, goes_on in zip(lengths, sides, strict=True))
     if assemble(case).has_cylinders:  # they touch at other distances
         touching = np.unique(assemble(case).contacts(), axis=0)
     else:
-        touching = touching_pairs(near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low)
+        touching = pairs.touching_pairs(near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low)
     if start.n_parts > 1:
         ids = start.ids(*start.range(part))
         touching = touching[((touching >= ids[0]) & (touching <= ids[-1])).any(axis=1)]
-    contacts = list_contacts(merged, touching, laws_of(merged)["yield_overlap"])
+    contacts = pairs.list_contacts(merged, touching, laws_of(merged)["yield_overlap"])
     laws = laws_of(contacts)
     contacts["yielded"] = contacts.pop("grown_overlap") > laws["yielded_from"]
     return contacts | {name: laws[name] for name in ("yield_overlap", "effective_radius")}, laws["share"]
-
-
-def periodic(case: Case) -> tuple[bool, bool, bool]:
-    """Return True for the periodic axes of a packing."""
-    sides = case.boundary.sides == "periodic"
-    return sides, sides, False
 
 
 def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
@@ -260,7 +216,7 @@ def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[n
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
     spheres = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
-    plastic_share = np.array([dissipated_share(*pair) for pair in zip(spheres, partners, strict=True)])
+    plastic_share = np.array([pairs.dissipated_share(*pair) for pair in zip(spheres, partners, strict=True)])
     friction_share = np.array([0.5 if partner else 1.0 for partner in partners])
     others = {name: wall_contacts[name] for name in ("friction_energy", "viscous_energy") if name in wall_contacts}
     plastic = plastic_share * (wall_contacts["dissipated_energy"] - sum(others.values()))
@@ -277,7 +233,7 @@ def _wall_contacts(
     parts = [empty | {name: np.empty(0) for name in columns}]
     for wall, frame in planes.items():
         ids = frame["id"].astype(np.int64)
-        values: Contacts = {name: frame[name] for name in WALL_COLUMNS if name != "dissipated"}
+        values: Contacts = {name: frame[name] for name in dumps.WALL_COLUMNS if name != "dissipated"}
         for name in values:
             if name.startswith("time"):
                 values[name] = np.where(values[name] < 0, np.nan, values[name])
@@ -292,9 +248,9 @@ def _wall_contacts(
             COLUMN: _force_on_wall(initial, wall, ids) if initial else np.zeros(len(frame)),
         }
         parts.append(values)
-    merged = merge_dents(at_bars)
+    merged = pairs.merge_dents(at_bars)
     if initial is not None:
-        merged[COLUMN] = _force_of_pairs(initial.pairs.at_bars(), merged)
+        merged[COLUMN] = _force_of_pairs(initial.contacts.at_bars, merged)
     for bar in assemble(case).bars:
         part = {name: column[merged["j"] == bar.face] for name, column in merged.items()}
         parts.append(part | {"wall": np.full(len(part["i"]), bar.name, dtype=object), "id": part["i"]})

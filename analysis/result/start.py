@@ -7,22 +7,28 @@ part is kept in memory, that of several in scratch files.
 from __future__ import annotations
 
 import contextlib
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from pathlib import Path
-from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, Rows, read_data, refuse_ids
+from granwave.analysis.lammps_output.dumps import DATA_COLUMNS, ContactDump, read_data, refuse_ids
 from granwave.analysis.lammps_output.frame import DAMAGED, Frame
 from granwave.analysis.result.hdf5_file import rows_of, rows_of_all, sorted_once
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.processes import Processes
 from granwave.lammps_inputs.run_directory import DATA_FILE
 
 _MARGIN = 1e-3  # by which a part is searched farther than spheres reach, for rounding
+
+
+def periodic(case: Case) -> tuple[bool, bool, bool]:
+    """Return True for the periodic axes of a packing."""
+    sides = case.boundary.sides == "periodic"
+    return sides, sides, False
 
 
 class Start:
@@ -57,35 +63,30 @@ class Start:
     def __init__(self, directory: Path, at_once: int, scratch: Path, processes: Processes) -> None:
         self.path, self.at_once, self._scratch = directory / DATA_FILE, at_once, scratch
         self._ids: NDArray[np.int64] | None = None  # None: they are 1, 2, ...
-        self.n_particles = self.n_spheres = 0
         self._bounds: list[tuple[NDArray[np.float64], NDArray[np.float64], float]] = []  # of parts; largest radius
         self._values: NDArray[np.float64] | None = None  # None: in the scratch file
+        self.n_particles = self.n_spheres = last = 0
         with contextlib.ExitStack() as stack:
             file = None
             for frame in read_data(directory, at_once, processes):
-                whole = not (self.n_particles or frame.more)
-                if whole:
-                    self._values = frame.sorted_by("id").values
-                else:
+                if self.n_particles or frame.more:
                     file = file or stack.enter_context(open(scratch, "wb"))
                     frame.values.tofile(file)
-                self._note(frame)
+                else:
+                    self._values = frame.sorted_by("id").values
+                ids = frame["id"].astype(np.int64)
+                if np.any(np.diff(ids, prepend=last) < 1):
+                    raise OutputFormatError(f"{self.path}: the rows are not in the order of their ids; {DAMAGED}")
+                last = int(ids[-1])
+                if self._ids is not None or last != self.n_particles + len(ids):
+                    self._ids = np.concatenate([self.ids(0, self.n_particles), ids])
+                self.n_particles, self.box = self.n_particles + len(ids), frame.box
+                spheres = frame["diameter"] > 0  # nodes of bars come after the spheres
+                self.n_spheres += int(np.count_nonzero(spheres))
+                if spheres.any():
+                    places = frame.vector("x", "y", "z")[spheres]
+                    self._bounds.append((places.min(axis=0), places.max(axis=0), float(frame["diameter"].max()) / 2))
         self.low = np.min([low for low, _, _ in self._bounds], axis=0)
-
-    def _note(self, frame: Frame) -> None:
-        """Note ids and bounds of the next rows."""
-        ids = frame["id"].astype(np.int64)
-        last = 0 if not self.n_particles else self.n_particles if self._ids is None else int(self._ids[-1])
-        if np.any(np.diff(ids, prepend=last) < 1):
-            raise OutputFormatError(f"{self.path}: the rows are not in the order of their ids; {DAMAGED}")
-        if self._ids is not None or ids[-1] != self.n_particles + len(ids):
-            self._ids = np.concatenate([self.ids(0, self.n_particles), ids])
-        spheres = frame["diameter"] > 0  # nodes of bars come after the spheres
-        self.n_particles, self.n_spheres = self.n_particles + len(ids), self.n_spheres + int(np.count_nonzero(spheres))
-        self.box = frame.box
-        if spheres.any():
-            places = frame.vector("x", "y", "z")[spheres]
-            self._bounds.append((places.min(axis=0), places.max(axis=0), float(frame["diameter"].max()) / 2))
 
     @property
     def n_parts(self) -> int:
@@ -100,12 +101,6 @@ class Start:
     def range(self, part: int) -> tuple[int, int]:
         """Return the first row of a part, and that after its last."""
         return part * self.at_once, min((part + 1) * self.at_once, self.n_spheres)
-
-    def parts(self) -> Iterator[tuple[slice, Frame]]:
-        """Iterate over the rows of the parts, and their spheres."""
-        for part in range(self.n_parts):
-            rows = self.range(part)
-            yield slice(*rows), self.read(slice(*rows))
 
     def read(self, rows: slice | NDArray[np.int64] = slice(None)) -> Frame:
         """Return particles by their rows."""
@@ -160,72 +155,47 @@ class Start:
 
 
 class Dents:
-    """Contacts at one instant of a run, by the parts of the spheres; those with faces of bars by themselves."""
+    """Contacts at one instant of a run, by the parts of the spheres, in scratch files.
 
-    def __init__(self, start: Start) -> None:
-        self._last = start.last_sphere
-        self._kept: list[NDArray[np.float64]] = []  # rows of a single part
+    Attributes
+    ----------
+    at_bars
+        Contacts of spheres with the faces of bars.
+    """
+
+    def __init__(self, start: Start, dump: ContactDump, scratch: Callable[[], Path], processes: Processes) -> None:
+        self._like, rows, expected = dump.unread(start.at_once)
         self._places: dict[int, list[tuple[Path, int, int]]] = {}  # by part: file, byte, number of rows
-        self._at_bars: list[NDArray[np.float64]] = []
-        self._like: Frame | None = None
-
-    def add(self, frame: Frame) -> None:
-        """Add contacts of particles that there are, of spheres that make a single part."""
-        between = frame.vector("i", "j").max(axis=1, initial=0) <= self._last
-        self._like = frame
-        self._at_bars.append(frame.values[~between])
-        self._kept.append(frame.values[between])
-
-    def add_rows(self, start: Start, rows: Rows, scratch: Callable[[], Path], processes: Processes) -> None:
-        """Sort the rows of a dump into scratch files by the part of their spheres."""
-        n_rows = 0
-        tasks = ((frame, scratch()) for frame in rows.pieces)
-        for self._like, n_read, places in processes.map(partial(_by_part, start, rows.path), tasks):
+        n_rows, at_bars = 0, [self._like.values]
+        tasks = ((frame, scratch()) for frame in rows)
+        for n_read, others, places in processes.map(partial(_by_part, start, dump.path), tasks):
             n_rows += n_read
-            self._at_bars.append(self._like.values)
+            at_bars.append(others)
             for part, place in places:
                 self._places.setdefault(part, []).append(place)
-        if n_rows != rows.expected or self._like is None:
-            for self._like in rows.again():
-                pass
-        assert self._like is not None  # else there is no row
-        self._like = self._like.with_rows(self._like.values[:0])
+        if n_rows != expected:
+            list(dump.frames(start.at_once))
+        self.at_bars = self._like.with_rows(np.concatenate(at_bars))
 
-    def of_part(self, part: int) -> DentsOfPart:
-        """Return the contacts of the spheres of a part with other spheres, in the order in which they were added."""
-        assert self._like is not None
-        return DentsOfPart(self._like, self._kept, self._places.get(part, []))
-
-    def at_bars(self) -> Frame:
-        """Return the contacts of spheres with the faces of bars."""
-        assert self._like is not None
-        return self._like.with_rows(np.concatenate(self._at_bars))
+    def of_part(self, part: int) -> Callable[[], Frame]:
+        """Return the reader of the contacts of the spheres of a part with other spheres; any process can call it."""
+        return partial(_read_places, self._like, self._places.get(part, []))
 
 
-class DentsOfPart(NamedTuple):
-    """Contacts of the spheres of a part; a process that reads them needs no others."""
-
-    like: Frame
-    kept: list[NDArray[np.float64]]
-    places: list[tuple[Path, int, int]]
-
-    def read(self) -> Frame:
-        """Return them as a table."""
-        if not self.places:
-            no_rows = self.like.values[:0]
-            return self.like.with_rows(self.kept[0] if len(self.kept) == 1 else np.concatenate([no_rows, *self.kept]))
-        values, at = np.empty((sum(n_rows for _, _, n_rows in self.places), len(self.like.columns))), 0
-        for path, place, n_rows in self.places:
-            rows = values[at : at + n_rows]
-            rows[:] = np.fromfile(path, np.float64, rows.size, offset=place).reshape(rows.shape)
-            at += n_rows
-        return self.like.with_rows(values)
+def _read_places(like: Frame, places: list[tuple[Path, int, int]]) -> Frame:
+    """Read rows of scratch files, in the order in which they were written."""
+    values, at = np.empty((sum(n_rows for _, _, n_rows in places), len(like.columns))), 0
+    for path, place, n_rows in places:
+        rows = values[at : at + n_rows]
+        rows[:] = np.fromfile(path, np.float64, rows.size, offset=place).reshape(rows.shape)
+        at += n_rows
+    return like.with_rows(values)
 
 
 def _by_part(
     start: Start, source: Path, task: tuple[Frame, Path]
-) -> tuple[Frame, int, list[tuple[int, tuple[Path, int, int]]]]:
-    """Write contacts to a scratch file by part; return those with bars, the number of all, and where each part is."""
+) -> tuple[int, NDArray[np.float64], list[tuple[int, tuple[Path, int, int]]]]:
+    """Write contacts to a scratch file by part; return the number of all, those with bars, and where each part is."""
     frame, path = task[0].read(), task[1]
     start.check_ids(source, frame)
     pairs = frame.vector("i", "j").astype(np.int64)
@@ -235,7 +205,8 @@ def _by_part(
     places = []
     with open(path, "wb") as file:
         for part in np.union1d(first, second).tolist():
-            rows = values[(first == part) | (second == part)]
+            here = (first == part) | (second == part)
+            rows = values if here.all() else values[here]
             places.append((part, (path, file.tell(), len(rows))))
             rows.tofile(file)
-    return frame.with_rows(frame.values[~between]), len(frame), places
+    return len(frame), frame.values[~between], places

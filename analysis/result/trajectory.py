@@ -23,7 +23,8 @@ import numpy as np
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK, Encoded, encoded, store
-from granwave.analysis.result.start import Start
+from granwave.analysis.result.start import Start, periodic
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.processes import ALONE, Processes
 
 GROUP = "particles/spheres"
@@ -45,22 +46,21 @@ def write_metadata(file: h5py.File, version: str) -> None:
     """Write the group ``/h5md``: version of the format, author and program."""
     group = file.create_group("h5md")
     group.attrs["version"] = np.array([1, 1], dtype=np.int32)
-    group.create_group("author").attrs["name"] = _user()
-    creator = group.create_group("creator")
-    creator.attrs["name"] = "granwave"
-    creator.attrs["version"] = version
+    try:
+        user = getpass.getuser()
+    except (KeyError, OSError):
+        user = "unknown"
+    group.create_group("author").attrs["name"] = user
+    group.create_group("creator").attrs.update({"name": "granwave", "version": version})
 
 
 def write_trajectory(
     file: h5py.File,
+    case: Case,
     start: Start,
     frames: Iterable[Frame],
     timestep: float,
-    periodic: tuple[bool, bool, bool],
     source: Path,
-    *,
-    friction: bool = False,
-    viscous: bool = False,
     processes: Processes = ALONE,
 ) -> int:
     """Write ``/particles/spheres``, one snapshot at a time, or a part of one.
@@ -73,14 +73,8 @@ def write_trajectory(
         Snapshots from `granwave.analysis.lammps_output.dumps.read_frames`.
     timestep
         Timestep, s.
-    periodic
-        True for periodic axes, along x, y, z.
     source
         File of the snapshots, for messages.
-    friction
-        True to write ``friction_energy``.
-    viscous
-        True to write ``viscous_energy``.
     processes
         Processes that read and compress.
 
@@ -94,31 +88,43 @@ def write_trajectory(
     OutputFormatError
         A snapshot has other spheres than the data file.
     """
-    group = file.create_group(GROUP)
-    _write_box(group, start, periodic)
-    n_spheres = start.n_spheres
+    group, n_spheres = file.create_group(GROUP), start.n_spheres
+    box = group.create_group("box")
+    box.attrs["dimension"] = 3
+    box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic(case)]
+    # lower is an extension of the standard, whose boxes start at 0
+    for name, data in (("edges", start.box[:, 1] - start.box[:, 0]), ("lower", start.box[:, 0])):
+        box.create_dataset(name, data=data).attrs["unit"] = "m"
     n_chunk = min(n_spheres, ROWS_IN_CHUNK)
     for name, (dtype, unit) in _FIXED.items():
         group.create_dataset(name, n_spheres, dtype, chunks=(n_chunk,), **COMPRESSION).attrs["unit"] = unit
     for columns in processes.map(partial(_fixed, start, n_chunk), range(start.n_parts)):
         for name, column in columns.items():
             store(group[name], column.pieces)
-    scalars = {
-        name: of
-        for name, of in _SCALARS.items()
-        if (friction or name != "friction_energy") and (viscous or name != "viscous_energy")
-    }
-    elements = _elements(group, n_chunk, n_spheres, {name: unit for name, (_, unit) in scalars.items()})
+
+    left_out = {"friction_energy": not case.has_friction, "viscous_energy": not case.has_loss}
+    scalars = {name: columns for name, (columns, _) in _SCALARS.items() if not left_out.get(name)}
+    elements = {}
+    for name in (*_VECTORS, *scalars):  # all share the step and the time of the first
+        shape = (n_spheres, 3) if name in _VECTORS else (n_spheres,)
+        options: dict[str, Any] = {"maxshape": (None, *shape), "chunks": (1, n_chunk, *shape[1:]), **COMPRESSION}
+        element = group.create_group(name)
+        elements[name] = element.create_dataset("value", (0, *shape), np.float64, **options)
+        elements[name].attrs["unit"] = _VECTORS[name] if name in _VECTORS else _SCALARS[name][1]
+        for of_all, dtype, its_unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
+            if name == "position":
+                element.create_dataset(of_all, (0,), dtype, maxshape=(None,)).attrs["unit"] = its_unit
+            else:
+                element[of_all] = group["position"][of_all]
     steps: list[int] = []
-    of_all, names = group["position"], {name: columns for name, (columns, _) in scalars.items()}
     blocks = _blocks(start, frames, source, steps)
-    for number, columns in processes.map(partial(_encoded_block, start, names, source, n_chunk), blocks):
+    for number, columns in processes.map(partial(_encoded_block, start, scalars, source, n_chunk), blocks):
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
             store(element, columns[name].pieces, number)
     for name, values in (("step", steps), ("time", np.array(steps) * timestep)):
-        of_all[name].resize(len(steps), axis=0)
-        of_all[name][:] = values
+        group["position"][name].resize(len(steps), axis=0)
+        group["position"][name][:] = values
     return steps[-1]
 
 
@@ -189,36 +195,3 @@ def _strange(source: Path, number: int, step: int, n_spheres: int, start: Start)
         f"{source}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the {start.n_spheres} of "
         f"data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"
     )
-
-
-def _write_box(group: h5py.Group, start: Start, periodic: tuple[bool, bool, bool]) -> None:
-    box = group.create_group("box")
-    box.attrs["dimension"] = 3
-    box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic]
-    # lower is an extension of the standard, whose boxes start at 0
-    for name, data in (("edges", start.box[:, 1] - start.box[:, 0]), ("lower", start.box[:, 0])):
-        box.create_dataset(name, data=data).attrs["unit"] = "m"
-
-
-def _elements(group: h5py.Group, n_chunk: int, n_spheres: int, scalars: dict[str, str]) -> dict[str, h5py.Dataset]:
-    """Create the growing data sets; all elements share the ``step`` and the ``time`` of the first."""
-    elements = {}
-    for name, unit in (_VECTORS | scalars).items():
-        shape = (n_spheres, 3) if name in _VECTORS else (n_spheres,)
-        options: dict[str, Any] = {"maxshape": (None, *shape), "chunks": (1, n_chunk, *shape[1:]), **COMPRESSION}
-        element = group.create_group(name)
-        elements[name] = element.create_dataset("value", (0, *shape), np.float64, **options)
-        elements[name].attrs["unit"] = unit
-        for of_all, dtype, its_unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
-            if name == "position":
-                element.create_dataset(of_all, (0,), dtype, maxshape=(None,)).attrs["unit"] = its_unit
-            else:
-                element[of_all] = group["position"][of_all]
-    return elements
-
-
-def _user() -> str:
-    try:
-        return getpass.getuser()
-    except (KeyError, OSError):
-        return "unknown"

@@ -20,21 +20,19 @@ from __future__ import annotations
 
 import json
 import tomllib
-from collections.abc import Callable
 from pathlib import Path
 
-import h5py
 import numpy as np
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dumps import contacts_path, frames_path, read_frames, read_wall_contacts
+from granwave.analysis.lammps_output.dumps import contacts_at_end, frames_path, read_frames, read_wall_contacts
 from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
 from granwave.analysis.result.histories import Groups, line_groups, read_chain
-from granwave.analysis.result.sphere_tables import after_static_stage, dents_at_end, periodic, write_tables
-from granwave.analysis.result.start import Start
+from granwave.analysis.result.sphere_tables import after_static_stage, write_tables
+from granwave.analysis.result.start import Dents, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
@@ -89,70 +87,57 @@ def write_result(
     check_case(directory)
     claim(directory, [files.RESULT_FILE])
     with scratch_files(path) as scratch, new_hdf5(path, libver="v110") as file:
-        _write(file, directory, at_once, scratch, case, processes)
+        case_file = directory / files.CASE_FILE
+        if not case_file.exists():
+            raise MissingOutputError(f"{case_file} is missing: {directory} is not the directory of a run")
+        text, case = case_file.read_text(encoding="utf-8"), case or load_case(case_file)
+        resolved = tomllib.loads(text).get("resolved", {})
+        ledger = read_energy(directory)
+        contacts = contacts_at_end(directory)  # the last file to be written: without it the run is not finished
+        start = Start(directory, at_once, scratch(), processes)
+        record = read_record(directory)
+        file.attrs["name"] = case.name
+        file.attrs["case"] = text
+        file.attrs["run"] = json.dumps(record)
+        versions = {"granwave": granwave.__version__} | record.get("versions", {}) | {RESULTS_FORMAT: str(files.FORMAT)}
+        file.attrs["versions"] = json.dumps(versions)
+        write_metadata(file, versions["granwave"])
+
+        n_steps, snapshots = int(ledger["step"][-1]), frames_path(directory)
+        timestep = resolved.get("timestep")
+        timestep = float(ledger["time"][-1] / max(n_steps, 1) if timestep is None else timestep)
+        frames = read_frames(directory, at_once, partial=False, unread=start.n_particles == start.n_spheres)
+        end = write_trajectory(file, case, start, frames, timestep, snapshots, processes)
+        if end < n_steps:  # the end of a run is always a snapshot
+            ends = f"{snapshots} ends with the snapshot of step {end}, the run at step {n_steps}"
+            raise OutputFormatError(f"{ends}: {CUT}")
+        groups: Groups = {}
+        if every := resolved.get("history_every"):
+            groups |= read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every)
+        if every := resolved.get("line_every"):
+            groups |= line_groups(directory, assemble(case), timestep, n_steps - n_steps % every)
+        planes = read_wall_contacts(directory)
+        for name, frame in planes.items():
+            start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
+        dents = Dents(start, contacts, scratch, processes)
+        initial = after_static_stage(directory, start, scratch, processes) if case.precompression else None
+        write_tables(file, case, start, dents, planes, initial, processes)
+        groups |= {"energy": ledger, "prestage": read_table(directory, files.STATIC_STAGE_FILE)}
+        groups |= _walls(read_table(directory, files.WALLS_FILE))
+        groups["probes"] = read_table(directory, files.PROBES_FILE)
+        for name, columns in groups.items():
+            if columns:
+                write_group(file, name, columns)
     return path
 
 
-def _write(
-    file: h5py.File, directory: Path, at_once: int, scratch: Callable[[], Path], case: Case | None, processes: Processes
-) -> None:
-    path = directory / files.CASE_FILE
-    if not path.exists():
-        raise MissingOutputError(f"{path} is missing: {directory} is not the directory of a run")
-    text, case = path.read_text(encoding="utf-8"), case or load_case(path)
-    resolved = tomllib.loads(text).get("resolved", {})
-    ledger = read_energy(directory)
-    contacts_path(directory)  # the last file to be written: without it the run is not finished
-    start = Start(directory, at_once, scratch(), processes)
-    record = read_record(directory)
-    file.attrs["name"] = case.name
-    file.attrs["case"] = text
-    file.attrs["run"] = json.dumps(record)
-    versions = {"granwave": granwave.__version__} | record.get("versions", {}) | {RESULTS_FORMAT: str(files.FORMAT)}
-    file.attrs["versions"] = json.dumps(versions)
-    write_metadata(file, versions["granwave"])
-
-    timestep = resolved.get("timestep")
-    if timestep is None:
-        timestep = ledger["time"][-1] / max(ledger["step"][-1], 1)
-    timestep = float(timestep)
-    path = frames_path(directory)
-    frames = read_frames(directory, at_once, partial=False, unread=start.n_particles == start.n_spheres)
-    end = write_trajectory(
-        file, start, frames, timestep, periodic(case), path,
-        friction=case.has_friction, viscous=case.has_loss, processes=processes,
-    )  # fmt: skip
-    n_steps = int(ledger["step"][-1])
-    if end < n_steps:  # the end of a run is always a snapshot
-        raise OutputFormatError(f"{path} ends with the snapshot of step {end}, the run at step {n_steps}: {CUT}")
-    if every := resolved.get("history_every"):
-        for name, columns in read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every).items():
-            write_group(file, name, columns)
-    if every := resolved.get("line_every"):
-        for name, columns in line_groups(directory, assemble(case), timestep, n_steps - n_steps % every).items():
-            write_group(file, name, columns)
-    planes = read_wall_contacts(directory)
-    for name, frame in planes.items():
-        start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
-    dents = dents_at_end(directory, start, scratch, processes)
-    initial = after_static_stage(directory, start, scratch, processes) if case.precompression else None
-    write_tables(file, case, start, dents, planes, initial, processes)
-    write_group(file, "energy", ledger)
-    if prestage := read_table(directory, files.STATIC_STAGE_FILE):
-        write_group(file, "prestage", prestage)
-    for name, columns in _walls(read_table(directory, files.WALLS_FILE)).items():
-        write_group(file, f"walls/{name}", columns)
-    if probes := read_table(directory, files.PROBES_FILE):
-        write_group(file, "probes", probes)
-
-
 def _walls(table: Table) -> Groups:
-    """Return the force on each wall, and the motion of a moving one, by name of the wall."""
+    """Return the group of each wall: the force on it, and the motion of a moving one."""
     names = [name for name in table if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)]
     found: Groups = {}
     for name in names:
         time, force = table["time"], table[name]
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
-        found[name] = {"time": time, "force": force, "impulse": impulse}
-        found[name] |= {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
+        moving = {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
+        found[f"walls/{name}"] = {"time": time, "force": force, "impulse": impulse} | moving
     return found

@@ -16,16 +16,6 @@ from granwave.analysis.measures.target_theory import HertzImpact
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 
 __all__ = [
-    "ChainScales",
-    "HertzImpact",
-    "crest_force",
-    "crest_speed",
-    "crest_times",
-    "discrete_speed",
-    "discrete_width",
-    "elliptic_radius",
-    "hertz_von_mises_yield_factor",
-    "lattice_speed",
-    "precompressed_line",
-    "solitary_lengths",
-]
+    "ChainScales", "HertzImpact", "crest_force", "crest_speed", "crest_times", "discrete_speed", "discrete_width",
+    "elliptic_radius", "hertz_von_mises_yield_factor", "lattice_speed", "precompressed_line", "solitary_lengths",
+]  # fmt: skip

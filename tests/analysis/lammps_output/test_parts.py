@@ -18,7 +18,7 @@ import pytest
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, analyse, pipeline
 from granwave.analysis.exports.export import export
 from granwave.analysis.figures import run_figures
-from granwave.analysis.lammps_output.dumps import read_contacts, read_frames
+from granwave.analysis.lammps_output.dumps import contacts_at_end, read_frames
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
 from granwave.lammps_inputs import write_deck
@@ -230,7 +230,9 @@ def test_resumed_run(tmp_path, monkeypatch, caplog, form):
     whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
     assert len(whole) == 3 and [frame.step for frame in whole] == [frame.step for frame in cut]
     assert all(np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True))
-    assert len(next(read_contacts(tmp_path / "cut"))) == len(next(read_contacts(tmp_path / "whole")))
+    assert len(next(contacts_at_end(tmp_path / "cut").frames())) == len(
+        next(contacts_at_end(tmp_path / "whole").frames())
+    )
     again = run_case(case_of(output={"parts": False}, size=(4, 4, 3)), tmp_path / "cut", figures=False, force=True)
     assert again.state == "finished"
     assert not list((tmp_path / "cut" / "dumps").glob("*.0.*")) + list((tmp_path / "cut" / "dumps").glob("spheres-*"))
@@ -331,7 +333,9 @@ def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
     analyse(run, at_once=50)
     assert "figures of the packing are left out" in caplog.text and "granwave figures" in caplog.text
     assert "energies" in drawn and not [name for name in drawn if "principal" in name or "3d" in name]
-    monkeypatch.setattr(Result, "read", lambda self, name, old=Result.read: read.append(name) or old(self, name))
+    monkeypatch.setattr(
+        Result, "read", lambda self, name, *rows, old=Result.read: read.append(name) or old(self, name, *rows)
+    )
     with Result(run, at_once=50) as result:
         drawings = [run_figures.FIGURES[name].draw(result) for name in drawn]
     assert sum(drawing is not None for drawing in drawings) >= 4

@@ -139,11 +139,11 @@ def test_strikers_are_no_part_of_the_packing(tmp_path):
     with Result(tmp_path) as result:
         zone = packing_zone(result)
         assert result.n_spheres == 145
-        assert len(zone.energy) == 144
-        assert zone.energy.sum() < result.yield_energy.sum()
+        assert len(zone["energy"]) == 144
+        assert zone["energy"].sum() < result.yield_energy.sum()
         assert result.yield_energy[-1] > 0
     assert summary["zone_depth_50_m"] >= 0
-    assert summary["n_plastic_spheres"] > np.count_nonzero(zone.yielded)
+    assert summary["n_plastic_spheres"] > np.count_nonzero(zone["yielded"])
 
 
 def test_what_a_packing_does_not_extend_along_has_no_size(tmp_path):
@@ -287,9 +287,9 @@ def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
     summary = run_case(case, tmp_path, figures=False).summary
     with Result(tmp_path) as result:
         zone = packing_zone(result)
-        first = result["spheres/time_first"][zone.bounds["sides"]].min()
-        nearest = zone.radius[zone.bounds["sides"]].min()
-        (arrival,) = wave_arrivals(result, [[zone.bounds["bottom"]]])
+        first = result["spheres/time_first"][zone["sides"]].min()
+        nearest = zone["radius"][zone["sides"]].min()
+        (arrival,) = wave_arrivals(result, [[zone["bottom"]]])
         time, force = result["walls/bottom/time"], result["walls/bottom/force"]
     assert summary["wave_return_s"] > nearest / 4260 > first
     felt = time[np.argmax(force > 0.01 * force.max())]

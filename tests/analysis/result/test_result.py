@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, universe, write_result
-from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.lammps_output.dumps import contacts_at_end
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result import contacts
 from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, pair_laws, touching_pairs
@@ -103,12 +103,12 @@ def test_dissipation_at_a_rigid_wall_belongs_to_the_sphere(run):
 
 def test_dents_of_one_pair_are_merged(run):
     """A forgotten dent and a new one: the largest peak, the sum of the energies, the earliest times."""
-    dents = next(read_contacts(run)).values
+    dents = next(contacts_at_end(run).frames()).values
     old, new = dents[0].copy(), dents[0].copy()
     old[2:] = [0, 0, 3e-6, 40.0, 0, 1e-5, 1e-6, 2e-6, 1.5e-6, 0]
     new[2:] = [1e-6, 8.0, 2e-6, 20.0, 3e-6, 5e-6, 7e-6, 8e-6, 7.5e-6, 1]
     synthetic.write_local(run / "dumps" / "contacts.dump", np.concatenate([[new], dents[1:], [old]]))
-    merged = merge_dents(*read_contacts(run))
+    merged = merge_dents(*contacts_at_end(run).frames())
     assert (merged["i"][0], merged["j"][0], merged["n_dents"][0]) == (old[0], old[1], 2)
     expected = {"peak_overlap": 3e-6, "peak_force": 40.0, "dissipated_energy": 1.5e-5, "force": 8.0}
     expected |= {
@@ -125,18 +125,18 @@ def test_dents_of_one_pair_are_merged(run):
 
 def test_pairs_that_met_later_are_listed_from_a_threshold(run):
     """Spheres 1 and 144 never touched at the start."""
-    dents = next(read_contacts(run)).values
+    dents = next(contacts_at_end(run).frames()).values
     for factor, listed in ((0.5, False), (2.0, True)):
         met = dents[0].copy()
         met[:2], met[4] = (1, 144), factor * LISTED_FROM * 1e-6
         synthetic.write_local(run / "dumps" / "contacts.dump", np.concatenate([dents, [met]]))
-        table = list_contacts(merge_dents(*read_contacts(run)), dents[:, :2].astype(int), 1e-6)
+        table = list_contacts(merge_dents(*contacts_at_end(run).frames()), dents[:, :2].astype(int), 1e-6)
         assert len(table["i"]) == len(dents) + listed
         assert np.count_nonzero(table["touching"]) == len(dents)
 
 
 def test_touching_pairs_that_were_never_loaded_are_listed(run):
-    dents = next(read_contacts(run)).values
+    dents = next(contacts_at_end(run).frames()).values
     synthetic.write_local(run / "dumps" / "contacts.dump", dents[5:])
     write_result(run)
     with Result(run) as result:

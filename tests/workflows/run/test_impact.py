@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import LAWS
-from granwave.analysis.lammps_output.dumps import read_contacts
+from granwave.analysis.lammps_output.dumps import contacts_at_end
 from granwave.analysis.lammps_output.time_series import read_energy
 from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.deck.deck import write_deck
@@ -55,7 +55,7 @@ def test_fcc_impact_against_the_network_twin(lmp, tmp_path):
     twin = Network(packing.positions, packing.contacts - 1, 0.005)
     twin.v[written.struck[0] - 1, 2] = 5.0
     twin.run(5e-8, written.schedule.n_steps)
-    found = next(read_contacts(tmp_path))
+    found = next(contacts_at_end(tmp_path).frames())
     peak = {(int(i), int(j)): p for i, j, p in zip(found["i"], found["j"], found["peak_overlap"], strict=True)}
     expected = {(int(i), int(j)): p for (i, j), p in zip(packing.contacts, twin.peak * twin.alpha_y, strict=True)}
     largest = max(expected.values())
@@ -69,7 +69,7 @@ def test_three_preferred_directions_are_equal(lmp, tmp_path):
     written = deck(tmp_path, "packing.size=[19,19,8]", "run.end_time=1e-4")
     assert lmp(written.script).returncode == 0
     packing = build_packing(written.case)
-    found = next(read_contacts(tmp_path))
+    found = next(contacts_at_end(tmp_path).frames())
     centre = packing.positions[written.struck[0] - 1]
     ends = packing.positions[np.stack([found["i"], found["j"]], axis=1).astype(int) - 1] - centre
     middle, peak = ends.mean(axis=1), found["peak_force"]
@@ -105,7 +105,7 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
         written = deck(tmp_path / str(k), *overrides)
         done = lmp(written.script, ranks=k)
         assert done.returncode == 0, done.stdout + done.stderr
-        results.append((read_energy(written.directory), next(read_contacts(written.directory))))
+        results.append((read_energy(written.directory), next(contacts_at_end(written.directory).frames())))
     (e1, c1), (e2, c2) = results
     for name in ("kinetic", "elastic", "dissipated"):
         assert e2[name] == pytest.approx(e1[name], rel=1e-10, abs=1e-10 * e1["input"][0])
@@ -136,7 +136,9 @@ def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks, balance,
     a, b = read_energy(plain.directory), read_energy(moved.directory)
     for name in ("kinetic", "elastic", "dissipated"):
         assert b[name] == pytest.approx(a[name], rel=1e-10, abs=1e-10 * a["input"][0])
-    assert_same_contacts(next(read_contacts(plain.directory)), next(read_contacts(moved.directory)), bits=bits)
+    assert_same_contacts(
+        next(contacts_at_end(plain.directory).frames()), next(contacts_at_end(moved.directory).frames()), bits=bits
+    )
     log = (moved.directory / "log.lammps").read_text()
     assert int(re.search(r"Neighbor list builds = (\d+)", log).group(1)) > 10
 
