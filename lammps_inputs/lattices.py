@@ -444,12 +444,15 @@ def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offs
     movable
         True for each axis along which there is more than one sphere.
     """
+    reach = [range_ if free else (0,) for range_, free in zip(_REACH, movable, strict=True)]
     base = (6, 6 + j, 6 + k)  # a multiple of all periods, and large enough to keep stepped indices positive
     here = np.array(rule.site(*map(np.asarray, base)))
-    reaches = (reach if free else (0,) for reach, free in zip(_REACH, movable, strict=True))
-    steps = [(di, dj, dk) for di, dj, dk in itertools.product(*reaches) if di or dj or dk]
-    there = [rule.site(*map(np.asarray, np.add(base, step))) for step in steps]
-    return [step for step, site in zip(steps, there, strict=True) if abs(math.dist(here, site) - 1.0) <= TOUCHING]
+    found: list[Offset] = []
+    for step in itertools.product(reach[0], reach[1], reach[2]):
+        there = rule.site(*map(np.asarray, np.add(base, step)))
+        if any(step) and abs(math.dist(here, there) - 1.0) <= TOUCHING:
+            found.append(step)
+    return found
 
 
 def _by_angle(directions: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -460,15 +460,15 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
         if not isinstance(table, Mapping):
             errors.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
             continue
-        before, names = len(errors.lines), table.get("materials")
+        before, names = len(errors.lines), table.get("materials", "nothing")
         refuse_unknown(table, ("materials", *_KEYS), key, errors)
         two = isinstance(names, list | tuple) and len(names) == 2 and all(isinstance(one, str) for one in names)
         own = {name: value for name, value in table.items() if name in _KEYS}
         same_law = own.get("law", common.get("law")) == common.get("law")
         shared = {name: value for name, value in common.items() if same_law or name in _OF_ANY_LAW}
         errors.check(
-            (not two, f"{key}.materials", f"{f'found {show(names)},' if 'materials' in table else 'missing;'} "
-             'expected the names of two, such as ["steel", "brass"]'),
+            (not two, f"{key}.materials", (f"found {show(names)}, " if "materials" in table else "missing; ")
+             + 'expected the names of two, such as ["steel", "brass"]'),
             (not own, key, "changes nothing; give keys of [contact], such as friction"),
             (two and any(other.fits(*names) for other in found), f"{key}.materials",
              f"found {show(names)} twice, expected each pair once"),

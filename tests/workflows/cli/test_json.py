@@ -50,14 +50,22 @@ def test_mass_and_height_are_those_of_the_run(changes, tmp_path, capsys) -> None
     assert f"{values['packing_mass_kg']:.4g} kg, {values['packing_height_m']:.4g} m high" in table
 
 
-def test_where_a_striker_lands(capsys) -> None:
+def test_where_a_striker_lands_and_how_deep_it_yields(capsys) -> None:
+    values, table = check("fcc-small", SMALL, capsys)
+    zone, impact = values["zone"], values["struck"]
+    assert zone["depth_m"] < values["packing_height_m"] < zone["depth_in_larger_packing_m"]
+    assert zone["radius_m"] < zone["radius_in_larger_packing_m"]
+    assert "to the bottom and the sides of the packing; in a larger one about" in table
+    assert values["nulls"] == {} and "no peak reduction" not in table
     corner, table = check("fcc-small", SMALL | CORNER, capsys)
     assert corner["struck"]["sphere"] == 1 and corner["struck"]["where"] == "at a corner of the top"
     assert "sphere 1, at a corner of the top, 0.0" in table
-    impact = check("fcc-small", SMALL, capsys)[0]["struck"]
-    centre = check("fcc-small", SMALL | CENTRE, capsys)[0]["struck"]
-    assert centre == impact and not centre["where"] and not centre["aside_m"]
+    centre = check("fcc-small", SMALL | CENTRE, capsys)[0]
+    assert centre["struck"] == impact and not impact["where"] and not impact["aside_m"]
     assert loaded(SMALL | CENTRE).striker[0].touches == (impact["sphere"],)
+    assert centre["counterpart"]["command"] == values["counterpart"]["command"]  # a striker along z has a continuum
+    aside = CENTRE | {"striker": "[{touches='centre',velocity=[1,0,5]}]"}
+    assert check("fcc-small", SMALL | aside, capsys)[0]["counterpart"]["command"] is None
 
 
 def test_what_will_be_null(tmp_path, capsys) -> None:
@@ -66,24 +74,6 @@ def test_what_will_be_null(tmp_path, capsys) -> None:
     assert 'load.kind = "plate"' in values["nulls"]["peak_reduction"] and "no peak reduction" in table
     case = loaded(SMALL | plate | {"run.end_time": "2e-5", "run.frames": "2"})
     assert run_case(case, tmp_path / "run", figures=False).summary["peak_reduction"] is None
-    values, table = check("fcc-small", SMALL, capsys)
-    assert values["nulls"] == {} and "no peak reduction" not in table
-
-
-def test_no_zone_is_deeper_than_its_packing(capsys) -> None:
-    values, table = check("fcc-small", SMALL, capsys)
-    zone = values["zone"]
-    assert zone["depth_m"] < values["packing_height_m"] < zone["depth_in_larger_packing_m"]
-    assert zone["radius_m"] < zone["radius_in_larger_packing_m"]
-    assert "to the bottom and the sides of the packing; in a larger one about" in table
-
-
-def test_a_striker_along_z_has_a_continuum(capsys) -> None:
-    impact, _ = check("fcc-small", SMALL, capsys)
-    striker, _ = check("fcc-small", SMALL | CENTRE, capsys)
-    assert striker["counterpart"]["command"] == impact["counterpart"]["command"]
-    aside = CENTRE | {"striker": "[{touches='centre',velocity=[1,0,5]}]"}
-    assert check("fcc-small", SMALL | aside, capsys)[0]["counterpart"]["command"] is None
 
 
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--no-figures"]
@@ -111,6 +101,11 @@ def test_check(capsys):
     assert (
         sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures")) == plan["wall_time_s"]
     )
+    assert document(["check", "half-space", "--json"], capsys)["n_elements"] == 62500
+    contact = document(["check", "sphere-contact", "--json"], capsys)
+    assert contact["command"] == "continuum" and "counterpart" not in contact
+    assert main(["check", "fcc-small", "--json", "--set", "packing.kind=fcx"]) == 2
+    assert capsys.readouterr().out == ""  # refused before it prints
 
 
 def leaves(value):
@@ -151,17 +146,6 @@ def test_the_plan_holds_every_number_of_the_table(words, capsys):
         assert any(is_rounded(number, value) for value in known), f"{number} of {row!r}"
 
 
-def test_check_of_the_continuum(capsys):
-    assert document(["check", "half-space", "--json"], capsys)["n_elements"] == 62500
-    plan = document(["check", "sphere-contact", "--json"], capsys)
-    assert plan["command"] == "continuum" and "counterpart" not in plan
-
-
-def test_check_refuses_before_it_prints(capsys):
-    assert main(["check", "fcc-small", "--json", "--set", "packing.kind=fcx"]) == 2
-    assert capsys.readouterr().out == ""
-
-
 def test_keys(capsys):
     assert len(document(["keys", "--json"], capsys)) == len(tables())
     (table,) = document(["keys", "load", "velocity", "--json"], capsys)
@@ -172,11 +156,8 @@ def test_keys(capsys):
 @pytest.mark.parametrize(("works", "status"), [(True, 0), (False, 1)])
 def test_doctor(works, status, monkeypatch, capsys):
     monkeypatch.setattr(doctor, "examine", lambda profile: [Finding("plugin", works, "found", "mend it")])
-    found = document(["doctor", "--json"], capsys, status)
-    assert found == {
-        "works": works,
-        "parts": [{"part": "plugin", "works": works, "found": "found", "remedy": "mend it"}],
-    }
+    part = {"part": "plugin", "works": works, "found": "found", "remedy": "mend it"}
+    assert document(["doctor", "--json"], capsys, status) == {"works": works, "parts": [part]}
 
 
 def test_run_and_analyse(tmp_path, capfd):
