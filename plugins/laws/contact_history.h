@@ -142,10 +142,8 @@ class ContactHistory {
   int count(int i) const { return count_[i]; }
   ContactRecord *records(int i) { return pool_.data() + first_[i]; }
   const ContactRecord *records(int i) const { return pool_.data() + first_[i]; }
-  const double *block(int i, int m) const
-  {
-    return blocks_.data() + (first_[i] + m) * layout_.size();
-  }    // block of record m of sphere i
+  /* Block of record m of sphere i. */
+  const double *block(int i, int m) const { return blocks_.data() + (first_[i] + m) * layout_.size(); }
 
   void forget_sphere(int i)
   {

@@ -71,10 +71,8 @@ class ContactLaw {
   double shear_modulus() const { return shear_modulus_; }
   double yield_strength() const { return yield_; }
   const RateModel &rate() const { return rate_; }
-  int n_extra() const
-  {
-    return entry_->n_extra + (rate_ ? RATE_EXTRA : 0);
-  }    // doubles of history beyond the largest overlap
+  /* Doubles of history beyond the largest overlap. */
+  int n_extra() const { return entry_->n_extra + (rate_ ? RATE_EXTRA : 0); }
   double share_of_first() const { return share1_; }    // share of the dissipated energy: all of it for the softer sphere
   double overlap_per_radius() const { return overlap_per_radius_; }
   double force_per_area() const { return force_per_area_; }
@@ -217,10 +215,8 @@ class ScaledLaw {
     return force_ * overlap_ * law_->dissipated_energy(t, site(extra));
   }
   double stiffness(const Turning &t) const { return force_ / overlap_ * t.slope(); }
-  double area(double a, const double *extra) const
-  {
-    return law_->area(a, site(extra));
-  }    // of the contact circle, normalized
+  /* Squared radius of the contact circle, normalized. */
+  double area(double a, const double *extra) const { return law_->area(a, site(extra)); }
   double loading_circle(double overlap, const double *extra) const
   {
     return effective_radius_ * overlap_ * area(normalised(overlap), extra);

@@ -46,11 +46,10 @@ enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS =
 
 struct LawEntry {
   const char *name;
-  double
-      elastic_limit;    // overlap up to which a contact is Hertzian and without dent, in alpha_y; infinite for a law without yield
-  bool fitted;          // true for a fit, valid up to overlaps of 0.2 R*
-  unsigned options;                                         // LawOption
-  int n_extra;                                              // doubles of history beyond the largest overlap
+  double elastic_limit;    // overlap up to which a contact is Hertzian, without dent, in alpha_y; infinite without yield
+  bool fitted;             // true for a fit, valid up to overlaps of 0.2 R*
+  unsigned options;        // LawOption
+  int n_extra;             // doubles of history beyond the largest overlap
   AnyLaw (*make)(const LawOptions &, const LawScales &);    // Hertz's for a power of the overlap, which has no history
   bool no_force = false;
   bool exact_yield = false;    // first yield where von Mises' stress reaches the yield strength, for every Poisson's ratio

@@ -184,8 +184,7 @@ class FixWallGranHysteretic : public Fix {
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 
-  std::vector<char>
-      near;    // 0: the sphere touched no wall at the last evaluation, and has not just arrived on this processor
+  std::vector<char> near;       // 0: the sphere touched no wall at the last evaluation, and has not just arrived here
   std::vector<char> touched;    // 0: the sphere has touched no wall; 1: it may have
   std::vector<int> spheres;     // that can reach a wall before the next reneighboring, in their order
   bool listed = false;          // true if this list is current
