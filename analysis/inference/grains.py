@@ -264,14 +264,10 @@ def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -
         full = np.full(len(rows), -1)
         found.append((rows, full, np.full(len(rows), number), np.tile(n, (len(rows), 1)), arm, np.zeros_like(arm)))
     first, second, wall_of, normals, arms, partner_arms = (np.concatenate(parts) for parts in zip(*found, strict=True))
-    return Contacts(first, second, wall_of, _basis(normals), arms, partner_arms, tuple(walls))
-
-
-def _basis(normal: Array) -> Array:
-    """Return orthogonal unit vectors as columns, with the normals as first: (m, d, d)."""
-    if normal.shape[1] == 2:
-        return np.stack([normal, np.stack([-normal[:, 1], normal[:, 0]], axis=1)], axis=2)
-    least = np.abs(normal).argmin(axis=1)
-    one = np.cross(normal, np.eye(3)[least])
-    one /= np.linalg.norm(one, axis=1)[:, None]
-    return np.stack([normal, one, np.cross(normal, one)], axis=2)
+    if grains.dimension == 2:
+        basis = np.stack([normals, np.stack([-normals[:, 1], normals[:, 0]], axis=1)], axis=2)
+    else:
+        one = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
+        one /= np.linalg.norm(one, axis=1)[:, None]
+        basis = np.stack([normals, one, np.cross(normals, one)], axis=2)
+    return Contacts(first, second, wall_of, basis, arms, partner_arms, tuple(walls))

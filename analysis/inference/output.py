@@ -87,7 +87,18 @@ class Inferred:
         ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the name of a wall. In
         the plane a tangential force is positive along (-ny, nx); in space its vector is given. Forces act on ``i``.
         """
-        table = self._joined([_forces(one) for one in self.found])
+        tables = []
+        for one in self.found:
+            contacts, ids, axes = one.contacts, one.grains.ids, list("xyz"[: one.grains.dimension])
+            table = pd.DataFrame({"i": ids[contacts.first], "j": contacts.partners(ids)})
+            table[[f"n{axis}" for axis in axes]] = contacts.normal
+            table["normal_force_N"], table["tangential_force_N"] = one.force[:, 0], _tangential(one.force)
+            if one.spread is not None:
+                table["normal_error_N"], table["tangential_error_N"] = one.errors
+            table[[f"f{axis}_N" for axis in axes]] = contacts.vectors(one.force)
+            table[[f"{axis}_m" for axis in axes]] = one.grains.position[contacts.first] + contacts.arm
+            tables.append(table)
+        table = self._joined(tables)
         if self.true is not None:
             table["true_normal_force_N"], table["true_tangential_force_N"] = self.true[:, 0], _tangential(self.true)
         return table
@@ -144,20 +155,6 @@ class Inferred:
 def _tangential(force: Array) -> Array:
     """Tangential forces of components (m, d): with a sign in the plane, sizes in space."""
     return force[:, 1] if force.shape[1] == 2 else np.asarray(np.linalg.norm(force[:, 1:], axis=1))
-
-
-def _forces(one: Inference) -> pd.DataFrame:
-    """Return the rows of forces.csv of one instant."""
-    contacts, ids, axes = one.contacts, one.grains.ids, list("xyz"[: one.grains.dimension])
-    vectors, points = contacts.vectors(one.force), one.grains.position[contacts.first] + contacts.arm
-    table = pd.DataFrame({"i": ids[contacts.first], "j": contacts.partners(ids)})
-    table[[f"n{axis}" for axis in axes]] = contacts.normal
-    table["normal_force_N"], table["tangential_force_N"] = one.force[:, 0], _tangential(one.force)
-    if one.spread is not None:
-        table["normal_error_N"], table["tangential_error_N"] = one.errors
-    table[[f"f{axis}_N" for axis in axes]] = vectors
-    table[[f"{axis}_m" for axis in axes]] = points
-    return table
 
 
 def network(found: Inference) -> Drawing:
