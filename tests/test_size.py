@@ -10,14 +10,14 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[1]
-STATEMENTS = {"analysis": 17940, "lammps_inputs": 8535, "workflows": 9933}
-FILES = 292  # of these together
+STATEMENTS = {"analysis": 17070, "lammps_inputs": 8050, "workflows": 9595}
+FILES = 284  # of these together
 TOP = {
     ".ci", ".clang-format", ".gitignore", ".pre-commit-config.yaml", "CHANGELOG.md", "CITATION.cff", "CONTRIBUTING.md", "LICENSE",
     "Makefile", "NOTICE.md", "README.md", "README.png", "README.webp", "analysis", "docs", "lammps_inputs", "plugins",
     "pyproject.toml", "reproductions", "tests", "workflows",
 }  # fmt: skip
-LINES = {"reproductions": 8985, "plugins": 11840, "tests": 37710}
+LINES = {"reproductions": 8985, "plugins": 11475, "tests": 35400}
 
 
 def sources(room: str) -> Iterator[str]:
