@@ -133,8 +133,9 @@ def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
     found: list[tuple[str, int, float]] = []
     sites, moved = assembly.sites, assembly.case.precompression.moves if assembly.case.precompression else {}
     for wall in walls(assembly):
-        chosen = touched_by(assembly, wall)
-        others = np.flatnonzero(sites.present & (False if chosen is None else ~chosen))
+        if (chosen := touched_by(assembly, wall)) is None:
+            continue
+        others = np.flatnonzero(sites.present & ~chosen)
         if not len(others):
             continue
         reach = sites.diameter[others] / 2 if wall.tube else _reach(assembly, others, wall.axis)

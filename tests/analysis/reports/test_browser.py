@@ -176,7 +176,7 @@ def repeated(report: Report) -> dict[str, list[object]]:
         "captions": [figure.caption for figure in figures],
         "headings": [*(section.title for section in report.sections), *(group.title for group in groups),
                      *(table.caption for table in tables if table.captioned)],
-        "tables": [(table.columns, table.rows) for table in tables],
+        "tables": [(table.caption, table.columns, table.rows) for table in tables],
         "notes": [note.text for note in notes if id(note) not in said],
     }  # fmt: skip
     return {kind: [one for one, n in Counter(shown).items() if n > 1] for kind, shown in found.items()}
