@@ -17,7 +17,7 @@ TOP = {
     "Makefile", "NOTICE.md", "README.md", "README.png", "README.webp", "analysis", "docs", "lammps_inputs", "plugins",
     "pyproject.toml", "reproductions", "tests", "workflows",
 }  # fmt: skip
-LINES = {"reproductions": 8985, "plugins": 11475, "tests": 35455}
+LINES = {"reproductions": 8985, "plugins": 11475, "tests": 35534}
 
 
 def sources(room: str) -> Iterator[str]:

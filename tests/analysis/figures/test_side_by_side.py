@@ -8,10 +8,11 @@ import sys
 
 import h5py
 import matplotlib
+import numpy as np
 import pytest
 
 from granwave.analysis import draw_figures, write_result
-from granwave.analysis.errors import MissingDataError
+from granwave.analysis.errors import MissingDataError, MissingOutputError
 from granwave.analysis.figures import side_by_side, style
 from granwave.analysis.figures.run_figures import FIGURES, _shares
 from granwave.analysis.figures.side_by_side import PROCESSES
@@ -81,6 +82,18 @@ def test_helpers_draw(run, several, monkeypatch):
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
     found = zip(NAMES, outcomes, strict=True)
     assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
+
+
+def test_figures_that_no_longer_apply_are_removed(run, several):
+    """Names that are no figure, and a directory without results, are errors."""
+    draw_figures(run, names=("energies", "impactor_velocity"))
+    damage(run, lambda file: file["energy/struck_velocity"].write_direct(np.zeros(len(file["energy/time"]))))
+    draw_figures(run, names=("energies", "impactor_velocity"))
+    assert {path.stem for path in (run / "figures").iterdir()} == {"energies"}
+    with pytest.raises(KeyError, match="nothing"):
+        draw_figures(run, names=("impactor_velocity", "nothing", "bottom_force"))
+    with pytest.raises(MissingOutputError):
+        draw_figures(run.parent)
 
 
 def test_an_error_comes_at_its_place(run, several):

@@ -260,6 +260,11 @@ def test_wrong_suites_are_refused(text: str, message: str, tmp_path: Path) -> No
         load_scan("protection")
 
 
+def test_a_suite_is_no_scan(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
+    assert main(["scan", "protection", "-o", str(tmp_path / "out"), "--set", "load.velocity=1"]) == 2
+    assert "is a suite of scans" in capfd.readouterr().err
+
+
 def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) -> None:
     small = load_suite(suite.parent / "suite.toml")
     taken = tmp_path / "continuum"

@@ -284,6 +284,8 @@ def test_what_is_refused_alone_is_warned_of_once(folder, caplog):
     problem_of(folder, set=base, variables={"layers": {"materials": ["steel", "ptfe"]}})
     (warned,) = [one for one in caplog.messages if "alone is refused" in one]
     assert "replace.1-16.material and 2 more" in warned and '{preset = "ptfe", yield_strength = (Pa)}' in warned
+    problem_of(folder, variables={"material": ["steel", "aluminum"]})
+    assert "did you mean aluminium" in caplog.text
 
 
 def test_uncertainty_is_averaged(folder):
