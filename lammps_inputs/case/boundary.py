@@ -11,6 +11,7 @@ bar          an elastic bar along z, of linear elements with lumped mass; its fa
 
 from __future__ import annotations
 
+import abc
 import dataclasses
 import math
 from collections.abc import Mapping
@@ -59,7 +60,7 @@ class Backing:
         return PLATE_OSCILLATION * math.sqrt(front / (self.stiffness + contacts))
 
 
-class Support:
+class Support(abc.ABC):
     """Support of the bottom plane: plate, damper, half-space or bar.
 
     Attributes
@@ -76,6 +77,7 @@ class Support:
     needs_material: ClassVar[bool] = False
     bears = True
 
+    @abc.abstractmethod
     def backing(self, material: Material | None, footprint: float) -> Backing:
         """Return the mass, stiffness and damping behind the plane.
 
@@ -86,7 +88,6 @@ class Support:
         footprint
             Radius of the packing's footprint, m.
         """
-        raise NotImplementedError
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

@@ -61,7 +61,7 @@ def slurm() -> Iterator[tuple[str, ...]]:
 
 
 def _missing() -> str:
-    """What a cluster lacks on this machine; empty if nothing."""
+    """Say why no cluster can be started on this machine; empty if one can."""
     if os.geteuid() != 0:
         return "a Slurm for tests has to be started as root"
     if missing := [name for name in PROGRAMS if shutil.which(name, path=_environment()["PATH"]) is None]:

@@ -162,7 +162,7 @@ def parts(blocks: Sequence[Block]) -> Iterator[Block | Figure]:
 
 
 def repeated(report: Report) -> dict[str, list[object]]:
-    """What a report shows twice, by its kind."""
+    """Find the parts that a report shows twice, by their kind."""
     everything = [part for section in report.sections for part in parts(section.blocks)]
     figures, tables, groups, notes = (
         [part for part in everything if isinstance(part, kind)] for kind in (Figure, Table, Group, Note)

@@ -10,17 +10,7 @@ from scipy.optimize import brentq
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.rubbing import (
-    HERTZ,
-    MU,
-    NU,
-    TOTAL,
-    E,
-    R,
-    oblique,
-    rubbing,
-    state,
-)
+from tests.helpers.rubbing import HERTZ, MU, NU, TOTAL, E, R, oblique, rubbing, state
 from tests.helpers.two_spheres import value
 
 W = 100.0  # J/m^2: large, so that it counts in impacts of spheres of 10 mm

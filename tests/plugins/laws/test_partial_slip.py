@@ -6,18 +6,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
-from tests.helpers.rubbing import (
-    BRASS,
-    HERTZ,
-    MU,
-    NU,
-    TOTAL,
-    E,
-    R,
-    oblique,
-    rubbing,
-    state,
-)
+from tests.helpers.rubbing import BRASS, HERTZ, MU, NU, TOTAL, E, R, oblique, rubbing, state
 from tests.helpers.twins.slip_twin import forces, rebound
 from tests.helpers.two_spheres import value
 
