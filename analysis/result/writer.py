@@ -22,6 +22,7 @@ import json
 import tomllib
 from pathlib import Path
 
+import h5py
 import numpy as np
 
 import granwave
@@ -111,24 +112,26 @@ def write_result(
         if end < n_steps:  # the end of a run is always a snapshot
             ends = f"{snapshots} ends with the snapshot of step {end}, the run at step {n_steps}"
             raise OutputFormatError(f"{ends}: {CUT}")
-        groups: Groups = {}
         if every := resolved.get("history_every"):
-            groups |= read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every)
+            _write_groups(file, read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every))
         if every := resolved.get("line_every"):
-            groups |= line_groups(directory, assemble(case), timestep, n_steps - n_steps % every)
+            _write_groups(file, line_groups(directory, assemble(case), timestep, n_steps - n_steps % every))
         planes = read_wall_contacts(directory)
         for name, frame in planes.items():
             start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
         dents = Dents(start, contacts, scratch, processes)
         initial = after_static_stage(directory, start, scratch, processes) if case.precompression else None
         write_tables(file, case, start, dents, planes, initial, processes)
-        groups |= {"energy": ledger, "prestage": read_table(directory, files.STATIC_STAGE_FILE)}
-        groups |= _walls(read_table(directory, files.WALLS_FILE))
-        groups["probes"] = read_table(directory, files.PROBES_FILE)
-        for name, columns in groups.items():
-            if columns:
-                write_group(file, name, columns)
+        tables = {"energy": ledger, "prestage": read_table(directory, files.STATIC_STAGE_FILE)}
+        tables |= {"probes": read_table(directory, files.PROBES_FILE)}
+        _write_groups(file, tables | _walls(read_table(directory, files.WALLS_FILE)))
     return path
+
+
+def _write_groups(file: h5py.File, groups: Groups) -> None:
+    for name, columns in groups.items():
+        if columns:
+            write_group(file, name, columns)
 
 
 def _walls(table: Table) -> Groups:
