@@ -1,4 +1,6 @@
-"""Analysis of the output of LAMMPS: result.h5, summary.json and figures. Names are imported on first use."""
+"""Analysis of the output of LAMMPS: result.h5, summary.json and figures. Names are imported on
+first use.
+"""
 
 from __future__ import annotations
 

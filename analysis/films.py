@@ -1,4 +1,6 @@
-"""Film of a run, from its ``result.h5``: a figure drawn again for every instant, with a clock and one colour scale."""
+"""Film of a run, from its ``result.h5``: a figure drawn again for every instant, with a clock and
+one colour scale.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,15 @@ from granwave.analysis.errors import did_you_mean
 from granwave.analysis.figures import sections
 from granwave.analysis.figures.packing3d import bar_location, can_be_cut, draw_packing
 from granwave.analysis.figures.rows import space_time_map
-from granwave.analysis.figures.style import BLUE, DISSIPATION_MAP, FORCE_MAP, GREY, WIDTH, new_figure, style
+from granwave.analysis.figures.style import (
+    BLUE,
+    DISSIPATION_MAP,
+    FORCE_MAP,
+    GREY,
+    WIDTH,
+    new_figure,
+    style,
+)
 from granwave.analysis.measures.geometry import Section as PlaneSection
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import Figures
@@ -31,7 +41,8 @@ from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replacing
 
-_MICRO, _MILLI = 1e6, 1e3
+_MICRO = 1e6
+_MILLI = 1e3
 _DECADES = 3.0  # of the forces of a chain
 _MOST_INSTANTS = 120  # of a chain, which has up to a thousand
 
@@ -100,18 +111,26 @@ def scene(result: Result, quantity: str, view: str | None, size: Size = None) ->
         if (found := sections.cut_of(result, name)) is not None:
             return _of_section(result, quantity, found, size)
     if view == "section" and result.figure_options.plane is None:
-        raise InputError("--view section: it is the plane of --plane, or of figures.plane in the case; give one")
+        raise InputError(
+            "--view section: it is the plane of --plane, or of figures.plane in the case; give one"
+        )
     kinds = "no plane of spheres" if view is None else f"no {view} plane"
-    raise InputError(f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; take --view 3d or chain")
+    raise InputError(
+        f"{result.case.name}: a {result.case.packing.kind} packing has {kinds}; take --view 3d or chain"
+    )
 
 
-def _colourings(result: Result, quantity: str, rows: NDArray[np.intp] | slice) -> list[sections.Colouring]:
+def _colourings(
+    result: Result, quantity: str, rows: NDArray[np.intp] | slice
+) -> list[sections.Colouring]:
     """Return the colouring of every snapshot, on one scale."""
     value_of, label, usual_map = QUANTITIES[quantity]
     values = [value_of(result, number) for number in range(len(result.frame_times))]
     largest = max(float(np.max(one[rows], initial=0.0)) for one in values)
     if not largest > 0:
-        raise InputError(f"{result.case.name}: there is no {quantity} in any snapshot; take another --quantity")
+        raise InputError(
+            f"{result.case.name}: there is no {quantity} in any snapshot; take another --quantity"
+        )
     options = result.figure_options
     low, high = sections.decades_up_to(largest, None)
     if quantity == "dissipation":
@@ -149,12 +168,16 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
         height = (WIDTH - 0.6) * (bottom - top) / (right - left) + 1.2
         figure = _figure(min(max(height, 2.1), 6.0), size)
         axes = figure.subplots()
-        sections.draw_discs(axes, cut, colouring.values[cut.index], colouring, sections.disc_radii(result, cut))
+        sections.draw_discs(
+            axes, cut, colouring.values[cut.index], colouring, sections.disc_radii(result, cut)
+        )
         sections.frame_axes(axes, window)
         axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
         axes.set_ylabel(f"{cut.plane.down_label} (mm)")
         axes.set_title(" ", fontsize=9)  # room for the clock
-        sections.colour_bar(figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size))
+        sections.colour_bar(
+            figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size)
+        )
         _clock(figure, float(result.frame_times[number]))
         return figure
 
@@ -177,17 +200,23 @@ def _of_packing(result: Result, quantity: str, size: Size) -> Scene:
 
 
 def _of_chain(result: Result, size: Size) -> Scene:
-    """Return the scene of a chain: forces now and the largest so far, above the map of all forces until now."""
+    """Return the scene of a chain: forces now and the largest so far, above the map of all forces
+    until now.
+    """
     if "chain" not in result:
         raise InputError(
             f"{result.case.name}: no record of a chain in time; --view chain is for chains of five beads and more "
             "(output.history)"
         )
-    times, force = result["chain/time"], result["chain/contact_force"]
-    place, largest = result["chain/contact_position"] * _MILLI, float(np.max(force, initial=0.0))
+    times = result["chain/time"]
+    force = result["chain/contact_force"]
+    place = result["chain/contact_position"] * _MILLI
+    largest = float(np.max(force, initial=0.0))
     if not largest > 0:
         raise InputError(f"{result.case.name}: no contact bore a force; there is nothing to film")
-    rows = np.unique(np.linspace(0, len(times) - 1, min(_MOST_INSTANTS, len(times))).round().astype(int))
+    rows = np.unique(
+        np.linspace(0, len(times) - 1, min(_MOST_INSTANTS, len(times))).round().astype(int)
+    )
     colours = result.figure_options.colour_map or FORCE_MAP
 
     def draw(number: int) -> Figure:
@@ -201,7 +230,9 @@ def _of_chain(result: Result, size: Size) -> Scene:
         now.set_title(" ", fontsize=9)
         shown = np.where(force > norm.vmin, force, np.nan)
         shown[row + 1 :] = np.nan
-        image = space_time_map(map_axes, result["chain/contact_position"], times, shown, norm, colours)
+        image = space_time_map(
+            map_axes, result["chain/contact_position"], times, shown, norm, colours
+        )
         map_axes.axhline(times[row] * _MICRO, color=GREY, linewidth=0.6)
         map_axes.set(ylim=(0, times[-1] * _MICRO), ylabel="Time (µs)")
         figure.colorbar(image, ax=map_axes, label="Force (N)")
@@ -214,9 +245,14 @@ def _of_chain(result: Result, size: Size) -> Scene:
 FORMS = (".mp4", ".gif", ".webp")
 _OWN = rb"granwave"  # in the notes of the files that are written here
 SIZES = {"slide": (1920, 1080), "page": (1200, 900)}  # pixels
-USUAL_WIDTH, LEAST_WIDTH, MOST_WIDTH = 1200, 100, 4000  # pixels
+# pixels
+USUAL_WIDTH = 1200
+LEAST_WIDTH = 100
+MOST_WIDTH = 4000
 _SECONDS = 6.0  # usual length
-_SLOWEST, _FASTEST = 3.0, 25.0  # frames per second
+# frames per second
+_SLOWEST = 3.0
+_FASTEST = 25.0
 _LAST = 1.5  # s that the last picture stays
 
 
@@ -243,14 +279,15 @@ def write_film(
     quantity
         ``force`` (largest contact force of each sphere), ``velocity`` or ``dissipation``.
     view
-        ``orthogonal`` or ``principal`` plane, ``section`` (the plane of the options), ``3d``, or ``chain`` (forces in
-        space-time); by default what the packing has.
+        ``orthogonal`` or ``principal`` plane, ``section`` (the plane of the options), ``3d``, or
+        ``chain`` (forces in space-time); by default what the packing has.
     width
         Width, pixels; the height follows from the view.
     size
         Width and height, pixels, in place of the width.
     options
-        Colours, limits and plane of the case; by default as ``[figures]`` of the case.toml there says.
+        Colours, limits and plane of the case; by default as ``[figures]`` of the case.toml there
+        says.
     rate
         Pictures per second; by default the film takes some six seconds.
     progress
@@ -272,12 +309,16 @@ def write_film(
         if options is not None:
             result.figure_options = options
         # the shorter side is a column, so that texts fit
-        inches = None if size is None else (WIDTH * size[0] / min(size), WIDTH * size[1] / min(size))
+        inches = (
+            None if size is None else (WIDTH * size[0] / min(size), WIDTH * size[1] / min(size))
+        )
         found = scene(result, quantity, view, inches)
         n = len(found.times)
         rate = rate or float(np.clip(n / _SECONDS, _SLOWEST, _FASTEST))
         with replacing(path) as scratch:
-            _WRITERS[path.suffix.lower()](scratch, _pictures(found, size[0] if size else width, progress), rate)
+            _WRITERS[path.suffix.lower()](
+                scratch, _pictures(found, size[0] if size else width, progress), rate
+            )
     return path
 
 
@@ -304,11 +345,19 @@ def size_of(text: str) -> tuple[int, int]:
 
 
 def _check(
-    path: Path, quantity: str, view: str | None, width: int, size: tuple[int, int] | None, rate: float | None
+    path: Path,
+    quantity: str,
+    view: str | None,
+    width: int,
+    size: tuple[int, int] | None,
+    rate: float | None,
 ) -> None:
     if path.suffix.lower() not in FORMS:
         raise InputError(f"-o {path}: expected a name that ends in {', '.join(FORMS)}")
-    for option, word, known in (("--quantity", quantity, tuple(QUANTITIES)), ("--view", view, VIEWS)):
+    for option, word, known in (
+        ("--quantity", quantity, tuple(QUANTITIES)),
+        ("--view", view, VIEWS),
+    ):
         if word is not None and word not in known:
             near = did_you_mean(word.lower(), known, 0.5)
             hint = f"; {near}" if near else ""
@@ -319,7 +368,9 @@ def _check(
         raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")
 
 
-def _pictures(film: Scene, width: int, progress: Callable[[int, int], None] | None) -> Iterator[NDArray[np.uint8]]:
+def _pictures(
+    film: Scene, width: int, progress: Callable[[int, int], None] | None
+) -> Iterator[NDArray[np.uint8]]:
     """Yield the pictures in red, green, blue: (height, width, 3), both even as films need."""
     for number in range(len(film.times)):
         figure = film.draw(number)
@@ -336,11 +387,15 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
     import imageio_ffmpeg  # brings ffmpeg along
 
     last = next(pictures)
-    read = f"-y -v error -f rawvideo -pix_fmt rgb24 -s {last.shape[1]}x{last.shape[0]} -r {rate} -i -"
+    read = (
+        f"-y -v error -f rawvideo -pix_fmt rgb24 -s {last.shape[1]}x{last.shape[0]} -r {rate} -i -"
+    )
     write = "-c:v libx264 -pix_fmt yuv420p -preset medium -crf 20 -metadata comment=granwave -f mp4"
     command = [imageio_ffmpeg.get_ffmpeg_exe(), *read.split(), *write.split(), str(path)]
     # a new session: Ctrl-C reaches this process alone
-    ffmpeg = subprocess.Popen(command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True)
+    ffmpeg = subprocess.Popen(
+        command, stdin=subprocess.PIPE, stderr=subprocess.DEVNULL, start_new_session=True
+    )
     try:
         with contextlib.suppress(BrokenPipeError):  # its exit status tells why it ended
             assert ffmpeg.stdin is not None
@@ -359,11 +414,15 @@ def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -
         raise OSError(number, os.strerror(number), str(path))
 
 
-def _write_moving(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float, **options: Any) -> None:
+def _write_moving(
+    path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float, **options: Any
+) -> None:
     images = [Image.fromarray(picture) for picture in pictures]
     durations = [round(1000 / rate)] * len(images)
     durations[-1] += round(1000 * _LAST)
-    images[0].save(path, save_all=True, append_images=images[1:], duration=durations, loop=0, **options)
+    images[0].save(
+        path, save_all=True, append_images=images[1:], duration=durations, loop=0, **options
+    )
 
 
 _NOTE = Image.Exif()

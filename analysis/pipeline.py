@@ -22,12 +22,26 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.planning.cost import MOST_DRAWN
 from granwave.lammps_inputs.processes import ALONE, Processes
-from granwave.lammps_inputs.run_directory import CASE_FILE, FILM_FILE, RESULT_FILE, SUMMARY_FILE, VIEW_FILE
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    FILM_FILE,
+    RESULT_FILE,
+    SUMMARY_FILE,
+    VIEW_FILE,
+)
 
 logger = logging.getLogger(__name__)
 
 #: Figures that need no values of spheres and contacts.
-_IN_TIME = ("energies", "timestep", "bottom_force", "target", "impactor_velocity", "probes", "accelerations")
+_IN_TIME = (
+    "energies",
+    "timestep",
+    "bottom_force",
+    "target",
+    "impactor_velocity",
+    "probes",
+    "accelerations",
+)
 
 
 def analyse(
@@ -45,13 +59,14 @@ def analyse(
     directory
         Of the run.
     progress
-        True for a bar on a terminal or in a notebook; or a function, called with the name of each part before it is
-        made.
+        True for a bar on a terminal or in a notebook; or a function, called with the name of each
+        part before it is made.
     figures
-        Draw them too, and make the film and the page that the case asks for. Of packings with more spheres than
-        `MOST_DRAWN` only figures of the run in time are drawn.
+        Draw them too, and make the film and the page that the case asks for. Of packings with more
+        spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
-        Largest number of spheres in memory; larger packings are analysed in parts. The values do not depend on it.
+        Largest number of spheres in memory; larger packings are analysed in parts. The values do
+        not depend on it.
     processes
         Processes that share the work. Nor do the values depend on them.
 
@@ -67,8 +82,8 @@ def analyse(
     OutputFormatError
         A file is damaged, or is not what the run wrote.
     InputError
-        case.toml or data.granwave was changed after the run, or there are files of such names that granwave did not
-        write.
+        case.toml or data.granwave was changed after the run, or there are files of such names that
+        granwave did not write.
     """
     if callable(progress):
         return _analyse(Path(directory), progress, figures, at_once, processes)
@@ -88,12 +103,22 @@ def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
     if n_spheres <= MOST_DRAWN:
         return None
     text = "%s: figures of the packing are left out, as each process that draws would hold %d spheres, more than %d; "
-    logger.warning(text + "granwave figures %s  draws them all the same", directory, n_spheres, MOST_DRAWN, directory)
+    logger.warning(
+        text + "granwave figures %s  draws them all the same",
+        directory,
+        n_spheres,
+        MOST_DRAWN,
+        directory,
+    )
     return _IN_TIME
 
 
 def _analyse(
-    directory: Path, report: Callable[[str], None], figures: bool, at_once: int, processes: Processes
+    directory: Path,
+    report: Callable[[str], None],
+    figures: bool,
+    at_once: int,
+    processes: Processes,
 ) -> Summary:
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
@@ -122,7 +147,9 @@ def _analyse(
 
 
 def _film_and_page(directory: Path, report: Callable[[str], None]) -> None:
-    """Make the film and the page that ``[figures]`` of the case asks for; tell where there is nothing to show."""
+    """Make the film and the page that ``[figures]`` of the case asks for; tell where there is
+    nothing to show.
+    """
     with Result(directory) as result:
         options = result.figure_options
     made: list[tuple[str, Callable[[], object]]] = []

@@ -27,7 +27,9 @@ def progress_bar(shown: bool, **options: Any) -> tqdm:
         Options of tqdm.
     """
     if shown and in_notebook():
-        from tqdm.auto import tqdm as bar_of_notebooks  # loads asyncio, which the command line does not need
+        from tqdm.auto import (
+            tqdm as bar_of_notebooks,
+        )  # loads asyncio, which the command line does not need
 
         return bar_of_notebooks(**options)
     from tqdm import tqdm  # not at the top: most commands show no bar

@@ -1,7 +1,9 @@
-"""The quantities of ``summary.json``, each once: its name there, in reports and at the terminal, and where it is shown.
+"""The quantities of ``summary.json``, each once: its name there, in reports and at the terminal,
+and where it is shown.
 
-A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it. It is computed in
-`granwave.analysis.summary`, or where the finite-element programs sum their runs up.
+A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it.
+It is computed in `granwave.analysis.summary`, or where the finite-element programs sum their runs
+up.
 """
 
 from __future__ import annotations
@@ -11,7 +13,11 @@ from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
 
-SHARES = (50, 90, 99)  # per cent of the energy dissipated by yielding: those that sizes of the plastic zone hold
+SHARES = (
+    50,
+    90,
+    99,
+)  # per cent of the energy dissipated by yielding: those that sizes of the plastic zone hold
 
 #: Unit by the end of a name; the first that fits counts.
 UNITS = {
@@ -28,7 +34,8 @@ class Quantity:
     name: str  # its key; of a family of keys with * for what differs
     label: str = ""  # its name in reports; else the words of the key
     meaning: str = ""  # a sentence for reports, where the label does not tell
-    short: str = ""  # its name at the terminal, which rows that follow each other may share; else the label
+    # its name at the terminal, which rows that follow each other may share; else the label
+    short: str = ""
     digits: str = ""  # format of the number at the terminal; of counts and words the value as it is
     phrase: str = ""  # words around the number at the terminal; else the unit follows
     axis: str = ""  # title, without the unit, of an axis of figures of scans
@@ -366,7 +373,9 @@ _FAMILIES = tuple(entry for entry in ENTRIES if "*" in entry.name)
 
 @cache
 def quantity(name: str) -> Quantity:
-    """Entry of a value of a summary; of a value without one, as other programs may leave, what its name tells."""
+    """Entry of a value of a summary; of a value without one, as other programs may leave, what its
+    name tells.
+    """
     if name in QUANTITIES:
         return QUANTITIES[name]
     family = next((entry for entry in _FAMILIES if fnmatchcase(name, entry.name)), Quantity(name))

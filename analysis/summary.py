@@ -13,8 +13,18 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.driven import SteadyMotion, amplitude_sweep_of, mean_power_of, transmission_of
-from granwave.analysis.measures.lines import line_summary, sensor_accelerations, sensor_forces, sensor_velocities
+from granwave.analysis.measures.driven import (
+    SteadyMotion,
+    amplitude_sweep_of,
+    mean_power_of,
+    transmission_of,
+)
+from granwave.analysis.measures.lines import (
+    line_summary,
+    sensor_accelerations,
+    sensor_forces,
+    sensor_velocities,
+)
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.measures.waves import wave_speed_of
@@ -38,12 +48,23 @@ _ROUNDING = 1e-12  # of the input
 _ENERGIES = ("kinetic", "elastic", "dissipated", "rotational", "dissipated_wall")
 _DISSIPATED = ("plastic", "friction", "viscous", "holder")
 _RESISTED = ("rolling", "twisting", "adhesion")  # where contacts resist these, or cohere
-_CONTACT_COLUMNS = ("peak_overlap", "peak_force", "effective_radius", "yield_overlap", "touching", "yielded")
+_CONTACT_COLUMNS = (
+    "peak_overlap",
+    "peak_force",
+    "effective_radius",
+    "yield_overlap",
+    "touching",
+    "yielded",
+)
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
 def summarise(
-    directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None, processes: Processes = ALONE
+    directory: str | Path,
+    *,
+    at_once: int = AT_ONCE,
+    case: Case | None = None,
+    processes: Processes = ALONE,
 ) -> Summary:
     """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` beside it.
 
@@ -80,8 +101,10 @@ def summarise(
 def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
     """The summary of a result that is open."""
     of_contacts = _of_contacts(result, processes)
-    record, n_cylinders = result.record, result.assembly.n_cylinders
-    end_time, wall_time = float(result["energy/time"][-1]), record.get("wall_time_s")
+    record = result.record
+    n_cylinders = result.assembly.n_cylinders
+    end_time = float(result["energy/time"][-1])
+    wall_time = record.get("wall_time_s")
     n_steps = int(result["energy/timesteps" if "energy/timesteps" in result else "energy/step"][-1])
     timestep = end_time / n_steps if n_steps else None
     return {
@@ -108,7 +131,10 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         **zone_summary(result),
         **_normalised(result),
         **_walls(result),
-        **{f"energy_{bar.name}_J": float(result[f"energy/{bar.name}"][-1]) for bar in result.assembly.bars},
+        **{
+            f"energy_{bar.name}_J": float(result[f"energy/{bar.name}"][-1])
+            for bar in result.assembly.bars
+        },
         **_sensors(result),
         **line_summary(result),
         **({"n_cylinders": n_cylinders} if n_cylinders else {}),
@@ -130,29 +156,51 @@ def _last(result: Result, name: str, default: float | None = None) -> float | No
 
 
 def restitution(result: Result) -> float | None:
-    """Coefficient of restitution of a single collision: of two free spheres, or of one and the bottom wall.
+    """Coefficient of restitution of a single collision: of two free spheres, or of one and the
+    bottom wall.
 
     Of two equal spheres of which one rests, the struck one keeps (1 - e)/2 of its velocity; from a wall it returns with
     -e, of an oblique impact with the normal part. None for every other packing, and as long as the bodies touch.
     """
-    case, boundary, load = result.case, result.case.boundary, result.case.load
+    case = result.case
+    boundary = result.case.boundary
+    load = result.case.load
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
-    if load.kind != "impact" or not assemble(case).plain or moves or case.precompression is not None:
+    if (
+        load.kind != "impact"
+        or not assemble(case).plain
+        or moves
+        or case.precompression is not None
+    ):
         return None
-    if (load.angle and result.n_spheres > 1) or result["energy/elastic"][-1] > _TOUCH * result.energy_input:
+    if (load.angle and result.n_spheres > 1) or result["energy/elastic"][
+        -1
+    ] > _TOUCH * result.energy_input:
         return None
-    left = float(result["energy/struck_velocity"][-1]) / velocities_of(assemble(case))[result.struck[0]][2]
+    left = (
+        float(result["energy/struck_velocity"][-1])
+        / velocities_of(assemble(case))[result.struck[0]][2]
+    )
     if result.n_spheres == 2 and case.packing.kind == "chain" and boundary.bottom == "free":
         return 1 - 2 * left
     return -left if result.n_spheres == 1 and boundary.bottom == "wall" else None
 
 
 def _energies(result: Result) -> Summary:
-    """Energies at the end, shares of the input, and the largest error of the ledger over the largest input."""
-    given, plastic, largest = result.energy_input, float(result.yield_ledger[-1]), result.largest_input
+    """Energies at the end, shares of the input, and the largest error of the ledger over the
+    largest input.
+    """
+    given = result.energy_input
+    plastic = float(result.yield_ledger[-1])
+    largest = result.largest_input
     lost = [*_DISSIPATED, *(name for name in _RESISTED if f"energy/{name}" in result)]
-    final = {name: _last(result, f"energy/{name}") for name in (*_ENERGIES, *lost, "dissipated", "absorbed")}
-    final["plastic"] = 0.0 if abs(plastic) < _ROUNDING * given else plastic  # what is left of a difference
+    final = {
+        name: _last(result, f"energy/{name}")
+        for name in (*_ENERGIES, *lost, "dissipated", "absorbed")
+    }
+    final["plastic"] = (
+        0.0 if abs(plastic) < _ROUNDING * given else plastic
+    )  # what is left of a difference
     shares = {name: final[name] for name in ("dissipated", *lost, "absorbed")}
     return {
         "energy_input_J": given,
@@ -168,7 +216,8 @@ def _energies(result: Result) -> Summary:
 
 def _transmission(result: Result) -> Summary:
     """Return what a row passes on of a load that oscillates."""
-    found, swept = transmission_of(result), amplitude_sweep_of(result)
+    found = transmission_of(result)
+    swept = amplitude_sweep_of(result)
     steady = found if isinstance(found, SteadyMotion) else None
     given, absorbed = mean_power_of(result) or (None, None)
     return {
@@ -183,13 +232,19 @@ def _transmission(result: Result) -> Summary:
 
 def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
     """Return numbers of contacts, and the largest force and overlap; a large table is shared out."""
-    n_rows, size = len(result.file["contacts/i"]), result.at_once
+    n_rows = len(result.file["contacts/i"])
+    size = result.at_once
     if n_rows <= size:
         parts = [_of_rows([result[f"contacts/{name}"] for name in _CONTACT_COLUMNS])]
     else:
-        parts = list(processes.map(partial(_of_block, result.path, size, result.case), range(0, n_rows, size)))
+        parts = list(
+            processes.map(
+                partial(_of_block, result.path, size, result.case), range(0, n_rows, size)
+            )
+        )
     found: dict[str, Any] = {
-        name: (max if name.startswith("peak") else sum)(part[name] for part in parts) for name in parts[0]
+        name: (max if name.startswith("peak") else sum)(part[name] for part in parts)
+        for name in parts[0]
     }
     for name, share in (("beyond_law", LAW_LIMIT), ("beyond_half_law", HALF_LAW_LIMIT)):
         if result.assembly.has_cylinders:
@@ -201,11 +256,18 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
 
 def _of_block(path: Path, size: int, case: Case, first: int) -> dict[str, float]:
     with Result(path, size, case) as result:
-        return _of_rows([result.read(f"contacts/{name}", slice(first, first + size)) for name in _CONTACT_COLUMNS])
+        return _of_rows(
+            [
+                result.read(f"contacts/{name}", slice(first, first + size))
+                for name in _CONTACT_COLUMNS
+            ]
+        )
 
 
 def _of_rows(columns: list[Array]) -> dict[str, float]:
-    """Return what some contacts add to the numbers; pairs that were pressed by rounding alone are not loaded."""
+    """Return what some contacts add to the numbers; pairs that were pressed by rounding alone are
+    not loaded.
+    """
     overlap, force, radius, yield_overlap, touching, yielded = columns
     pressed = overlap > np.where(np.isfinite(yield_overlap), LISTED_FROM * yield_overlap, 0.0)
     counted = {
@@ -215,7 +277,10 @@ def _of_rows(columns: list[Array]) -> dict[str, float]:
         "beyond_law": overlap > LAW_LIMIT * radius,
         "beyond_half_law": overlap > HALF_LAW_LIMIT * radius,
     }
-    largest = {"peak_force": float(force.max(initial=0.0)), "peak_overlap": float(overlap.max(initial=0.0))}
+    largest = {
+        "peak_force": float(force.max(initial=0.0)),
+        "peak_overlap": float(overlap.max(initial=0.0)),
+    }
     return {name: int(np.count_nonzero(values)) for name, values in counted.items()} | largest
 
 
@@ -223,21 +288,29 @@ def _plasticity(result: Result) -> Summary:
     """Number of contacts and spheres that yielded, and volume and extent of these spheres."""
     found = [
         (positions[yielded > 0], radii[yielded > 0])
-        for positions, radii, yielded in result.blocks("spheres/position", "spheres/radius", "spheres/contacts_yielded")
+        for positions, radii, yielded in result.blocks(
+            "spheres/position", "spheres/radius", "spheres/contacts_yielded"
+        )
     ]
     positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
-    offset, yields = positions - result.origin, result.yields
+    offset = positions - result.origin
+    yields = result.yields
     return {
         "n_plastic_spheres": len(radii),
         "plastic_zone_volume_m3": float(np.sum(4 / 3 * np.pi * radii**3)) if yields else None,
         "plastic_zone_depth_m": float(np.max(offset[:, 2], initial=0.0)) if yields else None,
-        "plastic_zone_radius_m": float(np.max(np.hypot(*offset[:, :2].T), initial=0.0)) if yields else None,
+        "plastic_zone_radius_m": float(np.max(np.hypot(*offset[:, :2].T), initial=0.0))
+        if yields
+        else None,
     }
 
 
 def _normalised(result: Result) -> Summary:
     """Velocity and energy over those of first yielding."""
-    law, case, speed, energy = result.law, result.case, None, None
+    law = result.law
+    case = result.case
+    speed = None
+    energy = None
     if result.has_yield_force:
         energy = result.energy_input / (law.yield_force * law.yield_overlap)
         if case.load.kind == "impact":
@@ -247,10 +320,12 @@ def _normalised(result: Result) -> Summary:
 
 
 def _walls(result: Result) -> Summary:
-    """Return what reached the target, the bottom, and other walls, and how much less that is than without the packing.
+    """Return what reached the target, the bottom, and other walls, and how much less that is than
+    without the packing.
 
-    Peak reduction: the largest force on the target without the packing over the largest with it. Of a precompressed
-    packing what it presses with from the start is no part of what the impact brings.
+    Peak reduction: the largest force on the target without the packing over the largest with it. Of
+    a precompressed packing what it presses with from the start is no part of what the impact
+    brings.
     """
     found = reached(result)
     bare = unprotected(result.case, float(result["energy/time"][-1])) if found else None
@@ -262,7 +337,11 @@ def _walls(result: Result) -> Summary:
         return without / largest if largest > 0 and without else None
 
     # while the force still rises at the end no peak is known
-    reduction = reduced(peak, found.force) if found and found.force.argmax() < len(found.force) - 1 else None
+    reduction = (
+        reduced(peak, found.force)
+        if found and found.force.argmax() < len(found.force) - 1
+        else None
+    )
     mass, height = _mass_and_height(result)
     summary: Summary = {
         "wall_peak_force_N": found.peak_force if found else None,
@@ -270,9 +349,13 @@ def _walls(result: Result) -> Summary:
         "base_arrival_s": found.arrival if found else None,
     }
     for name in (name for name in result.names("walls") if name in SIDE_WALLS or name == PLATE):
-        force, impulse = result[f"walls/{name}/force"], result[f"walls/{name}/impulse"]
+        force = result[f"walls/{name}/force"]
+        impulse = result[f"walls/{name}/impulse"]
         prefix = name if name == PLATE else f"wall_{name}"
-        summary |= {f"{prefix}_peak_force_N": float(force.max()), f"{prefix}_impulse_Ns": float(impulse[-1])}
+        summary |= {
+            f"{prefix}_peak_force_N": float(force.max()),
+            f"{prefix}_impulse_Ns": float(impulse[-1]),
+        }
     if f"walls/{PLATE}" in result:
         summary["plate_velocity_m_s"] = -float(result[f"walls/{PLATE}/velocity"][-1])
         summary["energy_plate_J"] = float(result["energy/plate"][-1])
@@ -280,7 +363,9 @@ def _walls(result: Result) -> Summary:
         "target_peak_force_N": found.peak_force if found else None,
         "ground_peak_force_N": found.ground_peak_force if found else None,
         "target_peak_displacement_m": None if moved is None else float(np.abs(moved).max()),
-        "energy_target_J": _last(result, "energy/target", 0.0 if "walls/bottom" in result else None),  # 0: it is fixed
+        "energy_target_J": _last(
+            result, "energy/target", 0.0 if "walls/bottom" in result else None
+        ),  # 0: it is fixed
         "support_energy_J": _last(result, "energy/support"),
         "support_lost_J": _last(result, "energy/support_lost"),
         "unprotected_peak_force_N": peak,
@@ -296,20 +381,34 @@ def _walls(result: Result) -> Summary:
 
 def _mass_and_height(result: Result) -> tuple[float, float]:
     """Mass (kg) and height (m) of the packing, strikers left out."""
-    masses, top, bottom = [], np.inf, -np.inf
+    masses = []
+    top = np.inf
+    bottom = -np.inf
     for part in result.parts():
         inside = part.in_packing
-        depth, radii = part["spheres/position"][inside, 2], part["spheres/radius"][inside]
-        top, bottom = (depth - radii).min(initial=top), (depth + radii).max(initial=bottom)
+        depth = part["spheres/position"][inside, 2]
+        radii = part["spheres/radius"][inside]
+        top = (depth - radii).min(initial=top)
+        bottom = (depth + radii).max(initial=bottom)
         masses += part["spheres/mass"][inside].tolist()
-    return math.fsum(masses), float(bottom - top)  # the same to the last digit however the packing is parted
+    return math.fsum(masses), float(
+        bottom - top
+    )  # the same to the last digit however the packing is parted
 
 
 def _sensors(result: Result) -> Summary:
-    """Largest force at each sensor of a chain; largest acceleration and speed at each of another packing."""
+    """Largest force at each sensor of a chain; largest acceleration and speed at each of another
+    packing.
+    """
     if "chain" in result:
-        return {f"sensor_{name}_peak_force_N": float(force.max()) for name, force in sensor_forces(result).items()}
-    found = {"peak_acceleration_m_s2": sensor_accelerations(result), "peak_velocity_m_s": sensor_velocities(result)}
+        return {
+            f"sensor_{name}_peak_force_N": float(force.max())
+            for name, force in sensor_forces(result).items()
+        }
+    found = {
+        "peak_acceleration_m_s2": sensor_accelerations(result),
+        "peak_velocity_m_s": sensor_velocities(result),
+    }
     return {
         f"sensor_{name}_{quantity}": float(np.linalg.norm(values, axis=1).max())
         for quantity, sensors in found.items()

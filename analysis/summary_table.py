@@ -1,4 +1,6 @@
-"""Main values of a run, as the terminal and notebooks show them, and sentences on values of ``summary.json``."""
+"""Main values of a run, as the terminal and notebooks show them, and sentences on values of
+``summary.json``.
+"""
 
 from __future__ import annotations
 
@@ -11,11 +13,16 @@ from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_RO
 from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
-_GROWING = {"plastic_zone_depth_m": "depth", "plastic_zone_radius_m": "radius"}  # as `zone_growing` calls them
+_GROWING = {
+    "plastic_zone_depth_m": "depth",
+    "plastic_zone_radius_m": "radius",
+}  # as `zone_growing` calls them
 
 
 class Row(NamedTuple):
-    """A row: label (empty: that of the row before), value as text, and the keys of summary.json that it shows."""
+    """A row: label (empty: that of the row before), value as text, and the keys of summary.json
+    that it shows.
+    """
 
     label: str
     text: str
@@ -29,9 +36,12 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list[Row]:
-    """Rows of the main values of a summary, or of that of a run of finite elements, as far as there are values."""
+    """Rows of the main values of a summary, or of that of a run of finite elements, as far as there
+    are values.
+    """
     left_out = () if continuum or summary.get("friction_fraction") else FRICTION_SHARES
-    rows, before = [Row("case", str(summary["name"]), ("name",))], ""
+    rows = [Row("case", str(summary["name"]), ("name",))]
+    before = ""
     called = grains_called_in([summary])
     for entry in CONTINUUM_ROWS if continuum else RUN_ROWS:
         value = None if entry.name in left_out else summary.get(entry.name)
@@ -41,7 +51,9 @@ def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list
             if entry.name == "n_cylinders" and called != GRAINS:
                 continue  # all grains are
             label = entry.short if entry.name == "n_cylinders" else in_grains(entry.short, called)
-            rows.append(Row("" if entry.short == before else label, in_grains(text, called), (entry.name,)))
+            rows.append(
+                Row("" if entry.short == before else label, in_grains(text, called), (entry.name,))
+            )
             before = entry.short
         if entry.name == _ZONE_AFTER:
             rows += _zone_rows(summary)
@@ -71,7 +83,9 @@ def _zone_rows(summary: Mapping[str, Any]) -> list[Row]:
             rows.append(Row(label, f"{what} {', '.join(found)} {unit}", keys))
             label = ""
     if summary.get("zone_cut") is not None:
-        rows.append(Row("bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",)))
+        rows.append(
+            Row("bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",))
+        )
     return rows
 
 

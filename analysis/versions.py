@@ -13,7 +13,9 @@ RESULTS_FORMAT = "results_format"  # name of `FORMAT` among versions
 
 
 def versions_of(packages: Iterable[str], **others: str) -> dict[str, str]:
-    """Return the versions of granwave, its results, Python, ``others`` and packages, or "not installed"."""
+    """Return the versions of granwave, its results, Python, ``others`` and packages, or "not
+    installed".
+    """
     return {
         "granwave": __version__,
         RESULTS_FORMAT: str(FORMAT),

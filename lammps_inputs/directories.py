@@ -1,9 +1,10 @@
-"""Directories of results: start, resume or refuse; what was changed after a run; unsuitable places; full disks.
+"""Directories of results: start, resume or refuse; what was changed after a run; unsuitable places;
+full disks.
 
-A directory that holds results is refused by default. ``--resume`` continues them if they are of the same case,
-``--force`` replaces what granwave wrote. Files that granwave did not write are always kept, see
-`granwave.lammps_inputs.run_directory`. Changes are a case.toml or deck that was edited, and output that was cut,
-damaged or replaced.
+A directory that holds results is refused by default. ``--resume`` continues them if they are of the
+same case, ``--force`` replaces what granwave wrote. Files that granwave did not write are always
+kept, see `granwave.lammps_inputs.run_directory`. Changes are a case.toml or deck that was edited,
+and output that was cut, damaged or replaced.
 """
 
 from __future__ import annotations
@@ -38,7 +39,9 @@ _LONGEST = 40  # characters of a value in a message
 
 
 def tables_as_run(directory: Path) -> dict[str, Any] | None:
-    """Return the tables of case.toml at the start of the run; None if the marker does not hold them."""
+    """Return the tables of case.toml at the start of the run; None if the marker does not hold
+    them.
+    """
     try:
         return tomllib.loads(ownership.read_marker(directory).case) or None
     except ValueError:  # a marker that somebody edited
@@ -47,15 +50,22 @@ def tables_as_run(directory: Path) -> dict[str, Any] | None:
 
 def case_digest(tables: Mapping[str, Any]) -> str:
     """Return a digest of the tables of a case that decide its results."""
-    other = ("name", "resolved", run_directory.FIGURES_TABLE)  # name, derived values, and what is drawn
+    other = (
+        "name",
+        "resolved",
+        run_directory.FIGURES_TABLE,
+    )  # name, derived values, and what is drawn
     deciding = {name: table for name, table in tables.items() if name not in other}
-    return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[:_DIGEST_LENGTH]
+    return hashlib.sha256(json.dumps(deciding, sort_keys=True).encode()).hexdigest()[
+        :_DIGEST_LENGTH
+    ]
 
 
 def check_case(directory: Path) -> None:
     """Raise InputError if case.toml was changed after the run; the table of figures may be."""
     path = directory / run_directory.CASE_FILE
-    there, as_run = read_tables(path), tables_as_run(directory)
+    there = read_tables(path)
+    as_run = tables_as_run(directory)
     if there is None or as_run is None:
         return
     drawn = {run_directory.FIGURES_TABLE: None}
@@ -85,30 +95,46 @@ def restore_case(directory: Path) -> bool:
     return True
 
 
-def _changes(there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+def _changes(
+    there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = ""
+) -> Iterator[str]:
     for key in dict.fromkeys((*as_run, *there)):
-        now, then, name = there.get(key), as_run.get(key), f"{prefix}{key}"
+        now = there.get(key)
+        then = as_run.get(key)
+        name = f"{prefix}{key}"
         if isinstance(now, Mapping) and isinstance(then, Mapping):
             yield from _changes(now, then, f"{name}.")
         elif now != then:
-            texts = ("left out" if value is None else json.dumps(value, default=str) for value in (now, then))
-            found, before = (text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..." for text in texts)
+            texts = (
+                "left out" if value is None else json.dumps(value, default=str)
+                for value in (now, then)
+            )
+            found, before = (
+                text if len(text) <= _LONGEST else text[: _LONGEST - 3] + "..." for text in texts
+            )
             yield f"{name} is {found}, was {before}"
 
 
 def note_files(directory: Path, names: Iterable[str]) -> None:
-    """Store sizes and checksums of finished files in the marker, so that `changed_file` detects later changes."""
+    """Store sizes and checksums of finished files in the marker, so that `changed_file` detects
+    later changes.
+    """
     marker = ownership.read_marker(directory)
     if not marker.kind:
         return
     paths = {name: ownership.own_file(directory, name) for name in names}
-    marker.files |= {name: path.stat().st_size if path is not None else None for name, path in paths.items()}
+    marker.files |= {
+        name: path.stat().st_size if path is not None else None for name, path in paths.items()
+    }
     marker.sums |= {name: checksum(path) for name, path in paths.items() if path is not None}
     marker.write(directory)
 
 
-def changed_file(directory: Path, names: Iterable[str] | None = None, processes: Processes = ALONE) -> str:
-    """Describe the first file that is not what the run wrote; empty if none. Missing files are ignored.
+def changed_file(
+    directory: Path, names: Iterable[str] | None = None, processes: Processes = ALONE
+) -> str:
+    """Describe the first file that is not what the run wrote; empty if none. Missing files are
+    ignored.
 
     Parameters
     ----------
@@ -120,13 +146,19 @@ def changed_file(directory: Path, names: Iterable[str] | None = None, processes:
     if not (directory / run_directory.MARKER).is_file():
         return ""
     marker = ownership.read_marker(directory)
-    files = {name: size for name, size in marker.files.items() if size is not None and (directory / name).is_file()}
+    files = {
+        name: size
+        for name, size in marker.files.items()
+        if size is not None and (directory / name).is_file()
+    }
     there = [name for name in (files if names is None else names) if name in files]
     for name in there:
         if (size := (directory / name).stat().st_size) != files[name]:
             return f"{directory / name}: is not what the run wrote: it has {size} bytes, had {files[name]}"
     summed = [name for name in there if name in marker.sums]
-    for name, found in zip(summed, processes.map(checksum, [directory / name for name in summed]), strict=True):
+    for name, found in zip(
+        summed, processes.map(checksum, [directory / name for name in summed]), strict=True
+    ):
         if found != marker.sums[name]:
             fault = "is not what the run wrote: its checksum differs; it was damaged, or is of another run"
             return f"{directory / name}: {fault}"
@@ -136,7 +168,9 @@ def changed_file(directory: Path, names: Iterable[str] | None = None, processes:
 def changed_result(
     directory: Path, names: Iterable[str] = (run_directory.RESULT_FILE, run_directory.SUMMARY_FILE)
 ) -> str:
-    """Describe the first result of a run that is not what its analysis wrote, and how to mend it; empty if none."""
+    """Describe the first result of a run that is not what its analysis wrote, and how to mend it;
+    empty if none.
+    """
     fault = changed_file(directory, names)
     if not fault:
         return ""
@@ -169,20 +203,32 @@ def result_fault(directory: Path) -> str:
 def outputs_complete(directory: Path) -> bool:
     """Return True if all output of LAMMPS exists as it was at the end of the run."""
     names = [run_directory.DATA_FILE, *ownership.output_names(directory)]
-    return len(names) > 1 and all((directory / name).is_file() for name in names) and not changed_file(directory, names)
+    return (
+        len(names) > 1
+        and all((directory / name).is_file() for name in names)
+        and not changed_file(directory, names)
+    )
 
 
 def note_deck(directory: Path, names: Iterable[str]) -> None:
-    """Store the digests of the files of a deck in the marker, so that `changed_files` detects edits."""
+    """Store the digests of the files of a deck in the marker, so that `changed_files` detects
+    edits.
+    """
     marker = ownership.read_marker(directory)
     marker.digests |= {name: _digest(directory / name) for name in names}
     marker.write(directory)
 
 
 def changed_files(directory: Path) -> list[str]:
-    """Return the names of the files of a deck that are not as granwave wrote them; missing ones do not count."""
+    """Return the names of the files of a deck that are not as granwave wrote them; missing ones do
+    not count.
+    """
     noted = ownership.read_marker(directory).digests.items()
-    return [name for name, digest in noted if (directory / name).is_file() and _digest(directory / name) != digest]
+    return [
+        name
+        for name, digest in noted
+        if (directory / name).is_file() and _digest(directory / name) != digest
+    ]
 
 
 def check_deck(directory: Path) -> None:
@@ -195,12 +241,22 @@ def check_deck(directory: Path) -> None:
     """
     by_hand = not (directory / run_directory.RECORD_FILE).exists()
     for name in changed_files(directory):
-        path, is_data = directory / name, name == run_directory.DATA_FILE
+        path = directory / name
+        is_data = name == run_directory.DATA_FILE
         if by_hand:
-            taken = _TAKEN.format("positions, diameters and densities are those of the file; " if is_data else "")
-            dumps = [one.stat().st_mtime for one in (directory / run_directory.DUMPS).glob("*") if one.is_file()]
+            taken = _TAKEN.format(
+                "positions, diameters and densities are those of the file; " if is_data else ""
+            )
+            dumps = [
+                one.stat().st_mtime
+                for one in (directory / run_directory.DUMPS).glob("*")
+                if one.is_file()
+            ]
             newer = path.stat().st_mtime > max(dumps, default=math.inf)
-            late = "; it is newer than the output of LAMMPS, so the run may have been of another" * newer
+            late = (
+                "; it is newer than the output of LAMMPS, so the run may have been of another"
+                * newer
+            )
             logger.warning("%s: was changed after granwave wrote it%s. %s", path, late, taken)
         elif is_data:
             raise InputError(
@@ -226,7 +282,8 @@ def decide(
     case: Mapping[str, Any],
     read: Callable[[Mapping[str, Any]], Mapping[str, Any]],
 ) -> bool:
-    """Decide between resuming the results in a directory and a new start, without changing anything.
+    """Decide between resuming the results in a directory and a new start, without changing
+    anything.
 
     Parameters
     ----------
@@ -237,7 +294,8 @@ def decide(
     case
         The case as tables, all defaults filled in.
     read
-        Function that returns the same for the tables of the case that was run; called only to resume.
+        Function that returns the same for the tables of the case that was run; called only to
+        resume.
 
     Returns
     -------
@@ -247,15 +305,22 @@ def decide(
     Raises
     ------
     InputError
-        The directory holds results and neither ``resume`` nor ``force`` was given; it holds another case, or files that
-        granwave did not write and would overwrite; it is unsuitable for results; or both options were given.
+        The directory holds results and neither ``resume`` nor ``force`` was given; it holds another
+        case, or files that granwave did not write and would overwrite; it is unsuitable for
+        results; or both options were given.
     """
     check_directory(directory, resume=resume, force=force)
     ownership.refuse_other_kind(directory, kind)
-    if resume and ownership.results_in(directory) and (there := tables_as_run(directory)) is not None:
+    if (
+        resume
+        and ownership.results_in(directory)
+        and (there := tables_as_run(directory)) is not None
+    ):
         check_case(directory)
         as_run = read(there)
-        if different := sorted(name for name in {*as_run, *case} if as_run.get(name) != case.get(name)):
+        if different := sorted(
+            name for name in {*as_run, *case} if as_run.get(name) != case.get(name)
+        ):
             raise InputError(
                 f"{directory}: holds another case (different: {', '.join(different)}); --force replaces it, or choose "
                 "another directory with -o"
@@ -268,7 +333,9 @@ def decide(
 
 
 def check_directory(directory: Path, *, resume: bool, force: bool) -> None:
-    """Raise InputError if a directory is unsuitable for results, or if both ``resume`` and ``force`` are given."""
+    """Raise InputError if a directory is unsuitable for results, or if both ``resume`` and
+    ``force`` are given.
+    """
     if resume and force:
         raise InputError(
             "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
@@ -277,7 +344,9 @@ def check_directory(directory: Path, *, resume: bool, force: bool) -> None:
 
 
 def refuse_source(directory: Path, name: str, source: Path | None) -> None:
-    """Raise InputError if the case ``name`` takes its dents from a file among the results that it would replace."""
+    """Raise InputError if the case ``name`` takes its dents from a file among the results that it
+    would replace.
+    """
     if source is None:
         return
     there = source.resolve()
@@ -298,10 +367,14 @@ def output_path(name: str | Path) -> Path:
         The name is empty, or begins with a "~" that the shell did not replace.
     """
     if not str(name):
-        raise InputError('found the empty name "", expected that of a file or directory (. is the present directory)')
+        raise InputError(
+            'found the empty name "", expected that of a file or directory (. is the present directory)'
+        )
     path = Path(name)
     if path.parts and path.parts[0].startswith("~"):
-        raise InputError(f"{path}: the shell did not replace {path.parts[0]}; write the whole path, or $HOME")
+        raise InputError(
+            f"{path}: the shell did not replace {path.parts[0]}; write the whole path, or $HOME"
+        )
     return path
 
 
@@ -316,8 +389,8 @@ def results_directory(name: str | Path, *, force: bool = False) -> Path:
     Raises
     ------
     InputError
-        As in `output_path`; or it is a file, the root or the home directory, or, with ``force``, a link to a directory
-        that holds results.
+        As in `output_path`; or it is a file, the root or the home directory, or, with ``force``, a
+        link to a directory that holds results.
     """
     path = output_path(name)
     try:
@@ -334,7 +407,9 @@ def results_directory(name: str | Path, *, force: bool = False) -> Path:
     with contextlib.suppress(RuntimeError, OSError):  # a user without a home
         places[Path.home().resolve()] = "your home directory"
     if there in places:
-        raise InputError(f"{path}: is {places[there]}; choose a directory for the results alone with -o")
+        raise InputError(
+            f"{path}: is {places[there]}; choose a directory for the results alone with -o"
+        )
     if force and path.is_symlink() and ownership.results_in(path):
         raise InputError(
             f"{path}: is a link to {there}, and --force removes nothing through a link; give that directory with -o"
@@ -351,15 +426,26 @@ def refuse_other_file(path: Path, own: bytes) -> None:
         Regular expression that matches every file of this kind that granwave writes.
     """
     if path.is_dir():
-        raise InputError(f"{path}: is a directory, expected the name of a file; choose another with -o")
+        raise InputError(
+            f"{path}: is a directory, expected the name of a file; choose another with -o"
+        )
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
-        raise InputError(f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with -o")
+        raise InputError(
+            f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with -o"
+        )
     if os.path.lexists(path) and not re.search(own, head(path)):
-        raise InputError(f"{path}: is there, and granwave did not write it; choose another name with -o")
+        raise InputError(
+            f"{path}: is there, and granwave did not write it; choose another name with -o"
+        )
 
 
 def check_disk(
-    directory: Path, needed: float, *, what: str = "the results", spare: float = 0.0, remedy: str = "fewer run.frames"
+    directory: Path,
+    needed: float,
+    *,
+    what: str = "the results",
+    spare: float = 0.0,
+    remedy: str = "fewer run.frames",
 ) -> None:
     """Raise InputError if the disk has too little free space.
 
@@ -381,7 +467,9 @@ def check_disk(
 
 def free_space(directory: Path) -> float:
     """Return the free space on the disk of a directory, bytes; the directory need not exist yet."""
-    return shutil.disk_usage(next(path for path in (directory, *directory.parents) if path.exists())).free
+    return shutil.disk_usage(
+        next(path for path in (directory, *directory.parents) if path.exists())
+    ).free
 
 
 def disk_space_message(what: str, needed: float, spare: float, free: float) -> str:

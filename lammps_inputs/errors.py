@@ -26,7 +26,11 @@ class InputError(GranwaveError, ValueError):
     @property
     def faults(self) -> list[str]:
         """Former name of ``errors``, deprecated since 0.3."""
-        warnings.warn("InputError.faults is now called errors; refused from 1.1", DeprecationWarning, stacklevel=2)
+        warnings.warn(
+            "InputError.faults is now called errors; refused from 1.1",
+            DeprecationWarning,
+            stacklevel=2,
+        )
         return self.errors
 
     def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
@@ -46,4 +50,6 @@ def raise_all(checks: Iterable[Callable[[], object]]) -> None:
 
 
 class RunError(GranwaveError, RuntimeError):
-    """Error of a computation that failed, or whose result was refused, although its input was right."""
+    """Error of a computation that failed, or whose result was refused, although its input was
+    right.
+    """

@@ -1,9 +1,10 @@
-"""Files: atomic replacement, system errors that name their file, rows of CSV, TOML with absolute paths; free memory.
+"""Files: atomic replacement, system errors that name their file, rows of CSV, TOML with absolute
+paths; free memory.
 
-Rows of CSV are read with the numbers of their lines; a # outside quotes begins a comment. Paths that cases and scans
-name are made absolute as soon as they are read: one in a file is relative to the folder of that file (`read_toml`), one
-in ``--set`` or in a Python mapping to the working directory (`parse_overrides`, `case_from_dict`). Code that opens the
-file need not know.
+Rows of CSV are read with the numbers of their lines; a # outside quotes begins a comment. Paths
+that cases and scans name are made absolute as soon as they are read: one in a file is relative to
+the folder of that file (`read_toml`), one in ``--set`` or in a Python mapping to the working
+directory (`parse_overrides`, `case_from_dict`). Code that opens the file need not know.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ _BLOCK = 2**20  # bytes read at a time
 
 @contextlib.contextmanager
 def replacing(path: Path) -> Iterator[Path]:
-    """Give a hidden scratch file beside ``path`` that replaces it at the end; on an error the old file stays."""
+    """Give a hidden scratch file beside ``path`` that replaces it at the end; on an error the old
+    file stays.
+    """
     scratch = path.with_name(f".{path.name}.{os.getpid()}")
     try:
         with naming(path):
@@ -46,7 +49,8 @@ def replacing(path: Path) -> Iterator[Path]:
 def discard(scratch: Path) -> None:
     """Remove a file that may still be open, and free its disk space at once.
 
-    HDF5 crashes at the end of the program if the disk is too full to write the rest of an open file.
+    HDF5 crashes at the end of the program if the disk is too full to write the rest of an open
+    file.
     """
     with contextlib.suppress(OSError):  # an earlier error is the one to report
         os.truncate(scratch, 0)
@@ -55,7 +59,9 @@ def discard(scratch: Path) -> None:
 
 @contextlib.contextmanager
 def scratch_files(path: Path) -> Iterator[Callable[[], Path]]:
-    """Give a function that returns names of hidden scratch files beside ``path``; they are removed at the end."""
+    """Give a function that returns names of hidden scratch files beside ``path``; they are removed
+    at the end.
+    """
     made: list[Path] = []
 
     def name() -> Path:
@@ -80,9 +86,15 @@ def naming(path: Path) -> Iterator[None]:
     except OSError as error:
         number = error.errno or _number_in(str(error))
         scratch = f".{path.name}.{os.getpid()}"  # of `replacing`
-        if number is None or (error.filename is not None and Path(os.fsdecode(error.filename)).name != scratch):
+        if number is None or (
+            error.filename is not None and Path(os.fsdecode(error.filename)).name != scratch
+        ):
             raise
-        reason = os.strerror(number) if error.errno is None or "errno = " in str(error) else error.strerror
+        reason = (
+            os.strerror(number)
+            if error.errno is None or "errno = " in str(error)
+            else error.strerror
+        )
         raise OSError(number, reason, str(path)) from error
     except RuntimeError as error:  # h5py, when it closes a file
         if (number := _number_in(str(error))) is None:
@@ -135,12 +147,16 @@ def read_text(path: Path) -> str:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
         line = raw.count(b"\n", 0, error.start) + 1
-        text = f"found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
+        text = (
+            f"found bytes that are not UTF-8 (line {line}), expected UTF-8 text; save it as UTF-8"
+        )
         raise UnicodeError(text) from None
 
 
 def _read_input(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "") -> str:
-    """Read a text file that a user named; raise InputError. ``hint`` returns more words about a missing one."""
+    """Read a text file that a user named; raise InputError. ``hint`` returns more words about a
+    missing one.
+    """
     try:
         return read_text(path)
     except FileNotFoundError:
@@ -191,7 +207,8 @@ def _checksum(path: Path, end: int, after: tuple[int, int], _state: tuple[int, .
     with path.open("rb") as file:
         file.seek(place)
         while block := file.read(min(_BLOCK, max(end - place, 0))):
-            found, place = zlib.crc32(block, found), place + len(block)
+            found = zlib.crc32(block, found)
+            place = place + len(block)
     return found
 
 
@@ -205,7 +222,9 @@ def head(path: Path, size: int = -1) -> bytes:
 
 
 def plain(value: Any) -> Any:
-    """Convert tables, lists and numbers to types of JSON: plain numbers for numpy's, null for NaN and infinity."""
+    """Convert tables, lists and numbers to types of JSON: plain numbers for numpy's, null for NaN
+    and infinity.
+    """
     if isinstance(value, Mapping):
         return {key: plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -215,7 +234,9 @@ def plain(value: Any) -> Any:
 
 
 def refuse_too_large(what: str, memory: float, remedy: str, available: float | None = None) -> None:
-    """Raise InputError if ``what`` needs more ``memory`` than ``available``, bytes (default: that of the machine)."""
+    """Raise InputError if ``what`` needs more ``memory`` than ``available``, bytes (default: that
+    of the machine).
+    """
     available = available_memory() if available is None else available
     if memory > available:
         raise InputError(
@@ -243,7 +264,8 @@ _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsh
 
 
 def csv_rows(text: str) -> list[Row]:
-    """Return the rows of a text that are no comments; a row is a line, also where quotes are left open.
+    """Return the rows of a text that are no comments; a row is a line, also where quotes are left
+    open.
 
     Raises
     ------
@@ -263,7 +285,9 @@ def csv_rows(text: str) -> list[Row]:
 
 
 def csv_cell(word: str) -> str:
-    """Return a word without line breaks as a cell that `csv_rows` reads, in quotes if they are needed."""
+    """Return a word without line breaks as a cell that `csv_rows` reads, in quotes if they are
+    needed.
+    """
     return '"' + word.replace('"', '""') + '"' if _SPECIAL.search(word) else word
 
 
@@ -283,7 +307,9 @@ def read_csv_rows(path: Path) -> list[Row]:
 
 
 def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
-    """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before it."""
+    """Write rows as CSV; text that a spreadsheet would take for a formula gets an apostrophe before
+    it.
+    """
 
     def plain_text(cell: object) -> object:
         if isinstance(cell, str) and cell[:1] in _FORMULA and len(cell) > 1:
@@ -293,7 +319,9 @@ def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
                 return f"'{cell}"
         return cell
 
-    csv.writer(file, lineterminator="\n").writerows([plain_text(cell) for cell in row] for row in rows)
+    csv.writer(file, lineterminator="\n").writerows(
+        [plain_text(cell) for cell in row] for row in rows
+    )
 
 
 _KEYS = ("file", "initial_overlap")  # last parts of the keys whose strings are paths
@@ -305,7 +333,8 @@ def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:
     Parameters
     ----------
     value
-        Tables of a case or a scan, or a value in them; in a scan a key may be dotted and hold a list of paths.
+        Tables of a case or a scan, or a value in them; in a scan a key may be dotted and hold a
+        list of paths.
     directory
         Folder that relative paths start from.
     key
@@ -325,12 +354,18 @@ def _with_paths(value: Any, key: str, change: Callable[[str], str]) -> Any:
         return {name: _with_paths(item, name, change) for name, item in value.items()}
     if isinstance(value, list | tuple):
         return type(value)(_with_paths(item, key, change) for item in value)
-    is_path = isinstance(value, str) and key.rpartition(".")[2] in _KEYS and value.strip() and "\0" not in value
+    is_path = (
+        isinstance(value, str)
+        and key.rpartition(".")[2] in _KEYS
+        and value.strip()
+        and "\0" not in value
+    )
     return change(value) if is_path else value
 
 
 def read_toml(path: str | Path) -> dict[str, Any]:
-    """Read a TOML file (UTF-8, with or without a byte-order mark) and make the paths in it absolute.
+    """Read a TOML file (UTF-8, with or without a byte-order mark) and make the paths in it
+    absolute.
 
     Raises
     ------
@@ -341,9 +376,14 @@ def read_toml(path: str | Path) -> dict[str, Any]:
     content = _read_input(path, "TOML file", _similar)
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
-    except (ValueError, RecursionError) as error:  # wrong TOML, too long a number, too deep a nesting
+    except (
+        ValueError,
+        RecursionError,
+    ) as error:  # wrong TOML, too long a number, too deep a nesting
         found = re.search(r"at line (\d+)", str(error))
-        line = content.split("\n")[int(found[1]) - 1].lstrip()[:60] if found else ""  # characters shown
+        line = (
+            content.split("\n")[int(found[1]) - 1].lstrip()[:60] if found else ""
+        )  # characters shown
         shown = f": {''.join(filter(str.isprintable, line))}" if line else ""
         raise InputError(f"{path}: not valid TOML: {error}{shown}") from None
 

@@ -1,6 +1,7 @@
 """Lattices of spheres that just touch: sites and neighbours of sphere (i, j, k).
 
-Centre of sphere (i, j, k) in units of the diameter D; i runs fastest, k counts layers along the impact direction +z:
+Centre of sphere (i, j, k) in units of the diameter D; i runs fastest, k counts layers along the
+impact direction +z:
 
     fcc, hcp   x = i + (j mod 2)/2 + s/2, y = j sqrt(3)/2 + s sqrt(3)/6, z = k sqrt(2/3)
                with s = k mod 3 (fcc, impact along [111]) or k mod 2 (hcp)
@@ -8,8 +9,9 @@ Centre of sphere (i, j, k) in units of the diameter D; i runs fastest, k counts 
     sc         x = i, y = j, z = k;     square is its one layer in x-y, chain its one column along z
     hexagonal, centred-square           crystals in x-z, whose straight rows are layers: y = 0
 
-Rows of a crystal in x-z alternate between n and n - 1 grains, so that both sides are straight, or all have n; the long
-ones begin at x = 0, the short ones (or every second row of n) half a pitch further.
+Rows of a crystal in x-z alternate between n and n - 1 grains, so that both sides are straight, or
+all have n; the long ones begin at x = 0, the short ones (or every second row of n) half a pitch
+further.
 
 No array over the whole packing is stored, so that a lattice of any size takes no memory.
 """
@@ -28,7 +30,11 @@ from numpy.typing import NDArray
 
 TOUCHING = 1e-6  # spheres touch if the gap between them is at most this many diameters
 _MOST_COUNTED = 12  # layers of which contacts are counted one by one
-_REACH = (range(-3, 4), range(-2, 3), range(-1, 2))  # touching spheres are nearer than this in (i, j, k)
+_REACH = (
+    range(-3, 4),
+    range(-2, 3),
+    range(-1, 2),
+)  # touching spheres are nearer than this in (i, j, k)
 _BATCH = 1_000_000  # sites processed at once
 _IN_HEXAGONAL_LAYER = 6  # neighbours
 _IMAGE = 8.0  # period along y of a periodic crystal in x-z, diameters: its images are far apart
@@ -51,8 +57,8 @@ class Plane:
     down
         Unit vector downwards, or along y for a packing of one layer.
     tolerance
-        Largest distance of a centre from the plane, diameters; the nearest parallel plane of spheres is usually half a
-        diameter away.
+        Largest distance of a centre from the plane, diameters; the nearest parallel plane of
+        spheres is usually half a diameter away.
     down_label
         Label of the coordinate along ``down``.
     """
@@ -65,14 +71,16 @@ class Plane:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Kind:
-    """One kind of packing, given by its sites in diameters; all other properties follow from its contacts.
+    """One kind of packing, given by its sites in diameters; all other properties follow from its
+    contacts.
 
     Attributes
     ----------
     label
         Name of the kind in titles.
     axes
-        The lattice directions that ``packing.size`` counts, of "xyz"; empty for grains that are on no lattice.
+        The lattice directions that ``packing.size`` counts, of "xyz"; empty for grains that are on
+        no lattice.
     layer_period
         Number of layers after which the stacking repeats.
     row_period
@@ -82,8 +90,8 @@ class Kind:
     site
         Function that gives the centre of sphere (i, j, k).
     planes
-        Principal and orthogonal plane of sections; None: vertical planes along and across the first preferred
-        direction.
+        Principal and orthogonal plane of sections; None: vertical planes along and across the first
+        preferred direction.
     """
 
     label: str
@@ -96,12 +104,16 @@ class Kind:
 
     @cached_property
     def contact_directions(self) -> NDArray[np.float64]:
-        """Unit vectors from an interior sphere of row 0 and layer 0 to its neighbours: (n_contacts, 3)."""
+        """Unit vectors from an interior sphere of row 0 and layer 0 to its neighbours: (n_contacts,
+        3).
+        """
         if not self.axes:
             return np.empty((0, 3))
         movable = tuple(axis in self.axes for axis in "xyz")
         offsets = np.array(_offsets(self, 0, 0, movable), dtype=np.int64)
-        return np.stack(self.site(*offsets.T), axis=1) - np.stack(self.site(*np.zeros((3, 1), dtype=np.int64)), axis=1)
+        return np.stack(self.site(*offsets.T), axis=1) - np.stack(
+            self.site(*np.zeros((3, 1), dtype=np.int64)), axis=1
+        )
 
     @property
     def coordination(self) -> int:
@@ -116,7 +128,10 @@ class Kind:
     @cached_property
     def hexagonal(self) -> bool:
         """True if a sphere has six neighbours in its layer."""
-        return int(np.count_nonzero(np.abs(self.contact_directions[:, 2]) < TOUCHING)) == _IN_HEXAGONAL_LAYER
+        return (
+            int(np.count_nonzero(np.abs(self.contact_directions[:, 2]) < TOUCHING))
+            == _IN_HEXAGONAL_LAYER
+        )
 
     @cached_property
     def supports(self) -> NDArray[np.float64]:
@@ -125,7 +140,9 @@ class Kind:
 
     @property
     def preferred_directions(self) -> NDArray[np.float64]:
-        """Directions of the largest forces: those of the `supports`; in a single layer all contact directions."""
+        """Directions of the largest forces: those of the `supports`; in a single layer all contact
+        directions.
+        """
         return self.supports if len(self.supports) else _by_angle(self.contact_directions)
 
     @cached_property
@@ -138,7 +155,9 @@ class Kind:
 
     @property
     def carried(self) -> float:
-        """Force along z that a sphere transmits to the next layer if each of its contacts there carries 1."""
+        """Force along z that a sphere transmits to the next layer if each of its contacts there
+        carries 1.
+        """
         return max(len(self.supports), 1) * self.layer_spacing
 
     @property
@@ -183,8 +202,15 @@ def _no_site(i: NDArray, j: NDArray, k: NDArray) -> tuple[NDArray, NDArray, NDAr
     raise LookupError("grains of a file are on no lattice")
 
 
-_X, _Y, _Z, _DIAGONAL = (1.0, 0.0, 0.0), (0.0, 1.0, 0.0), (0.0, 0.0, 1.0), (math.sqrt(0.5), math.sqrt(0.5), 0.0)
-_CLOSE_PACKED = (0.0, 1 / 3, math.sqrt(8) / 3)  # down the plane of fcc that holds two preferred directions
+_X = (1.0, 0.0, 0.0)
+_Y = (0.0, 1.0, 0.0)
+_Z = (0.0, 0.0, 1.0)
+_DIAGONAL = (math.sqrt(0.5), math.sqrt(0.5), 0.0)
+_CLOSE_PACKED = (
+    0.0,
+    1 / 3,
+    math.sqrt(8) / 3,
+)  # down the plane of fcc that holds two preferred directions
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
 KINDS: dict[str, Kind] = {
@@ -204,16 +230,22 @@ KINDS: dict[str, Kind] = {
     "centred-square": Kind("Centred square", "xz", 2, 1, (math.sqrt(2), 1.0), _centred_square, (Plane(_X, _Z),)),
     "chain": Kind("Chain", "z", 1, 1, (1.0, 1.0), _simple, ()),
 }  # fmt: skip
-_FREE = Kind("Grains of a file", "", 1, 1, (1.0, 1.0), _no_site, (Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5)))
+_FREE = Kind(
+    "Grains of a file", "", 1, 1, (1.0, 1.0), _no_site, (Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5))
+)
 
 
 def kind_of(name: str) -> Kind:
-    """Return the kind of packing of this name: a lattice of `KINDS`, or the one of grains of a file."""
+    """Return the kind of packing of this name: a lattice of `KINDS`, or the one of grains of a
+    file.
+    """
     return _FREE if name == FILE else KINDS[name]
 
 
 def section_planes(kind: str) -> tuple[Plane, ...]:
-    """Return the planes of sections of a kind of packing: principal, then orthogonal; a chain has none."""
+    """Return the planes of sections of a kind of packing: principal, then orthogonal; a chain has
+    none.
+    """
     rule = kind_of(kind)
     if rule.planes is not None:
         return rule.planes
@@ -236,14 +268,15 @@ class Lattice:
     kind
         A key of `KINDS`.
     size
-        Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny, nz), (nx, ny),
-        (nx, nz) or (n,).
+        Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny,
+        nz), (nx, ny), (nx, nz) or (n,).
     diameter
         Diameter of the spheres, m.
     periodic
         True if the packing is periodic along x and y.
     top_row
-        Struck row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all rows have nx.
+        Struck row of a crystal in x-z: ``long`` (nx grains) or ``short`` (nx - 1); ``equal``: all
+        rows have nx.
     overlap
         Overlap of neighbours, m: with cohesion that at which contacts bear no force.
     """
@@ -297,7 +330,9 @@ class Lattice:
 
     @property
     def lengths(self) -> tuple[float, float]:
-        """Periods of a periodic packing along x and y, or else the width of a crystal in x-z and a diameter, m."""
+        """Periods of a periodic packing along x and y, or else the width of a crystal in x-z and a
+        diameter, m.
+        """
         (nx, ny, _), (x, y) = self.shape, self.rule.pitch
         if not is_plane_crystal(self.kind):
             return nx * x * self.spacing, ny * y * self.spacing
@@ -316,30 +351,44 @@ class Lattice:
         _, ny, nz = self.shape
         total = 0
         for k0, j0, offsets in self._places():
-            k, j = np.arange(k0, nz, self.rule.layer_period), np.arange(j0, ny, self.rule.row_period)
+            k = np.arange(k0, nz, self.rule.layer_period)
+            j = np.arange(j0, ny, self.rule.row_period)
             for di, dj, dk in offsets:
                 k_of = k[(k + dk >= 0) & (k + dk < nz)]
-                along, across = self._row(k_of), int(j.size)
+                along = self._row(k_of)
+                across = int(j.size)
                 if not self.periodic:
-                    along = np.maximum(np.minimum(along, self._row(k_of + dk) - di) - max(0, -di), 0)
+                    along = np.maximum(
+                        np.minimum(along, self._row(k_of + dk) - di) - max(0, -di), 0
+                    )
                     across = int(np.count_nonzero((j + dj >= 0) & (j + dj < ny)))
                 total += int(across * along.sum())
         return total // 2
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
-        """Return the centres of the spheres with ids ``first`` to ``last``, both included: (n, 3), m."""
+        """Return the centres of the spheres with ids ``first`` to ``last``, both included: (n, 3),
+        m.
+        """
         return self._centres(np.arange(first - 1, last))
 
     def bounds(self) -> NDArray[np.float64]:
         """Return the lowest and highest coordinates of centres along x, y, z: (2, 3), m."""
         _, ny, nz = self.shape
-        rows, layers = _ends(ny, self.rule.row_period), _ends(nz, self.rule.layer_period)
-        corners = [self._before(k) + self._row(k) * j + i for k in layers for j in rows for i in (0, self._row(k) - 1)]
+        rows = _ends(ny, self.rule.row_period)
+        layers = _ends(nz, self.rule.layer_period)
+        corners = [
+            self._before(k) + self._row(k) * j + i
+            for k in layers
+            for j in rows
+            for i in (0, self._row(k) - 1)
+        ]
         sites = self._centres(np.array(corners))
         return np.stack([sites.min(axis=0), sites.max(axis=0)])
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
-        """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once, in no particular order."""
+        """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once, in no
+        particular order.
+        """
         nx, ny, nz = self.shape
         i = np.arange(nx)
         layers_at_once = max(1, _BATCH // (nx * ny))
@@ -365,7 +414,11 @@ class Lattice:
         """Return True for the spheres at the ends of rows and layers that are not periodic: (n,)."""
         nx, ny, _ = self.shape
         i, j, k = self._indices(ids - 1)
-        ends = [(place == 0) | (place == n - 1) for place, n, most in ((i, self._row(k), nx), (j, ny, ny)) if most > 1]
+        ends = [
+            (place == 0) | (place == n - 1)
+            for place, n, most in ((i, self._row(k), nx), (j, ny, ny))
+            if most > 1
+        ]
         return np.any(ends, axis=0) if ends else np.zeros(ids.shape, dtype=bool)
 
     def layer_of(self, sphere: int) -> int:
@@ -416,10 +469,14 @@ class Lattice:
     ) -> tuple[NDArray[np.int64], NDArray[np.bool_]]:
         """Return the ids of the spheres an offset away, and where there are any."""
         _, ny, nz = self.shape
-        i, j, k = i + offset[0], j + offset[1], k + offset[2]
-        row, exists = self._row(k), (k >= 0) & (k < nz)
+        i = i + offset[0]
+        j = j + offset[1]
+        k = k + offset[2]
+        row = self._row(k)
+        exists = (k >= 0) & (k < nz)
         if self.periodic:
-            i, j = i % row, j % ny
+            i = i % row
+            j = j % ny
             exists = exists & np.ones(np.broadcast(i, j).shape, dtype=bool)
         else:
             exists = exists & (i >= 0) & (i < row) & (j >= 0) & (j < ny)
@@ -427,11 +484,13 @@ class Lattice:
 
     def _places(self) -> list[tuple[int, int, list[Offset]]]:
         """Return the first layer and row of each kind, with the steps to the neighbours there."""
-        layers, rows = range(min(self.n_layers, self.rule.layer_period)), range(self.rule.row_period)
+        layers = range(min(self.n_layers, self.rule.layer_period))
+        rows = range(self.rule.row_period)
         return [(k, j, self._offsets(j, k)) for k, j in itertools.product(layers, rows)]
 
     def _offsets(self, j: int, k: int) -> list[Offset]:
-        layer, row = (k + self._start) % self.rule.layer_period, j % self.rule.row_period
+        layer = (k + self._start) % self.rule.layer_period
+        row = j % self.rule.row_period
         return _offsets(self.rule, row, layer, tuple(n > 1 for n in self.shape))
 
 
@@ -445,7 +504,11 @@ def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offs
         True for each axis along which there is more than one sphere.
     """
     reach = [range_ if free else (0,) for range_, free in zip(_REACH, movable, strict=True)]
-    base = (6, 6 + j, 6 + k)  # a multiple of all periods, and large enough to keep stepped indices positive
+    base = (
+        6,
+        6 + j,
+        6 + k,
+    )  # a multiple of all periods, and large enough to keep stepped indices positive
     here = np.array(rule.site(*map(np.asarray, base)))
     found: list[Offset] = []
     for step in itertools.product(reach[0], reach[1], reach[2]):

@@ -21,8 +21,8 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     Parameters
     ----------
     overrides
-        ``KEY=VALUE`` strings (dotted keys, TOML values; bare words are strings), or a mapping of dotted keys
-        to values.
+        ``KEY=VALUE`` strings (dotted keys, TOML values; bare words are strings), or a mapping of
+        dotted keys to values.
 
     Raises
     ------
@@ -32,13 +32,18 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     changes = parse_overrides(overrides)
     record = [key for key in changes if key.split(".")[0] == RECORD]
     if record:
-        raise InputError(f"--set: {key}: [{RECORD}] is a record of a run, it cannot be set" for key in record)
+        raise InputError(
+            f"--set: {key}: [{RECORD}] is a record of a run, it cannot be set" for key in record
+        )
     data = apply_overrides(read_toml(path), changes)
     return case_from_dict(data, path, overridden=changes)
 
 
-def case_from_dict(data: Mapping[str, Any], source: str | Path = "case", overridden: Iterable[str] = ()) -> Case:
-    """Make a case from the nested mapping of a case file, and check it; paths start from the working directory.
+def case_from_dict(
+    data: Mapping[str, Any], source: str | Path = "case", overridden: Iterable[str] = ()
+) -> Case:
+    """Make a case from the nested mapping of a case file, and check it; paths start from the
+    working directory.
 
     Parameters
     ----------

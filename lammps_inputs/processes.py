@@ -1,4 +1,6 @@
-"""Processes that share work: one alone, or several, such as the ranks of `granwave.workflows.run.ranks`."""
+"""Processes that share work: one alone, or several, such as the ranks of
+`granwave.workflows.run.ranks`.
+"""
 
 from __future__ import annotations
 
@@ -21,10 +23,11 @@ class Processes:
     number = 1
 
     def map(self, work: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
-        """Iterate over the results of tasks, in their order, as ``map`` does; the first error ends it.
+        """Iterate over the results of tasks, in their order, as ``map`` does; the first error ends
+        it.
 
-        Task n of a call is always done by process n % ``number``. Function, tasks and results go from process to
-        process: they must be small or few, and can be pickled.
+        Task n of a call is always done by process n % ``number``. Function, tasks and results go
+        from process to process: they must be small or few, and can be pickled.
         """
         return map(work, tasks)
 

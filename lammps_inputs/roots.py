@@ -1,7 +1,8 @@
-"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes longer to load than to use.
+"""Zero of a function of one variable by Brent's method, without scipy.optimize, which takes longer
+to load than to use.
 
-R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; step by step as `scipy.optimize.brentq`,
-so that both find the same number.
+R. P. Brent, Algorithms for Minimization Without Derivatives (1973), chapter 4; step by step as
+`scipy.optimize.brentq`, so that both find the same number.
 """
 
 from __future__ import annotations
@@ -13,7 +14,9 @@ _MOST_STEPS = 100  # some ten are usual
 _RTOL = 8.881784197001252e-16  # four times the precision of a number
 
 
-def brentq(function: Callable[[float], float], low: float, high: float, *, xtol: float, rtol: float = _RTOL) -> float:
+def brentq(
+    function: Callable[[float], float], low: float, high: float, *, xtol: float, rtol: float = _RTOL
+) -> float:
     """Find a zero of a continuous function between two places where its signs differ.
 
     Parameters
@@ -30,18 +33,25 @@ def brentq(function: Callable[[float], float], low: float, high: float, *, xtol:
     RuntimeError
         It was not found in 100 steps.
     """
-    earlier, place = float(low), float(high)  # the place is the best so far
-    value_earlier, value = function(earlier), function(place)
+    # the place is the best so far
+    earlier = float(low)
+    place = float(high)
+    value_earlier = function(earlier)
+    value = function(place)
     if value_earlier == 0:
         return earlier
     if value == 0:
         return place
     if (value_earlier < 0) == (value < 0):
-        raise ValueError(f"expected different signs, found {value_earlier:g} at {low:g} and {value:g} at {high:g}")
-    across = value_across = before = step = 0.0  # a place on the other side of the zero; the last two steps
+        raise ValueError(
+            f"expected different signs, found {value_earlier:g} at {low:g} and {value:g} at {high:g}"
+        )
+    # a place on the other side of the zero; the last two steps
+    across = value_across = before = step = 0.0
     for _ in range(_MOST_STEPS):
         if value_earlier != 0 and value != 0 and (value_earlier < 0) != (value < 0):
-            across, value_across = earlier, value_earlier
+            across = earlier
+            value_across = value_earlier
             before = step = place - earlier
         if abs(value_across) < abs(value):
             earlier, place, across = place, across, place
@@ -61,7 +71,10 @@ def brentq(function: Callable[[float], float], low: float, high: float, *, xtol:
                 trial = -value * rise / (slope_across * slope * (value_across - value_earlier))
             bisected = 2 * abs(trial) >= min(abs(before), 3 * abs(half) - enough)
         before, step = (half, half) if bisected else (step, trial)
-        earlier, value_earlier = place, value
+        earlier = place
+        value_earlier = value
         place += step if abs(step) > enough else math.copysign(enough, half)
         value = function(place)
-    raise RuntimeError(f"found no zero in {_MOST_STEPS} steps; the last place is {place:g}, the value there {value:g}")
+    raise RuntimeError(
+        f"found no zero in {_MOST_STEPS} steps; the last place is {place:g}, the value there {value:g}"
+    )

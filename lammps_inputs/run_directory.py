@@ -1,6 +1,7 @@
 """File and folder names of a run, a scan and other results, and kinds of results.
 
-Which files granwave may overwrite and delete follows from the marker, see `granwave.lammps_inputs.ownership`.
+Which files granwave may overwrite and delete follows from the marker, see
+`granwave.lammps_inputs.ownership`.
 """
 
 from __future__ import annotations
@@ -9,70 +10,118 @@ import glob
 import os
 from pathlib import Path, PurePosixPath
 
-MARKER, LOCK_FILE = ".granwave", ".granwave-lock"
+MARKER = ".granwave"
+LOCK_FILE = ".granwave-lock"
 #: Of all results; it grows when earlier versions could not read what is written. Versions 0.1 and 0.2 gave none.
 FORMAT = 1
 
 # Of a run: deck, output of LAMMPS, and results of the analysis.
-CASE_FILE, DATA_FILE, SCRIPT_FILE = "case.toml", "data.granwave", "in.granwave"
+CASE_FILE = "case.toml"
+DATA_FILE = "data.granwave"
+SCRIPT_FILE = "in.granwave"
 DENTS_FILE = "dents.txt"  # initial dents
 LOAD_FILE = "load.txt"  # points of a load given as a table
 DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads along x, y or z
-LOG_FILE, RECORD_FILE = "log.lammps", "run.json"
-RESULT_FILE, SUMMARY_FILE = "result.h5", "summary.json"
+LOG_FILE = "log.lammps"
+RECORD_FILE = "run.json"
+RESULT_FILE = "result.h5"
+SUMMARY_FILE = "summary.json"
 CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
 CHECKPOINT_FILE = "checkpoint-{}.restart"  # with the step
-FIGURES_DIRECTORY, EXPORT_DIRECTORY = "figures", "export"
+FIGURES_DIRECTORY = "figures"
+EXPORT_DIRECTORY = "export"
 FIGURES_TABLE = "figures"  # of case.toml; it changes no result, and may be edited after a run
 FIGURE_SUFFIXES = (".png", ".pdf", ".csv")  # raster image, vector image, data
 NOT_DRAWN_SUFFIX = ".txt"  # of the reason why a figure could not be drawn
-MORE_FIGURE_SUFFIXES = (".svg", NOT_DRAWN_SUFFIX)  # of vector images that are asked for, and in place of all
-VIEW_FILE, FILM_FILE = "view.html", "film.{}"  # page to turn and cut the packing; film, with its form
+MORE_FIGURE_SUFFIXES = (
+    ".svg",
+    NOT_DRAWN_SUFFIX,
+)  # of vector images that are asked for, and in place of all
+# page to turn and cut the packing; film, with its form
+VIEW_FILE = "view.html"
+FILM_FILE = "film.{}"
 
 # In DUMPS.
 DUMPS = "dumps"
-ENERGY_FILE, WALLS_FILE, PROBES_FILE = "energy.txt", "walls.txt", "probes.txt"
+ENERGY_FILE = "energy.txt"
+WALLS_FILE = "walls.txt"
+PROBES_FILE = "probes.txt"
 FRAMES_FILES = {"binary": "spheres.bin", "text": "spheres.dump"}  # by `output.dump_format`
-FRAMES_RESUMED = {"binary": "spheres-{}.bin", "text": "spheres-{}.dump"}  # with the step that it was resumed from
-HISTORY_FILE, FORCES_FILE, LINES_FILE = "history.dump", "forces.dump", "lines.dump"
+FRAMES_RESUMED = {
+    "binary": "spheres-{}.bin",
+    "text": "spheres-{}.dump",
+}  # with the step that it was resumed from
+HISTORY_FILE = "history.dump"
+FORCES_FILE = "forces.dump"
+LINES_FILE = "lines.dump"
 FRAME_FORCES_FILE = "contact_forces.dump"  # contact forces of every snapshot
-CONTACTS_FILE, WALL_CONTACTS_FILE = "contacts.dump", "wall_{}.dump"  # with the name of the wall's fix
+# with the name of the wall's fix
+CONTACTS_FILE = "contacts.dump"
+WALL_CONTACTS_FILE = "wall_{}.dump"
 COUNT_FILE = "contacts.txt"  # number of contacts, where each rank writes its own
 RANK = "%"  # in the name of a dump, stands for the number of the rank that writes it
-STATIC_STAGE_FILE, STATIC_FILE = "prestage.txt", "static.lmp"
-# forces of contacts after the static stage: of pairs, of walls by the name of the fix, and the number of pairs
-INITIAL_FORCES_FILE, INITIAL_WALL_FORCES_FILE = "initial_forces.dump", "initial_forces_{}.dump"
+STATIC_STAGE_FILE = "prestage.txt"
+STATIC_FILE = "static.lmp"
+# forces of contacts after the static stage: of pairs, of walls by the name of the fix, and the
+# number of pairs
+INITIAL_FORCES_FILE = "initial_forces.dump"
+INITIAL_WALL_FORCES_FILE = "initial_forces_{}.dump"
 INITIAL_COUNT_FILE = "initial_forces.txt"  # where each rank writes its own
 MOVED_WALLS_FILE = "moved-walls.lmp"  # distances of walls that were moved to a force
 
 # Of a scan, of a suite of scans, and of a point beside its run.
-SCAN_FILE, SCAN_INDEX, SUITE_INDEX = "scan.toml", "scan.json", "suite.json"
-SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT = "scan.csv", "scan.h5", "scan_mean.csv", "report.html"
+SCAN_FILE = "scan.toml"
+SCAN_INDEX = "scan.json"
+SUITE_INDEX = "suite.json"
+SCAN_TABLE = "scan.csv"
+SCAN_DATA = "scan.h5"
+SCAN_MEANS = "scan_mean.csv"
+SCAN_REPORT = "report.html"
 STUDY_ROWS = "study_rows.csv"  # of a scan or suite: what its studies compare
-POINTS, UNFINISHED = "points", "unfinished"
+POINTS = "points"
+UNFINISHED = "unfinished"
 SCAN_WORK = ".scan"  # batches, marks and logs of the engine
-POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP = "point.json", "point.toml", "point.log", ".stop"
+POINT_FILE = "point.json"
+POINT_CASE = "point.toml"
+POINT_LOG = "point.log"
+POINT_STOP = ".stop"
 POINT_FILES = (POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP)
 
 # Of a search for a design, whose report is SCAN_REPORT and whose runs are in POINTS.
-DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME = "study.json", "designs.csv", "design.json"
+DESIGN_STUDY = "study.json"
+DESIGN_TABLE = "designs.csv"
+DESIGN_OUTCOME = "design.json"
 BEST_DESIGNS = tuple(f"best-{n}.toml" for n in range(1, 11))
 
 # Of a fit of the contact law.
-FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = ("fit.toml", "pair.toml", "fit.csv", "misfit.csv")
+FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = (
+    "fit.toml",
+    "pair.toml",
+    "fit.csv",
+    "misfit.csv",
+)
 
 # Of an inference of contact forces; its summary is SUMMARY_FILE.
-INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT = "forces.csv", "grains.csv", "measurement.csv"
+INFERRED_FORCES = "forces.csv"
+INFERRED_GRAINS = "grains.csv"
+MADE_MEASUREMENT = "measurement.csv"
 MADE_CASE = "measurement.toml"
 
-# Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in the file.
+# Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in
+# the file.
 SPECTRA_FILE = "spectra.h5"
 #: Commands of small waves; each leaves its values in a file of its name, .json.
 SPECTRA_KINDS = ("bands", "modes", "transmission")
 
 # Kinds of results.
-RUN, CONTINUUM, SCAN, SUITE, FIT, OTHER = "run", "continuum", "scan", "suite", "fit", "other"
-INFERENCE, SPECTRA = "inference", "spectra"
+RUN = "run"
+CONTINUUM = "continuum"
+SCAN = "scan"
+SUITE = "suite"
+FIT = "fit"
+OTHER = "other"
+INFERENCE = "inference"
+SPECTRA = "spectra"
 DESIGN = "design"
 
 
@@ -86,7 +135,11 @@ def newer_format(found: object, version: object) -> str:
     version
         Version of granwave that wrote them.
     """
-    number = int(found) if isinstance(found, int) or (isinstance(found, str) and found.isdecimal()) else 0
+    number = (
+        int(found)
+        if isinstance(found, int) or (isinstance(found, str) and found.isdecimal())
+        else 0
+    )
     if number <= FORMAT:
         return ""
     return f"found results of format {number}, of granwave {version}, expected at most {FORMAT}: install that version"
@@ -99,7 +152,9 @@ def of_each_rank(name: str) -> str:
 
 
 def files_of(directory: Path, name: str) -> list[str]:
-    """Return the names of the files that a name stands for: itself, or those of all ranks that there are, in order."""
+    """Return the names of the files that a name stands for: itself, or those of all ranks that
+    there are, in order.
+    """
     if RANK not in name:
         return [name]
     folder, (before, after) = (directory / name).parent, PurePosixPath(name).name.split(RANK)

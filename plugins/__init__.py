@@ -1,7 +1,8 @@
 """Location of the compiled LAMMPS plugin and the LAMMPS release that it was built for.
 
-The source tree contains the sources of the plugin in this folder; the installed package contains the compiled libraries
-only. The ``lmp`` command of LAMMPS finds them by the entry point group ``lammps.plugins``, which calls `directory`.
+The source tree contains the sources of the plugin in this folder; the installed package contains
+the compiled libraries only. The ``lmp`` command of LAMMPS finds them by the entry point group
+``lammps.plugins``, which calls `directory`.
 """
 
 from pathlib import Path
@@ -12,7 +13,9 @@ PAIR_STYLE = "gran/hysteretic"
 
 
 def library() -> Path:
-    """Path of the shared library for ``plugin load``; the library of the styles is in the same folder."""
+    """Path of the shared library for ``plugin load``; the library of the styles is in the same
+    folder.
+    """
     return Path(granwave.__file__).parent / "plugins" / "granwaveplugin.so"  # links lead elsewhere
 
 

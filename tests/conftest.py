@@ -1,4 +1,6 @@
-"""Fixtures: LAMMPS with the plugin and the command line in this process, and programs in processes of their own."""
+"""Fixtures: LAMMPS with the plugin and the command line in this process, and programs in processes
+of their own.
+"""
 
 from __future__ import annotations
 
@@ -14,22 +16,34 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")  # before numpy: tests run side by
 # else each process that a test starts compiles all modules anew, for seconds
 if os.environ.pop("PYTHONDONTWRITEBYTECODE", None):
     sys.dont_write_bytecode = False
-    sys.pycache_prefix = os.environ["PYTHONPYCACHEPREFIX"] = str(Path(__file__).parents[1] / "build" / "bytecode")
+    sys.pycache_prefix = os.environ["PYTHONPYCACHEPREFIX"] = str(
+        Path(__file__).parents[1] / "build" / "bytecode"
+    )
 from granwave.analysis.figures.side_by_side import PROCESSES
 
-if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:  # by a shell that starts the tests in the background
+if (
+    signal.getsignal(signal.SIGINT) is signal.SIG_IGN
+):  # by a shell that starts the tests in the background
     signal.signal(signal.SIGINT, signal.default_int_handler)
 BIN = Path(sys.prefix) / "bin"
 os.environ.setdefault(PROCESSES, "1")  # tests run side by side already
-PLAIN = {name: value for name, value in os.environ.items() if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))}
+PLAIN = {
+    name: value
+    for name, value in os.environ.items()
+    if not name.startswith(("PMI_", "LAMMPS_PLUGIN"))
+}
 
 
 @pytest.fixture(autouse=True)
 def figures_that_fail(request, caplog):
-    """Fail tests in which a figure could not be made: that costs a run or a report no more than a warning."""
+    """Fail tests in which a figure could not be made: that costs a run or a report no more than a
+    warning.
+    """
     yield
     if not request.node.get_closest_marker("failing_figures"):
-        messages = [one.getMessage() for phase in ("setup", "call") for one in caplog.get_records(phase)]
+        messages = [
+            one.getMessage() for phase in ("setup", "call") for one in caplog.get_records(phase)
+        ]
         assert not [one for one in messages if "could not be made" in one]
 
 
@@ -71,9 +85,13 @@ def granwave(capfd):
 def process():
     """Run the command line in a process of its own."""
 
-    def run(*arguments: object, cwd: Path | None = None, timeout: float = 300) -> subprocess.CompletedProcess[str]:
+    def run(
+        *arguments: object, cwd: Path | None = None, timeout: float = 300
+    ) -> subprocess.CompletedProcess[str]:
         command = [sys.executable, "-m", "granwave.workflows", *map(str, arguments)]
-        return subprocess.run(command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN)
+        return subprocess.run(
+            command, cwd=cwd, capture_output=True, text=True, timeout=timeout, env=PLAIN
+        )
 
     return run
 
@@ -88,14 +106,18 @@ def lmp():
         launch = [str(BIN / "mpiexec"), "-n", str(ranks)] if ranks > 1 else []
         quiet = [] if screen else ["-screen", "none"]
         command = [*launch, str(BIN / "lmp"), "-in", script.name, *quiet, *arguments]
-        return subprocess.run(command, cwd=script.parent, capture_output=True, text=True, timeout=timeout, env=PLAIN)
+        return subprocess.run(
+            command, cwd=script.parent, capture_output=True, text=True, timeout=timeout, env=PLAIN
+        )
 
     return run
 
 
 @pytest.fixture
 def log_of(lmp, tmp_path):
-    """Run an input script with the plain `lmp` command in the folder of the test, to its end; return the log."""
+    """Run an input script with the plain `lmp` command in the folder of the test, to its end;
+    return the log.
+    """
 
     def run(text: str, ranks: int = 1) -> str:
         (tmp_path / "in.script").write_text(text, encoding="utf-8")
@@ -114,7 +136,9 @@ def printed(log: str, word: str) -> list[str]:
 
 
 def refuses(lmp, commands: str, message: str) -> None:
-    """Assert that the commands end with this error, of which the module of LAMMPS 29 Aug 2024 passes on 100 characters."""
+    """Assert that the commands end with this error, of which the module of LAMMPS 29 Aug 2024
+    passes on 100 characters.
+    """
     with pytest.raises(Exception, match=message if lmp.version() >= 20250722 else None):
         lmp.commands_string(commands)
 
@@ -145,7 +169,9 @@ def script_of(
     ]
     for k, place in enumerate(positions):
         kind = types[k] if types else 1
-        lines.append(f"create_atoms {kind} single {place[0]:.17g} {place[1]:.17g} {place[2]:.17g} units box")
+        lines.append(
+            f"create_atoms {kind} single {place[0]:.17g} {place[1]:.17g} {place[2]:.17g} units box"
+        )
     for k, r in enumerate(radii, start=1):
         lines.append(f"set atom {k} diameter {2 * r:.17g} density {density}")
     for k, v in enumerate(velocities or [], start=1):

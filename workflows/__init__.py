@@ -45,7 +45,8 @@ __all__ = [
 
 
 def __getattr__(name: str) -> Any:
-    # imported on demand: the command line starts here too, and most commands need neither MPI nor matplotlib
+    # imported on demand: the command line starts here too, and most commands need neither MPI nor
+    # matplotlib
     if name in _HOME:
         import importlib
 

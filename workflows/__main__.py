@@ -1,4 +1,6 @@
-"""``python -m granwave.workflows`` and the ``granwave`` command: start-up that Ctrl-C can interrupt at once."""
+"""``python -m granwave.workflows`` and the ``granwave`` command: start-up that Ctrl-C can interrupt
+at once.
+"""
 
 import os
 import sys
@@ -23,10 +25,12 @@ if __name__ == "__main__":
     from granwave.workflows.run import mpi
 
     if mpi.launched():
-        # `python -m mpi4py` takes any exit status but 0 for a crash and aborts with a message of its own
+        # `python -m mpi4py` takes any exit status but 0 for a crash and aborts with a message of
+        # its own
         mpi.leave(status)
     if status == 130:
-        # Python would end by a signal if the error has passed code that was made of a string, as of dataclasses
+        # Python would end by a signal if the error has passed code that was made of a string, as of
+        # dataclasses
         sys.stdout.flush()
         sys.stderr.flush()
         os._exit(status)

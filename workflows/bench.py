@@ -1,4 +1,6 @@
-"""Speed of the styles, of packings, and of the reference study, measured on this machine: ``granwave bench``."""
+"""Speed of the styles, of packings, and of the reference study, measured on this machine:
+``granwave bench``.
+"""
 
 from __future__ import annotations
 
@@ -30,19 +32,28 @@ from granwave.workflows.run.lammps_engine import Engine, open_engine
 
 STUDY = TIMED = "fcc-impact"  # reference study: its packing, and the one that is run as a whole
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
-STEPS, WARM = 100, 20  # timed, and run before them
+# timed, and run before them
+STEPS = 100
+WARM = 20
 IMPACT_TIME = 3e-4  # s after impact at which the styles are compared
 STUDY_PARTS = ("start", "steps", "analysis", "figures")
 _MOST_RUNS = 3  # of the reference study; each takes half a minute
-_RATTLE, _RATTLE_STEPS = 0.02, 200  # m/s, below first yield of two brass spheres; until contacts have formed
+# m/s, below first yield of two brass spheres; until contacts have formed
+_RATTLE = 0.02
+_RATTLE_STEPS = 200
 _ROUNDING = 1e-9  # of the diameter: overlaps at rest
 _BYTES_OF_GHOST = 24  # a position; friction adds velocity and spin, 48
 _STATE = ("x", "v", "omega")
-_MEMORY = re.compile(r"(?m)^Per MPI rank memory allocation[^=]*= [^|]*\| *(\S+)")  # the mean of all ranks, MB
+_MEMORY = re.compile(
+    r"(?m)^Per MPI rank memory allocation[^=]*= [^|]*\| *(\S+)"
+)  # the mean of all ranks, MB
 
-OURS, BASELINE = "gran/hysteretic elastoplastic", "gran/hertz/history"
+OURS = "gran/hysteretic elastoplastic"
+BASELINE = "gran/hertz/history"
 ROUGH_BASELINE = f"{BASELINE}, friction 0.3"
-_ELASTOPLASTIC = "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}"
+_ELASTOPLASTIC = (
+    "pair_style gran/hysteretic {gap}\npair_coeff * * elastoplastic {E} {nu} {yield_strength}"
+)
 _HERTZ_MATERIAL = "pair_style granular\npair_coeff * * hertz/material {E} 0.0 {nu} tangential linear_nohistory 0.0 0.0"
 #: Commands of each style, with names of constants in braces, its integrating fix, and the style that it stands beside.
 STYLES = {
@@ -60,7 +71,8 @@ STYLES = {
 
 
 def bench(parts: Iterable[str], repeats: int = 5) -> dict[str, Any]:
-    """Make and print the measurements of these parts; return them as plain values, each with all its repeats.
+    """Make and print the measurements of these parts; return them as plain values, each with all
+    its repeats.
 
     Parameters
     ----------
@@ -71,7 +83,9 @@ def bench(parts: Iterable[str], repeats: int = 5) -> dict[str, Any]:
     """
     cores = len(os.sched_getaffinity(0))
     results: dict[str, Any] = {"cores": cores, "repeats": repeats, "load_before": os.getloadavg()}
-    print(f"load of the machine: {results['load_before'][0]:.2f}; on a busy one the ratios hold, the rates do not")
+    print(
+        f"load of the machine: {results['load_before'][0]:.2f}; on a busy one the ratios hold, the rates do not"
+    )
     ways = {
         "styles": lambda: compare_styles(repeats),
         "sizes": lambda: compare_sizes(repeats),
@@ -91,7 +105,9 @@ def bench(parts: Iterable[str], repeats: int = 5) -> dict[str, Any]:
 def triad(megabytes: int = 256, repeats: int = 5) -> float:
     """Measure the memory bandwidth of one core, GB/s: a = b + s c on arrays larger than the caches."""
     n = megabytes * 2**20 // 8
-    a, b, c = np.empty(n), np.ones(n), np.ones(n)
+    a = np.empty(n)
+    b = np.ones(n)
+    c = np.ones(n)
     best = np.inf
     for _ in range(repeats):
         begin = time.perf_counter()
@@ -105,24 +121,30 @@ def triad(megabytes: int = 256, repeats: int = 5) -> float:
 
 
 def compare_styles(repeats: int) -> dict[str, Any]:
-    """Time all styles on the reference packing: struck, where most contacts bear nothing, and rattling, where most do.
+    """Time all styles on the reference packing: struck, where most contacts bear nothing, and
+    rattling, where most do.
 
-    They run in one process, interleaved, and from the same states: positions and velocities are restored before each
-    timing. Ratios are formed within a repeat, so that both timings see the same load of the machine.
+    They run in one process, interleaved, and from the same states: positions and velocities are
+    restored before each timing. Ratios are formed within a repeat, so that both timings see the
+    same load of the machine.
 
     Returns
     -------
     dict
-        ``n_spheres``, and under ``struck`` and ``rattling``: ``loaded_contacts_per_sphere``, and ``table`` with rates,
-        ratios and memory of each style.
+        ``n_spheres``, and under ``struck`` and ``rattling``: ``loaded_contacts_per_sphere``, and
+        ``table`` with rates, ratios and memory of each style.
     """
     from mpi4py import MPI
 
     case = load_case(library.find(STUDY))
     n = assemble(case).lattice.n_spheres
     results: dict[str, Any] = {"n_spheres": n}
-    with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch, contextlib.ExitStack() as opened:
-        data, engines = Path(scratch) / "data.granwave", {}
+    with (
+        tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch,
+        contextlib.ExitStack() as opened,
+    ):
+        data = Path(scratch) / "data.granwave"
+        engines = {}
         logs = {style: Path(scratch) / f"log.{k}" for k, style in enumerate(STYLES)}
         write_data(assemble(case), data)
         for style, log in logs.items():
@@ -135,8 +157,12 @@ def compare_styles(repeats: int) -> dict[str, Any]:
             if name == "rattling":
                 _rattle(ours, seed=0)
             order = np.argsort(ours.lammps.numpy.extract_atom("id"))
-            state = [ours.lammps.numpy.extract_atom(one)[: len(order)][order].copy() for one in _STATE]
-            pairs = cKDTree(state[0]).query_pairs((1 - _ROUNDING) * case.packing.diameter, output_type="ndarray")
+            state = [
+                ours.lammps.numpy.extract_atom(one)[: len(order)][order].copy() for one in _STATE
+            ]
+            pairs = cKDTree(state[0]).query_pairs(
+                (1 - _ROUNDING) * case.packing.diameter, output_type="ndarray"
+            )
             print(f"\n{name}, {len(pairs) / n:.2f} loaded contacts a sphere:")
             rates: dict[str, list[float]] = {style: [] for style in engines}
             for _ in range(repeats):
@@ -146,10 +172,15 @@ def compare_styles(repeats: int) -> dict[str, Any]:
             print(f"{'':44}{'sphere-steps/s':>26}{'times ' + BASELINE:>30}{'bytes/sphere':>14}")
             table = {}
             for style, values in rates.items():
-                ratios = [value / base for value, base in zip(values, rates[STYLES[style][2]], strict=True)]
+                ratios = [
+                    value / base
+                    for value, base in zip(values, rates[STYLES[style][2]], strict=True)
+                ]
                 memory = float(_MEMORY.findall(logs[style].read_text())[-1]) * 2**20 / n
                 table[style] = {"rates": values, "ratios": ratios, "bytes_per_sphere": memory}
-                print(f"{style:44}{_spread(values, 1e6):>22} M/s{_spread(ratios):>30}{memory:>14.0f}")
+                print(
+                    f"{style:44}{_spread(values, 1e6):>22} M/s{_spread(ratios):>30}{memory:>14.0f}"
+                )
             results[name] = {"loaded_contacts_per_sphere": len(pairs) / n, "table": table}
             _restore(ours, state)
     return results
@@ -157,7 +188,8 @@ def compare_styles(repeats: int) -> dict[str, Any]:
 
 def _script(case: Case, data: Path, style: str) -> str:
     """Return the LAMMPS commands of a struck packing under a pair style."""
-    material, gap = case.material, 0.1 * case.packing.diameter
+    material = case.material
+    gap = 0.1 * case.packing.diameter
     lines, motion, _ = STYLES[style]
     coefficients = lines.format(
         gap=gap,
@@ -209,7 +241,9 @@ def _restore(engine: Engine, state: list[np.ndarray]) -> None:
 
 def _spread(values: list[float], unit: float = 1.0) -> str:
     """Return the median and the range as text."""
-    low, middle, high = min(values) / unit, statistics.median(values) / unit, max(values) / unit
+    low = min(values) / unit
+    middle = statistics.median(values) / unit
+    high = max(values) / unit
     return f"{middle:.2f} ({low:.2f} to {high:.2f})"
 
 
@@ -217,13 +251,15 @@ def _spread(values: list[float], unit: float = 1.0) -> str:
 
 
 def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
-    """Time the elasto-plastic style on all ranks; all spheres rattle, so that equal shares of contacts are loaded.
+    """Time the elasto-plastic style on all ranks; all spheres rattle, so that equal shares of
+    contacts are loaded.
 
     Returns
     -------
     dict
-        ``n_spheres``, ``n_ranks``, ``rates`` (sphere-steps per second of all ranks together, one value a repeat), and
-        ``ghosts``, the largest number of copies of its neighbours' spheres that a rank gets in each step.
+        ``n_spheres``, ``n_ranks``, ``rates`` (sphere-steps per second of all ranks together, one
+        value a repeat), and ``ghosts``, the largest number of copies of its neighbours' spheres
+        that a rank gets in each step.
     """
     comm = mpi.world()
     case = load_case(library.find(STUDY), {"packing.size": size})
@@ -253,14 +289,21 @@ def compare_sizes(repeats: int) -> list[dict[str, Any]]:
 
 
 def compare_ranks(repeats: int) -> dict[str, list[dict[str, Any]]]:
-    """Time one rank and two: the same packing (strong scaling), and as many spheres on each rank (weak scaling)."""
+    """Time one rank and two: the same packing (strong scaling), and as many spheres on each rank
+    (weak scaling).
+    """
     longer = [SIZES[1][0], SIZES[1][1], 2 * SIZES[1][2]]
-    one, two, weak = (_on_ranks(n, size, repeats) for n, size in ((1, SIZES[1]), (2, SIZES[1]), (2, longer)))
+    one, two, weak = (
+        _on_ranks(n, size, repeats) for n, size in ((1, SIZES[1]), (2, SIZES[1]), (2, longer))
+    )
     found = {"strong": [one, two], "weak": [one, weak]}
     for name, timings in found.items():
-        print(f"\n{name} scaling, all spheres rattling (each rank's share of the speed of one rank; 1 is ideal):")
+        print(
+            f"\n{name} scaling, all spheres rattling (each rank's share of the speed of one rank; 1 is ideal):"
+        )
         for timing in timings:
-            n_ranks, rates = timing["n_ranks"], timing["rates"]
+            n_ranks = timing["n_ranks"]
+            rates = timing["rates"]
             efficiency = statistics.median(rates) / statistics.median(one["rates"]) / n_ranks
             exchanged = _BYTES_OF_GHOST * timing["ghosts"]
             print(
@@ -277,7 +320,15 @@ def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
         f"found = bench.time_rattling({size}, {repeats}); "
         "print(json.dumps(found)) if mpi.world().rank == 0 else None"
     )
-    command = [mpi.find_mpiexec() or "mpiexec", "-n", str(n_ranks), *mpi.PYTHON, "-m", "mpi4py", "-c"]
+    command = [
+        mpi.find_mpiexec() or "mpiexec",
+        "-n",
+        str(n_ranks),
+        *mpi.PYTHON,
+        "-m",
+        "mpi4py",
+        "-c",
+    ]
     done = subprocess.run([*command, program], capture_output=True, text=True, check=True)
     found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
     return found
@@ -292,8 +343,8 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
     Returns
     -------
     dict
-        ``ranks``, ``n_steps``, and lists of wall times, s: ``start`` (program, packing, deck, set-up of LAMMPS),
-        ``steps``, ``analysis`` (with the start of the program) and ``figures``.
+        ``ranks``, ``n_steps``, and lists of wall times, s: ``start`` (program, packing, deck,
+        set-up of LAMMPS), ``steps``, ``analysis`` (with the start of the program) and ``figures``.
     """
     print(f"\nreference study ({TIMED}) on {ranks} ranks, wall time of its parts, s:")
     times: dict[str, list[float]] = {part: [] for part in STUDY_PARTS}
@@ -301,20 +352,32 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
     with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
         directory = Path(scratch) / "run"
         for _ in range(min(repeats, _MOST_RUNS)):
-            whole = _timed("run", TIMED, "-o", str(directory), "--np", str(ranks), "--force", "--no-figures")
-            steps = float(json.loads((directory / RECORD_FILE).read_text(encoding="utf-8"))["wall_time_s"])
-            n_steps = int(json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))["n_steps"])
+            whole = _timed(
+                "run", TIMED, "-o", str(directory), "--np", str(ranks), "--force", "--no-figures"
+            )
+            steps = float(
+                json.loads((directory / RECORD_FILE).read_text(encoding="utf-8"))["wall_time_s"]
+            )
+            n_steps = int(
+                json.loads((directory / SUMMARY_FILE).read_text(encoding="utf-8"))["n_steps"]
+            )
             analysis = _timed("analyse", str(directory), "--no-figures")
             figures = _timed("analyse", str(directory)) - analysis
-            for part, value in zip(STUDY_PARTS, (whole - steps - analysis, steps, analysis, figures), strict=True):
+            for part, value in zip(
+                STUDY_PARTS, (whole - steps - analysis, steps, analysis, figures), strict=True
+            ):
                 times[part].append(value)
     for part, values in times.items():
-        print(f"{part:>10} {_spread(values):>28}" + (f"   {n_steps} steps" if part == "steps" else ""))
+        print(
+            f"{part:>10} {_spread(values):>28}" + (f"   {n_steps} steps" if part == "steps" else "")
+        )
     return {"ranks": ranks, "n_steps": n_steps, **times}
 
 
 def _timed(*words: str) -> float:
     """Run a command of granwave; return its wall time, s."""
     begin = time.perf_counter()
-    subprocess.run([*mpi.PYTHON, "-m", "granwave.workflows", *words], check=True, capture_output=True)
+    subprocess.run(
+        [*mpi.PYTHON, "-m", "granwave.workflows", *words], check=True, capture_output=True
+    )
     return time.perf_counter() - begin

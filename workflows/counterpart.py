@@ -1,7 +1,9 @@
-"""Normalised inputs of impacts, and the continuum case that a packing compares with, or the reverse.
+"""Normalised inputs of impacts, and the continuum case that a packing compares with, or the
+reverse.
 
-Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the spheres or of the
-punch. The counterpart has the same material and D, so that equal energies are equal inputs.
+Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the
+spheres or of the punch. The counterpart has the same material and D, so that equal energies are
+equal inputs.
 """
 
 from __future__ import annotations
@@ -24,7 +26,9 @@ if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
     from granwave.workflows.finite_elements.punch.case import ContinuumCase
 
-_BLOCK, _PACKING = "half-space", "fcc-small"  # built-in cases that counterparts are made from
+# built-in cases that counterparts are made from
+_BLOCK = "half-space"
+_PACKING = "fcc-small"
 _TAPER = 0.01  # of the punch's diameter, as in the built-in case
 _NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
 _WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
@@ -72,13 +76,15 @@ def energy_unit(material: Material, diameter: float) -> float | None:
 
 def inputs_of_packing(case: Case) -> Inputs:
     """Return the inputs of the impact of a case."""
-    law, energy = sphere_contact(case), expected_energy(assemble(case))
+    law = sphere_contact(case)
+    energy = expected_energy(assemble(case))
     unit = energy_unit(case.material, case.packing.diameter)
     if not case.contact.yields or unit is None:
         return Inputs(energy, None, None, None)
     velocity = None
     if case.load.kind == "impact":
-        strength, density = law.yield_strength, case.material.density
+        strength = law.yield_strength
+        density = case.material.density
         velocity = velocity_normalised(case.load.velocity, law.effective_modulus, density, strength)
     return Inputs(energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity)
 
@@ -90,19 +96,24 @@ def inputs_of_continuum(case: ContinuumCase) -> Inputs:
 
 
 def continuum_of(case: Case) -> Counterpart:
-    """Return the continuum case of equal input: a punch with the mass and velocity of the struck spheres.
+    """Return the continuum case of equal input: a punch with the mass and velocity of the struck
+    spheres.
 
     The block is as high as the packing, and as wide as its narrower side.
     """
-    lattice, diameter = assemble(case).lattice, case.packing.diameter
+    lattice = assemble(case).lattice
+    diameter = case.packing.diameter
     if not case.contact.yields or case.material.yield_strength is None:
         return Counterpart(reason="the contacts do not yield")
     if not _strikes_along_z(case):
         return Counterpart(reason="it is made for impacts and strikers along z alone")
     low, high = lattice.bounds()
-    width, height = min(high[:2] - low[:2]) + diameter, high[2] - low[2] + diameter
+    width = min(high[:2] - low[:2]) + diameter
+    height = high[2] - low[2] + diameter
     if lattice.rule.dimension < 3 or width < _NARROWEST * diameter:
-        return Counterpart(reason="the packing is no block: a chain or a single layer, or too narrow")
+        return Counterpart(
+            reason="the packing is no block: a chain or a single layer, or too narrow"
+        )
     assembly = assemble(case)
     mass = sum(map(assembly.mass_of, struck_of(assembly)))
     changes = {
@@ -122,17 +133,25 @@ def _strikes_along_z(case: Case) -> bool:
     if case.load.kind not in ("impact", "striker"):
         return False
     assembly = assemble(case)
-    moving, struck = velocities_of(assembly), struck_of(assembly)
+    moving = velocities_of(assembly)
+    struck = struck_of(assembly)
     one = case.load.kind == "impact" or len(struck) == 1
-    return one and set(moving) == set(struck) and all(v[2] > 0 and not any(v[:2]) for v in moving.values())
+    return (
+        one
+        and set(moving) == set(struck)
+        and all(v[2] > 0 and not any(v[:2]) for v in moving.values())
+    )
 
 
 def packing_of(case: ContinuumCase) -> Counterpart:
-    """Return the FCC packing of equal input: spheres as wide as the punch, in a packing as large as the block.
+    """Return the FCC packing of equal input: spheres as wide as the punch, in a packing as large as
+    the block.
 
-    As few spheres are struck as keep the expected overlap within the contact law, and seven at most.
+    As few spheres are struck as keep the expected overlap within the contact law, and seven at
+    most.
     """
-    diameter, rule = case.punch.diameter, KINDS["fcc"]
+    diameter = case.punch.diameter
+    rule = KINDS["fcc"]
     if case.material.yield_strength is None:
         return Counterpart(reason="the material does not yield")
     extents = (case.block.diameter, case.block.diameter, case.block.height)
@@ -160,7 +179,9 @@ def _overlap(material: Material, changes: dict[str, Any]) -> float:
     """Return the largest expected overlap in a packing, over R*."""
     tables = {
         "name": "packing",
-        "material": {name: value for name, value in dataclasses.asdict(material).items() if value is not None},
+        "material": {
+            name: value for name, value in dataclasses.asdict(material).items() if value is not None
+        },
         "packing": {"kind": "fcc", "size": list(_FEWEST), "diameter": changes["packing.diameter"]},
         "load": {"spheres": changes["load.spheres"], "velocity": changes["load.velocity"]},
     }

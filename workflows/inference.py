@@ -1,4 +1,6 @@
-"""Forces inferred from a table of grains or from measurements made of a run, for the command line and for Python."""
+"""Forces inferred from a table of grains or from measurements made of a run, for the command line
+and for Python.
+"""
 
 from __future__ import annotations
 
@@ -40,7 +42,9 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
         raise InputError(f"-o {directory}: there is no directory {directory.parent}")
     refuse_other_kind(directory, INFERENCE)
     if not force and set(WRITTEN) & set(results_in(directory)):
-        raise InputError(f"{directory}: already holds results; --force replaces them, or choose another with -o")
+        raise InputError(
+            f"{directory}: already holds results; --force replaces them, or choose another with -o"
+        )
     refuse_foreign(directory, WRITTEN)
     return directory
 
@@ -74,14 +78,22 @@ def infer(
     Raises
     ------
     InputError
-        There is no such table or run, it or the case is wrong, or the equations do not determine the forces.
+        There is no such table or run, it or the case is wrong, or the equations do not determine
+        the forces.
     """
     from granwave.analysis.inference.case import read_infer_case
     from granwave.analysis.inference.plan import plan_experiment
 
     if not source.exists():
-        raise InputError(f"{source}: no such file; expected a table of grains (CSV), or the directory of a run")
-    of_runs = {"noise": noise, "frame-rate": frame_rate, "position-noise": position_noise, "time": time}
+        raise InputError(
+            f"{source}: no such file; expected a table of grains (CSV), or the directory of a run"
+        )
+    of_runs = {
+        "noise": noise,
+        "frame-rate": frame_rate,
+        "position-noise": position_noise,
+        "time": time,
+    }
     if not (source.is_dir() or source.name == RESULT_FILE):
         if given := [name for name, value in of_runs.items() if value is not None]:
             raise InputError(
@@ -89,7 +101,9 @@ def infer(
                 "holds for a table stands in [infer] of --case"
             )
         if case_file is None:
-            raise InputError("--case: missing; expected a file with [material] and [infer] (granwave keys infer)")
+            raise InputError(
+                "--case: missing; expected a file with [material] and [infer] (granwave keys infer)"
+            )
         return _infer_table(source, case_file, repeat, progress=progress)
     return plan_experiment(
         source,
@@ -103,7 +117,9 @@ def infer(
     )
 
 
-def _infer_table(source: Path, case_file: Path, repetitions: int | None, *, progress: bool) -> Inferred:
+def _infer_table(
+    source: Path, case_file: Path, repetitions: int | None, *, progress: bool
+) -> Inferred:
     from granwave.analysis.inference.case import read_infer_case
     from granwave.analysis.inference.equations import Noise
     from granwave.analysis.inference.infer import infer as infer_forces

@@ -17,15 +17,22 @@ from granwave.lammps_inputs.load_case import load_case as load_case_file
 from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
-CASES, SCANS = "cases", "scans"
-SCAN, DESIGN = "scan", "design"  # commands that run scans, and searches for a design
-_PACKINGS, _CHAINS, _ELEMENTS = "Packings", "Chains and single contacts", "Finite elements (granwave continuum)"
-_SCANS, _SUITES = "Scans", "Suites of scans"
+CASES = "cases"
+SCANS = "scans"
+# commands that run scans, and searches for a design
+SCAN = "scan"
+DESIGN = "design"
+_PACKINGS = "Packings"
+_CHAINS = "Chains and single contacts"
+_ELEMENTS = "Finite elements (granwave continuum)"
+_SCANS = "Scans"
+_SUITES = "Suites of scans"
 GROUPS = (_PACKINGS, _CHAINS, _ELEMENTS, _SCANS, _SUITES)  # of the list of built-in studies
 _SUFFIX = ".toml"
 _WHAT = {CASES: "case", SCANS: "scan"}
 _NOUNS = {GRANULAR.verb: "a granular case", CONTINUUM.verb: "a continuum case"}
-_OF_SCAN, _OF_CASE = ("case", "scans", "grid", "zip", "points"), ("packing", "block", "punch", "sphere")
+_OF_SCAN = ("case", "scans", "grid", "zip", "points")
+_OF_CASE = ("packing", "block", "punch", "sphere")
 
 
 def _folder(kind: str) -> Path:
@@ -54,13 +61,18 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     path = directory / study
     if _is(path.is_file):
         return path
-    built_in = {known: _folder(known) / f"{study}{_SUFFIX}" for known in _WHAT} if study in _all_names() else {}
+    built_in = (
+        {known: _folder(known) / f"{study}{_SUFFIX}" for known in _WHAT}
+        if study in _all_names()
+        else {}
+    )
     if kind in built_in and built_in[kind].is_file():
         return built_in[kind]
     if built_in:
         other = next(file for file in built_in.values() if file.is_file())
         raise _other_word(study, verb_of(other), SCAN if kind == SCANS else GRANULAR.verb)
-    what, known = _WHAT[kind], "granwave cases lists the built-in ones"
+    what = _WHAT[kind]
+    known = "granwave cases lists the built-in ones"
     if _is(path.is_dir):
         case = path / CASE_FILE
         hint = f"its case is {case}" if case.is_file() else known
@@ -71,13 +83,21 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         raise InputError(f"{study}: cannot be read: {error.strerror}") from None
     except (OSError, ValueError):
         pass
-    folder, is_path = path.parent, len(Path(study).parts) > 1
+    folder = path.parent
+    is_path = len(Path(study).parts) > 1
     files = [file.stem for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
     stem = _nearest(path.name.removesuffix(_SUFFIX), files)
     file = str(Path(study).with_name(f"{stem}{_SUFFIX}")) if stem else ""
-    near = (file if is_path else "") or _nearest(study, names(kind)) or _nearest(study, _all_names()) or file
+    near = (
+        (file if is_path else "")
+        or _nearest(study, names(kind))
+        or _nearest(study, _all_names())
+        or file
+    )
     hint = f"did you mean {near}?" if near else known
-    raise InputError(f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}")
+    raise InputError(
+        f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}"
+    )
 
 
 def _is(question: Callable[[], bool]) -> bool:
@@ -103,7 +123,9 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
     """
     path = find(study, SCANS if verbs == (SCAN,) else CASES, directory)
     if "infer" in (tables := read_toml(path)) and "packing" not in tables:
-        raise InputError(f"{study}: tells how forces are inferred; run  granwave infer GRAINS.csv --case {study}")
+        raise InputError(
+            f"{study}: tells how forces are inferred; run  granwave infer GRAINS.csv --case {study}"
+        )
     if (verb := verb_of(path)) not in verbs:
         raise _other_word(study, verb, verbs[0])
     return path
@@ -114,7 +136,9 @@ def verb_of(path: Path) -> str:
     tables = read_toml(path)
     if "base" in tables and "variables" in tables:
         return DESIGN
-    of_scan = any(name in tables for name in _OF_SCAN) and not any(name in tables for name in _OF_CASE)
+    of_scan = any(name in tables for name in _OF_SCAN) and not any(
+        name in tables for name in _OF_CASE
+    )
     return SCAN if of_scan else solver_of(tables).verb
 
 
@@ -125,7 +149,9 @@ def _all_names() -> list[str]:
 def _other_word(study: str, found: str, wanted: str) -> InputError:
     nouns = _NOUNS if not {SCAN, DESIGN} & {found, wanted} else dict.fromkeys(_NOUNS, "a case")
     nouns = nouns | {SCAN: "a scan", DESIGN: "a search for a design"}
-    return InputError(f"{study}: is {nouns[found]}, expected {nouns[wanted]}: granwave {found} {study}")
+    return InputError(
+        f"{study}: is {nouns[found]}, expected {nouns[wanted]}: granwave {found} {study}"
+    )
 
 
 def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Case:
@@ -145,7 +171,9 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
 
 
 class Entry(NamedTuple):
-    """A built-in study: ``case`` or ``scan``, its name, the group that it is listed in, and its description."""
+    """A built-in study: ``case`` or ``scan``, its name, the group that it is listed in, and its
+    description.
+    """
 
     kind: str
     name: str
@@ -171,7 +199,9 @@ def entries() -> list[Entry]:
 def text(name: str) -> str:
     """Return the text of the file of a built-in study, with its comments."""
     nearest = difflib.get_close_matches(name, [*names(CASES), *names(SCANS)], n=1)
-    return find(name, SCANS if set(nearest) & set(names(SCANS)) else CASES).read_text(encoding="utf-8")
+    return find(name, SCANS if set(nearest) & set(names(SCANS)) else CASES).read_text(
+        encoding="utf-8"
+    )
 
 
 def title(name: str) -> str:

@@ -16,7 +16,8 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import check_run, plan
 
-_OF_CONTINUUM, _OF_SPHERE_CONTACT = ("block", "punch"), ("sphere", "partner")
+_OF_CONTINUUM = ("block", "punch")
+_OF_SPHERE_CONTACT = ("sphere", "partner")
 
 
 class AnyCase(Protocol):
@@ -61,7 +62,8 @@ class Kind:
     parts
         Unit of their size: spheres or elements.
     versions
-        Names, in `granwave.workflows.run.record.versions`, of the programs that their results depend on.
+        Names, in `granwave.workflows.run.record.versions`, of the programs that their results
+        depend on.
     read
         Function that makes a case, as `case_from_dict`.
     size
@@ -72,8 +74,8 @@ class Kind:
         Function that raises InputError if a case of this cost cannot be run; parameters as in
         `granwave.lammps_inputs.planning.plan.check_run`.
     run
-        Function that runs a case of finite elements into a directory, as `run_continuum`; None for those
-        that `granwave.workflows.run.driver.run_case` runs.
+        Function that runs a case of finite elements into a directory, as `run_continuum`; None for
+        those that `granwave.workflows.run.driver.run_case` runs.
     parallel
         True if cases can run on several ranks.
     """
@@ -102,7 +104,12 @@ def solver_of(tables: Mapping[str, Any]) -> Kind:
 
 
 def _check_mesh(
-    case: Any, expected: Any, directory: Path | None = None, *, files: bool = True, memory: bool = True
+    case: Any,
+    expected: Any,
+    directory: Path | None = None,
+    *,
+    files: bool = True,
+    memory: bool = True,
 ) -> None:
     from granwave.workflows.finite_elements.frame import check_memory
 
@@ -113,10 +120,14 @@ def _check_mesh(
 
 
 def _continuum_kind(package: str, case: str, run: str) -> Kind:
-    """Make a kind whose modules are imported on demand, from the names of its class and its function."""
+    """Make a kind whose modules are imported on demand, from the names of its class and its
+    function.
+    """
 
     def part(module: str, name: str) -> Any:
-        return getattr(importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name)
+        return getattr(
+            importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name
+        )
 
     return Kind(
         verb="continuum",

@@ -1,4 +1,6 @@
-"""Bands, modes and transmission of a case or of a finished run: computed, and written to a directory."""
+"""Bands, modes and transmission of a case or of a finished run: computed, and written to a
+directory.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,13 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text, replacing
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, results_in
+from granwave.lammps_inputs.ownership import (
+    claim,
+    clear,
+    refuse_foreign,
+    refuse_other_kind,
+    results_in,
+)
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
@@ -51,13 +59,16 @@ _FIGURES = {
 }
 
 
-def check_place(directory: Path | None, name: str, source: Case | Path, *, force: bool) -> Path | None:
+def check_place(
+    directory: Path | None, name: str, source: Case | Path, *, force: bool
+) -> Path | None:
     """Return the absolute path of a directory for results of this name; None if there is none.
 
     Raises
     ------
     InputError
-        It holds such results already, those of another case or kind, or files that granwave did not write.
+        It holds such results already, those of another case or kind, or files that granwave did not
+        write.
     """
     if directory is None:
         return None
@@ -77,7 +88,9 @@ def check_place(directory: Path | None, name: str, source: Case | Path, *, force
             f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, {another}"
         )
     if again:
-        raise InputError(f"{place}: already holds results ({min(again)}); --force replaces them, {another}")
+        raise InputError(
+            f"{place}: already holds results ({min(again)}); --force replaces them, {another}"
+        )
     refuse_foreign(place, [*names, SPECTRA_FILE])
     return place
 
@@ -110,21 +123,30 @@ class SmallWaves:
     tables: Mapping[str, Table]
 
     def write(self, directory: Path | None, *, figures: bool) -> list[Path]:
-        """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of the files."""
+        """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of
+        the files.
+        """
         if directory is None:
             return []
         with held(directory):
             names = [f"{self.name}.csv", f"{self.name}.json"]
             if case_in(directory / SPECTRA_FILE) not in ("", self.state.case.to_toml()):
-                clear(directory)  # with --force: tables of the other case would lie beside those of this one
+                clear(
+                    directory
+                )  # with --force: tables of the other case would lie beside those of this one
             claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
             write_spectra(directory / SPECTRA_FILE, self.state, self.tables)
             with replacing(directory / names[0]) as scratch:
                 write_csv(self.columns, scratch)
-            replace_text(directory / names[1], json.dumps(plain(dict(self.summary)), indent=1, allow_nan=False) + "\n")
+            replace_text(
+                directory / names[1],
+                json.dumps(plain(dict(self.summary)), indent=1, allow_nan=False) + "\n",
+            )
             folder = FigureFolder(directory)
             if figures:
-                from granwave.analysis.figures import spectra as drawing  # the drawing library takes a second to load
+                from granwave.analysis.figures import (
+                    spectra as drawing,
+                )  # the drawing library takes a second to load
 
                 with style():
                     for figure, draw in _FIGURES[self.name].items():
@@ -164,9 +186,14 @@ def bands(
         slab=slab,
     )  # fmt: skip
     way = found.bands.path
-    columns: dict[str, Any] = {"distance": way.distance, **dict(zip(("kx", "ky", "kz"), way.k.T, strict=True))}
+    columns: dict[str, Any] = {
+        "distance": way.distance,
+        **dict(zip(("kx", "ky", "kz"), way.k.T, strict=True)),
+    }
     columns |= {f"f{n}_Hz": one for n, one in enumerate(found.bands.frequency.T, start=1)}
-    waves = SmallWaves("bands", found.state, found, found.summary(), columns, files.tables_of_bands(found))
+    waves = SmallWaves(
+        "bands", found.state, found, found.summary(), columns, files.tables_of_bands(found)
+    )
     return waves, waves.write(place, figures=figures)
 
 
@@ -198,13 +225,15 @@ def modes(
     """
     place = check_place(directory, "modes", source, force=force)
     state = _finite(source, directions)
-    network, found = state.network, solve_modes(stiffness_of(state.network), n_modes)
+    network = state.network
+    found = solve_modes(stiffness_of(state.network), n_modes)
     if found.n_floppy and not allow_floppy:
         raise InputError(
             f"{state.name}: the static state is not rigid: {found.describe_floppy()}; friction, a load from all "
             "sides, --directions or [[hold]] makes it so, and --allow-floppy goes on"
         )
-    frequency, above = found.frequency, found.frequency[found.frequency > 0]
+    frequency = found.frequency
+    above = found.frequency[found.frequency > 0]
     summary = {
         "name": state.name,
         "kind": "modes",
@@ -222,7 +251,11 @@ def modes(
         "static_residual": state.residual,
     }
     numbers = np.arange(1, len(frequency) + 1)
-    columns = {"mode": numbers, "frequency_Hz": frequency, "participation_ratio": found.participation}
+    columns = {
+        "mode": numbers,
+        "frequency_Hz": frequency,
+        "participation_ratio": found.participation,
+    }
     waves = SmallWaves("modes", state, found, summary, columns, files.tables_of_modes(state, found))
     return waves, waves.write(place, figures=figures)
 
@@ -257,7 +290,9 @@ def steady(
     if not len(frequencies) or not np.isfinite(frequencies).all() or (frequencies < 0).any():
         raise InputError("--frequencies: expected numbers from 0 up (Hz)")
     if frequencies.max() > _HIGHEST:
-        raise InputError(f"--frequencies: found {frequencies.max():g} Hz, expected at most {_HIGHEST:g} Hz")
+        raise InputError(
+            f"--frequencies: found {frequencies.max():g} Hz, expected at most {_HIGHEST:g} Hz"
+        )
     state = _finite(source, directions, damped=True)
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
@@ -266,14 +301,19 @@ def steady(
     support = state.case.boundary.bottom_support
     damping = support.damping if isinstance(support, Damper) else None
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
-    stiffness, small = stiffness_of(state.network), state.network.n_freedoms <= ALL_UP_TO
+    stiffness = stiffness_of(state.network)
+    small = state.network.n_freedoms <= ALL_UP_TO
     modes = solve_modes(stiffness, None if small else _LOWEST_MODES)
-    if words := growing(modes.square, modes.largest):  # a steady motion about such a state does not last
+    if words := growing(
+        modes.square, modes.largest
+    ):  # a steady motion about such a state does not last
         _LOG.warning(
             "%s: the static state is not rigid%s; the steady motion is that of a state which does not last; "
             "granwave modes names them",
             state.name,
-            words.replace(", and ", ": ", 1).replace(" of them", " modes" if small else " modes or more"),
+            words.replace(", and ", ": ", 1).replace(
+                " of them", " modes" if small else " modes or more"
+            ),
         )
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
@@ -303,13 +343,17 @@ def steady(
         "highest_frequency_Hz": float(found.frequency.max()),
         "largest_amplitude_ratio": found.amplitude.max(axis=0).tolist(),
     }
-    waves = SmallWaves("transmission", state, found, summary, columns, files.tables_of_transmission(state, found))
+    waves = SmallWaves(
+        "transmission", state, found, summary, columns, files.tables_of_transmission(state, found)
+    )
     return waves, waves.write(place, figures=figures)
 
 
 def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:
     if set(directions) - set("xyz"):
-        raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
+        raise InputError(
+            f'--directions: found "{directions}", expected some of the letters x, y and z'
+        )
     state = packing_state(source, damped=damped)
     if not directions:
         return state

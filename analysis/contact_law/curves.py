@@ -1,13 +1,15 @@
-"""Force-overlap curves of a contact law, and its coefficient of restitution, as tables and as figures.
+"""Force-overlap curves of a contact law, and its coefficient of restitution, as tables and as
+figures.
 
-A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 / 2; all of it is
-returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the same, see test_curves.py.
+A collision of effective mass m loads the contact until the work of loading W(a_max) equals m v^2 /
+2; all of it is returned but the dissipated energy D(a_max):  e = sqrt(1 - D / W). Runs give the
+same, see test_curves.py.
 
 Measured force-overlap curves, read from CSV, with the branch and the largest overlap of every row.
 
-There are two forms. With a column ``branch`` (loading, unloading_N, reloading_N), as `granwave law -o x.csv` writes it,
-all rows of one N lie below the same largest overlap. Otherwise the rows are in the order of measurement, and the
-branches follow from the turning points of the overlap.
+There are two forms. With a column ``branch`` (loading, unloading_N, reloading_N), as `granwave law
+-o x.csv` writes it, all rows of one N lie below the same largest overlap. Otherwise the rows are in
+the order of measurement, and the branches follow from the turning points of the overlap.
 """
 
 from __future__ import annotations
@@ -49,14 +51,15 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
     max_overlap
         Largest overlap, in units of alpha_y; of 1e-4 R* for materials without a yield strength.
     velocity
-        Velocity of approach and of separation, m/s, of which the yield strength of some materials depends; 0: slow.
+        Velocity of approach and of separation, m/s, of which the yield strength of some materials
+        depends; 0: slow.
 
     Returns
     -------
     dict
-        ``branch`` (loading, then unloading_N and reloading_N for each of four turning points), ``overlap_m``,
-        ``force_N``, ``overlap_normalised`` (by alpha_y), ``force_normalised`` (by F_y); the last two are NaN
-        for materials without a yield strength.
+        ``branch`` (loading, then unloading_N and reloading_N for each of four turning points),
+        ``overlap_m``, ``force_N``, ``overlap_normalised`` (by alpha_y), ``force_normalised`` (by
+        F_y); the last two are NaN for materials without a yield strength.
 
     Raises
     ------
@@ -69,32 +72,47 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
         raise ValueError(f"max_overlap: found {max_overlap}, expected a positive number")
     check_forces(law)
     yields = math.isfinite(law.yield_overlap)
-    largest = max_overlap * (law.yield_overlap if yields else _UNIT_WITHOUT_YIELD * law.effective_radius)
+    largest = max_overlap * (
+        law.yield_overlap if yields else _UNIT_WITHOUT_YIELD * law.effective_radius
+    )
     grid = np.linspace(0.0, 1.0, _POINTS)
     first = np.linspace(0.0, largest, _POINTS)
     if law.yield_overlap < largest:
         first = np.union1d(first, [law.yield_overlap])
-    branches = [("loading", first, _path(law, first, velocity) if velocity else law.loading_force(first))]
+    branches = [
+        ("loading", first, _path(law, first, velocity) if velocity else law.loading_force(first))
+    ]
     for n, share in enumerate(_TURNS, start=1):
         peak = share * largest
         residual = float(law.residual_overlap(np.array([peak]))[0])
         overlap = np.concatenate([[0.0], residual + (peak - residual) * grid])
         if law.neck_length:
-            overlap = -law.neck_length + (peak + law.neck_length) * np.concatenate([[-1e-9], grid[:1] + 1e-9, grid[1:]])
+            overlap = -law.neck_length + (peak + law.neck_length) * np.concatenate(
+                [[-1e-9], grid[:1] + 1e-9, grid[1:]]
+            )
         force = law.force(overlap, np.full_like(overlap, peak))
         if velocity:
             overlap = peak * grid
-            force = _path(law, np.concatenate([first[first < peak], overlap[::-1]]), velocity)[-_POINTS:][::-1]
-        branches += [(f"unloading_{n}", overlap[::-1], force[::-1]), (f"reloading_{n}", overlap, force)]
+            force = _path(law, np.concatenate([first[first < peak], overlap[::-1]]), velocity)[
+                -_POINTS:
+            ][::-1]
+        branches += [
+            (f"unloading_{n}", overlap[::-1], force[::-1]),
+            (f"reloading_{n}", overlap, force),
+        ]
     overlap = np.concatenate([branch[1] for branch in branches])
     force = np.concatenate([branch[2] for branch in branches])
     if not np.all(np.isfinite(force)):
-        raise InputError(f"--max-overlap: found {max_overlap:g}, where forces are beyond all numbers; expected less")
+        raise InputError(
+            f"--max-overlap: found {max_overlap:g}, where forces are beyond all numbers; expected less"
+        )
     return {
         "branch": np.concatenate([np.full(len(values), name) for name, values, _ in branches]),
         "overlap_m": overlap,
         "force_N": force,
-        "overlap_normalised": overlap / law.yield_overlap if yields else np.full_like(overlap, np.nan),
+        "overlap_normalised": overlap / law.yield_overlap
+        if yields
+        else np.full_like(overlap, np.nan),
         "force_normalised": force / law.yield_force if yields else np.full_like(force, np.nan),
     }
 
@@ -106,7 +124,11 @@ def _path(law: ContactLaw, overlap: NDArray[np.float64], velocity: float) -> NDA
 
 def check_forces(law: ContactLaw) -> None:
     """Raise InputError if the force at a typical overlap is zero or infinite in double precision."""
-    overlap = law.yield_overlap if math.isfinite(law.yield_overlap) else _UNIT_WITHOUT_YIELD * law.effective_radius
+    overlap = (
+        law.yield_overlap
+        if math.isfinite(law.yield_overlap)
+        else _UNIT_WITHOUT_YIELD * law.effective_radius
+    )
     force = float(law.loading_force(np.array([overlap]))[0])
     if not 0 < (abs(force) if law.pull_off_force else force) < math.inf:
         raise InputError(
@@ -115,10 +137,16 @@ def check_forces(law: ContactLaw) -> None:
         )
 
 
-def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0) -> Drawing:
-    """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and right."""
+def law_drawing(
+    law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0
+) -> Drawing:
+    """Draw the curves of `law_table`, with physical axes below and left, normalised ones above and
+    right.
+    """
     table = law_table(law, max_overlap, velocity)
-    branch, overlap, force = table["branch"], table["overlap_m"] * _MICRO, table["force_N"]
+    branch = table["branch"]
+    overlap = table["overlap_m"] * _MICRO
+    force = table["force_N"]
     figure, axes = panels(2.7)
     for n, colour in enumerate(_COLOURS, start=1):
         rows = branch == f"unloading_{n}"
@@ -128,13 +156,20 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     axes.plot(overlap[rows], force[rows], color="black", linestyle="--", label="loading")
     if velocity:
         slow = np.asarray(overlap[rows] / _MICRO)
-        axes.plot(overlap[rows], law.loading_force(slow), color=GREY, linestyle="-.", label="loading, slow")
+        axes.plot(
+            overlap[rows],
+            law.loading_force(slow),
+            color=GREY,
+            linestyle="-.",
+            label="loading, slow",
+        )
     low = (1.02 * float(overlap.min()), 1.05 * float(force.min()))
     limits = {"xlim": (low[0], float(overlap.max())), "ylim": (low[1], 1.05 * float(force.max()))}
     axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
         axes.tick_params(top=False, right=False)
-        a_y, f_y = law.yield_overlap * _MICRO, law.yield_force
+        a_y = law.yield_overlap * _MICRO
+        f_y = law.yield_force
         above = axes.secondary_xaxis("top", functions=(lambda x: x / a_y, lambda x: x * a_y))
         above.set_xlabel(r"$\alpha/\alpha_\mathrm{y}$")
         beside = axes.secondary_yaxis("right", functions=(lambda y: y / f_y, lambda y: y * f_y))
@@ -142,12 +177,18 @@ def law_drawing(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, title: str =
     limit = 0.2 * law.effective_radius * _MICRO
     if law.entry.fitted and overlap.max() > limit:
         axes.axvline(limit, color=GREY, linestyle=":", label=r"0.2 $R^*$, end of the fit")
-    axes.legend(loc="upper left", title=f"{title}, {law.name}" if title else law.name, alignment="left")
+    axes.legend(
+        loc="upper left", title=f"{title}, {law.name}" if title else law.name, alignment="left"
+    )
     return Drawing(figure, table)
 
 
 def write_law(
-    law: ContactLaw, path: str | Path, max_overlap: float = _MAX_OVERLAP, title: str = "", velocity: float = 0.0
+    law: ContactLaw,
+    path: str | Path,
+    max_overlap: float = _MAX_OVERLAP,
+    title: str = "",
+    velocity: float = 0.0,
 ) -> Path:
     """Write a table (.csv), or a figure with its table (.png or .pdf; both are written).
 
@@ -160,9 +201,15 @@ def write_law(
     """
     path = Path(path)
     if path.suffix not in (".csv", ".png", ".pdf"):
-        raise ValueError(f"{path}: found the suffix {path.suffix or 'none'!r}, expected .png, .pdf or .csv")
+        raise ValueError(
+            f"{path}: found the suffix {path.suffix or 'none'!r}, expected .png, .pdf or .csv"
+        )
     path.parent.mkdir(parents=True, exist_ok=True)
-    save_as(path, law_table(law, max_overlap, velocity), lambda: law_drawing(law, max_overlap, title, velocity))
+    save_as(
+        path,
+        law_table(law, max_overlap, velocity),
+        lambda: law_drawing(law, max_overlap, title, velocity),
+    )
     return path
 
 
@@ -176,8 +223,8 @@ def restitution(
     mass
         Effective mass of the two bodies, kg.
     max_overlap
-        Overlap of the fastest impact over that at first yield; for the elasto-plastic law at most 0.2 R*, the limit of
-        its fit.
+        Overlap of the fastest impact over that at first yield; for the elasto-plastic law at most
+        0.2 R*, the limit of its fit.
     """
     check_forces(law)
     largest = max_overlap * law.yield_overlap
@@ -187,29 +234,42 @@ def restitution(
     work = law.loading_work(peak)
     velocity = np.sqrt(2 * work / mass)
     if law.rate_sensitivity:
-        return velocity, np.array([law.collide(mass, float(one), steps=_STEPS)["restitution"] for one in velocity])
+        return velocity, np.array(
+            [law.collide(mass, float(one), steps=_STEPS)["restitution"] for one in velocity]
+        )
     return velocity, np.sqrt(np.clip(1 - law.dissipated_energy(peak) / work, 0, 1))
 
 
 def write_restitution(
-    contacts: Mapping[str, tuple[ContactLaw, float]], path: str | Path, max_overlap: float = 400.0, title: str = ""
+    contacts: Mapping[str, tuple[ContactLaw, float]],
+    path: str | Path,
+    max_overlap: float = 400.0,
+    title: str = "",
 ) -> Path:
-    """Write the curves as a table (.csv) or as a figure with its table (.png or .pdf; both are written).
+    """Write the curves as a table (.csv) or as a figure with its table (.png or .pdf; both are
+    written).
 
     Raises
     ------
     InputError
         A file of such a name exists, and granwave did not write it.
     """
-    path, curves = Path(path), {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
+    path = Path(path)
+    curves = {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
     velocity, values = (np.concatenate(parts) for parts in zip(*curves.values(), strict=True))
-    table = {"contact": np.repeat(list(curves), _POINTS), "velocity_m_s": velocity, "restitution": values}
+    table = {
+        "contact": np.repeat(list(curves), _POINTS),
+        "velocity_m_s": velocity,
+        "restitution": values,
+    }
 
     def draw() -> Drawing:
         figure, axes = panels(2.4)
         for (name, curve), (colour, line) in zip(curves.items(), _LINES, strict=False):
             axes.semilogx(*curve, line, color=colour, label=name)
-        axes.set(xlabel="Impact velocity (m/s)", ylabel="Coefficient of restitution", ylim=(0, 1.05))
+        axes.set(
+            xlabel="Impact velocity (m/s)", ylabel="Coefficient of restitution", ylim=(0, 1.05)
+        )
         axes.legend(loc="lower left", title=title or None, alignment="left")
         return Drawing(figure, table)
 
@@ -220,7 +280,11 @@ def write_restitution(
 _LENGTHS = {"m": 1.0, "mm": 1e-3, "um": 1e-6, "µm": 1e-6, "nm": 1e-9}
 _FORCES = {"N": 1.0, "mN": 1e-3, "kN": 1e3, "MN": 1e6}
 _COLUMNS = {  # names of columns of overlaps and of forces, with their units in SI units
-    "overlap": {f"{name}_{unit}": size for name in ("overlap", "displacement") for unit, size in _LENGTHS.items()},
+    "overlap": {
+        f"{name}_{unit}": size
+        for name in ("overlap", "displacement")
+        for unit, size in _LENGTHS.items()
+    },
     "force": {f"force_{unit}": size for unit, size in _FORCES.items()},
 }
 _EXPECTED = {
@@ -272,20 +336,26 @@ class Curve:
 
 
 def read_curve(path: str | Path) -> Curve:
-    """Read a curve from a CSV file with columns of overlaps and forces, and optionally branch; others are ignored.
+    """Read a curve from a CSV file with columns of overlaps and forces, and optionally branch;
+    others are ignored.
 
     The names of the columns hold the units, such as overlap_um, displacement_mm and force_kN.
 
     Raises
     ------
     InputError
-        The file cannot be read, lacks a column, or holds a wrong number, a wrong branch or a negative overlap; the
-        message gives the line of each fault.
+        The file cannot be read, lacks a column, or holds a wrong number, a wrong branch or a
+        negative overlap; the message gives the line of each fault.
     """
     rows, lines = _rows(Path(path))
     errors: list[str] = []
-    names = {what: next(name for name in known if name in lines) for what, known in _COLUMNS.items()}
-    columns = {name: [_number(row, name, f"{path}: line {n}", errors) for n, row in rows] for name in names.values()}
+    names = {
+        what: next(name for name in known if name in lines) for what, known in _COLUMNS.items()
+    }
+    columns = {
+        name: [_number(row, name, f"{path}: line {n}", errors) for n, row in rows]
+        for name in names.values()
+    }
     named = BRANCH in lines
     branch = [(row.get(BRANCH) or "").strip() for _, row in rows]
     for (n, row), name, found in zip(rows, branch, columns[names["overlap"]], strict=True):
@@ -299,14 +369,25 @@ def read_curve(path: str | Path) -> Curve:
                 f"{path}: line {n}: {names['overlap']}: found {found:g}, expected none below 0 (compression > 0)"
             )
     if errors:
-        raise InputError(errors[:_FAULTS] + [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS))
-    overlap, force = (_COLUMNS[what][names[what]] * np.array(columns[names[what]]) for what in ("overlap", "force"))
+        raise InputError(
+            errors[:_FAULTS]
+            + [f"{path}: and {len(errors) - _FAULTS} more"] * (len(errors) > _FAULTS)
+        )
+    overlap, force = (
+        _COLUMNS[what][names[what]] * np.array(columns[names[what]])
+        for what in ("overlap", "force")
+    )
     return curve_of(overlap, force, branch if named else None, str(path))
 
 
-def curve_of(overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None, source: str = "curve") -> Curve:
-    """Make a curve from overlaps (m) and forces (N); without ``branch`` in the order of measurement."""
-    overlap, force = np.asarray(overlap, float), np.asarray(force, float)
+def curve_of(
+    overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None = None, source: str = "curve"
+) -> Curve:
+    """Make a curve from overlaps (m) and forces (N); without ``branch`` in the order of
+    measurement.
+    """
+    overlap = np.asarray(overlap, float)
+    force = np.asarray(force, float)
     if branch is None:
         names, peak = _branches(overlap)
     else:
@@ -322,8 +403,11 @@ def curve_of(overlap: ArrayLike, force: ArrayLike, branch: Sequence[str] | None 
 def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:
     """Return branch and largest overlap of every row of a measured curve, from its turning points."""
     ends = _turning_points(overlap, _TURN * float(overlap.max(initial=0.0)))
-    names, peak = np.full(overlap.size, LOADING, dtype="<U20"), overlap.copy()
-    number, largest, start = 0, 0.0, 0
+    names = np.full(overlap.size, LOADING, dtype="<U20")
+    peak = overlap.copy()
+    number = 0
+    largest = 0.0
+    start = 0
     for end in ends:
         rows = slice(start, end + 1)
         if overlap[end] > overlap[max(start - 1, 0)] or start == 0:
@@ -332,7 +416,8 @@ def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:
             peak[rows][below] = largest
         else:
             if overlap[start - 1] >= largest:
-                number, largest = number + 1, float(overlap[start - 1])
+                number = number + 1
+                largest = float(overlap[start - 1])
             names[rows] = f"unloading_{number}"
             peak[rows] = largest
         start = end + 1
@@ -340,16 +425,20 @@ def _branches(overlap: Array) -> tuple[NDArray[np.str_], Array]:
 
 
 def _turning_points(values: Array, least: float) -> list[int]:
-    """Return the indices at which a noisy sequence turns by more than ``least``, and its last index."""
+    """Return the indices at which a noisy sequence turns by more than ``least``, and its last
+    index.
+    """
     found: list[int] = []
-    extreme, rising = 0, True
+    extreme = 0
+    rising = True
     for k in range(1, values.size):
         ahead = values[k] - values[extreme] if rising else values[extreme] - values[k]
         if ahead >= 0:
             extreme = k
         elif -ahead > least:
             found.append(extreme)
-            extreme, rising = k, not rising
+            extreme = k
+            rising = not rising
     return [*found, values.size - 1] if values.size else []
 
 

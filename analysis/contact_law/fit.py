@@ -5,10 +5,11 @@ Least squares over the rows beyond first yield, of the residuals
     r = (F_law - F) / s,    s = |F|, but at least 0.1 % of the largest force on loading
                                 and 5 % of the force at the turn on un- and reloading
 
-so that small overlaps have the same weight as large ones. Residuals above three times the scatter (a standard deviation
-from the median of |r|) contribute linearly only (Huber's loss). The standard uncertainties come from the covariance
-s^2 (J^T W J)^-1; if residuals of neighbouring rows are correlated (the law differs in shape from the curve), they are
-multiplied by sqrt((1 + rho)/(1 - rho)), with the correlation rho of neighbours.
+so that small overlaps have the same weight as large ones. Residuals above three times the scatter
+(a standard deviation from the median of |r|) contribute linearly only (Huber's loss). The standard
+uncertainties come from the covariance s^2 (J^T W J)^-1; if residuals of neighbouring rows are
+correlated (the law differs in shape from the curve), they are multiplied by sqrt((1 + rho)/(1 -
+rho)), with the correlation rho of neighbours.
 """
 
 from __future__ import annotations
@@ -43,23 +44,40 @@ BOUNDS = {
     "area_slope": (0.3, 20.0),
     "area_offset": (-500.0, 3000.0),
     "residual_slope": (0.05, 1.0),
-    "residual_offset": (1.0, 500.0),  # above residual_slope, so that residual overlaps stay below the largest overlap
+    "residual_offset": (
+        1.0,
+        500.0,
+    ),  # above residual_slope, so that residual overlaps stay below the largest overlap
     "residual_rate": (1e-4, 1.0),
     "unloading_exponent": (1.0, 3.0),
     YIELD: (0.3, 3.0),  # over the strength that fits best with the published constants
 }
-RANGES = (1.0, 10.0, 50.0, 177.6, math.inf)  # ranges of the overlap over that at first yield, for misfits
+RANGES = (
+    1.0,
+    10.0,
+    50.0,
+    177.6,
+    math.inf,
+)  # ranges of the overlap over that at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
-_LEAST_LOADING, _LEAST_TURN = 1e-3, 0.05  # floors of the scale of residuals
+# floors of the scale of residuals
+_LEAST_LOADING = 1e-3
+_LEAST_TURN = 0.05
 _NO_FORCE = 1e-3  # over the force at the turn; smaller forces count as zero
 _FEWEST = 5  # fewest rows of loading beyond first yield
-_SMALL_TURN = 1.5  # overlap over that at first yield; smaller turns do not determine the residual overlap
-_UNIT_ERROR = 30.0  # ratio of forces; no material differs so much from the law, so that the unit must be wrong
-_YIELD_SPAN = math.log(10.0)  # range of the search on either side of the given yield strength, logarithmic
+# overlap over that at first yield; smaller turns do not determine the residual overlap
+_SMALL_TURN = 1.5
+# ratio of forces; no material differs so much from the law, so that the unit must be wrong
+_UNIT_ERROR = 30.0
+_YIELD_SPAN = math.log(
+    10.0
+)  # range of the search on either side of the given yield strength, logarithmic
 _HUGE = 1e3  # residual of an invalid law
 
-_LEAST_RISE, _STIFF = 0.01, 100.0  # smallest slope of a_R at first yield, and weight of this condition
+# smallest slope of a_R at first yield, and weight of this condition
+_LEAST_RISE = 0.01
+_STIFF = 100.0
 
 Array = NDArray[np.float64]
 
@@ -75,7 +93,8 @@ class Fit:
     constants
         All constants of the law, by name.
     uncertainty
-        Standard uncertainty of each fitted constant, in its own unit; infinite if the curve does not determine it.
+        Standard uncertainty of each fitted constant, in its own unit; infinite if the curve does
+        not determine it.
     at_bound
         Names of the constants that ended at a bound of the search.
     materials, radii
@@ -83,8 +102,9 @@ class Fit:
     correlation
         Correlation of the residuals of neighbouring rows.
     misfit
-        Deviations by part of the curve, in columns ``part``, ``rows``, number of rows, and ``rms_percent``,
-        ``largest_percent``, ``published_rms_percent``, ``published_largest_percent``, of both laws.
+        Deviations by part of the curve, in columns ``part``, ``rows``, number of rows, and
+        ``rms_percent``, ``largest_percent``, ``published_rms_percent``,
+        ``published_largest_percent``, of both laws.
     """
 
     curve: Curve
@@ -103,7 +123,9 @@ class Fit:
         return self.law.yield_strength if name == YIELD else self.constants[name]
 
     def undetermined(self, name: str) -> bool:
-        """Return True if the uncertainty of a constant exceeds its value, or if it ended at a bound."""
+        """Return True if the uncertainty of a constant exceeds its value, or if it ended at a
+        bound.
+        """
         return name in self.at_bound or not self.uncertainty[name] <= abs(self.value(name))
 
 
@@ -122,19 +144,27 @@ def fit_law(
     materials, radii
         One or two materials and radii (m), which determine force and overlap at first yield.
     free
-        Constants to fit; by default those that the curve can determine, and a warning names the rest.
+        Constants to fit; by default those that the curve can determine, and a warning names the
+        rest.
     fit_yield
         True to fit the yield strength, too, starting from that of the softer material.
 
     Raises
     ------
     InputError
-        The curve does not suit the contact, is too short, or gives constants of a law that is not passive.
+        The curve does not suit the contact, is too short, or gives constants of a law that is not
+        passive.
     """
     published = contact_of(materials, radii)
     _refuse(curve, published, radii)
-    first = contact_of(_with_yield(materials, _yield_alone(curve, materials, radii)), radii) if fit_yield else published
-    rows = bearing(curve) & (curve.peak > (BOUNDS[YIELD][0] if fit_yield else 1.0) * first.yield_overlap)
+    first = (
+        contact_of(_with_yield(materials, _yield_alone(curve, materials, radii)), radii)
+        if fit_yield
+        else published
+    )
+    rows = bearing(curve) & (
+        curve.peak > (BOUNDS[YIELD][0] if fit_yield else 1.0) * first.yield_overlap
+    )
     most = max(1, int(np.count_nonzero(rows)) - _FEWEST - fit_yield)
     names = _known(free) if free is not None else _tellable(curve, first, most)
     names += [YIELD] * fit_yield
@@ -146,7 +176,13 @@ def fit_law(
     start = first.constants | {YIELD: first.yield_strength}
 
     def law_of(x: Array, checked: bool = False) -> ContactLaw:
-        found = dict(zip(names, (float(v * start[name]) for v, name in zip(x, names, strict=True)), strict=True))
+        found = dict(
+            zip(
+                names,
+                (float(v * start[name]) for v, name in zip(x, names, strict=True)),
+                strict=True,
+            )
+        )
         strength = found.pop(YIELD, None)
         return contact_of(_with_yield(materials, strength), radii, constants=found, checked=checked)
 
@@ -157,7 +193,9 @@ def fit_law(
         off = (law.force(curve.overlap[rows], curve.peak[rows]) - curve.force[rows]) / scale
         return np.append(np.nan_to_num(off, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE), _healing(law))
 
-    bounds = np.sort([[1.0 * b if n == YIELD else b / start[n] for b in BOUNDS[n]] for n in names], axis=1)
+    bounds = np.sort(
+        [[1.0 * b if n == YIELD else b / start[n] for b in BOUNDS[n]] for n in names], axis=1
+    )
     largest = float(curve.peak.max()) / first.yield_overlap
     search = Search(residuals, bounds, names, np.append(curve.loading[rows], False), largest)
     x = search.best()
@@ -176,7 +214,9 @@ def fit_law(
         law=law,
         published=published,
         constants=law.constants,
-        uncertainty={name: float(s * abs(start[name])) for name, s in zip(names, spread, strict=True)},
+        uncertainty={
+            name: float(s * abs(start[name])) for name, s in zip(names, spread, strict=True)
+        },
         at_bound=tuple(name for name, at in zip(names, held, strict=True) if at),
         materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
         radii=tuple(radii),
@@ -211,13 +251,18 @@ def deviation(curve: Curve, law: ContactLaw) -> Array:
 
 
 def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[float]) -> float:
-    """Return the yield strength that fits best with the published constants, the start of the search, Pa."""
+    """Return the yield strength that fits best with the published constants, the start of the
+    search, Pa.
+    """
     given = contact_of(materials, radii).yield_strength
-    rows, scale = curve.overlap > 0, residual_scale(curve)
+    rows = curve.overlap > 0
+    scale = residual_scale(curve)
 
     def off(logarithm: float) -> float:
         law = contact_of(_with_yield(materials, given * math.exp(logarithm)), radii)
-        return float(np.sum(np.abs((law.force(curve.overlap, curve.peak) - curve.force) / scale)[rows]))
+        return float(
+            np.sum(np.abs((law.force(curve.overlap, curve.peak) - curve.force) / scale)[rows])
+        )
 
     grid = np.linspace(-_YIELD_SPAN, _YIELD_SPAN, 41)
     best = int(np.argmin([off(x) for x in grid]))
@@ -226,7 +271,8 @@ def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[fl
 
 
 def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
-    loading, largest = curve.loading, float(curve.overlap.max(initial=0.0))
+    loading = curve.loading
+    largest = float(curve.overlap.max(initial=0.0))
     if largest > min(radii):
         raise InputError(
             f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} m; "
@@ -254,7 +300,9 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
 def _known(free: Sequence[str]) -> list[str]:
     for name in free:
         if name not in LAW_CONSTANTS:
-            hint = did_you_mean(name, LAW_CONSTANTS) or "expected some of " + ", ".join(LAW_CONSTANTS)
+            hint = did_you_mean(name, LAW_CONSTANTS) or "expected some of " + ", ".join(
+                LAW_CONSTANTS
+            )
             raise InputError(f"--free: found {name}; {hint}")
     if not free:
         raise InputError("--free: found nothing, expected names of constants")
@@ -262,13 +310,18 @@ def _known(free: Sequence[str]) -> list[str]:
 
 
 def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
-    """Return the constants that the curve can determine, ``most`` of them; warnings name the others."""
-    overlap, switch = curve.overlap / law.yield_overlap, law.constants["area_switch"]
+    """Return the constants that the curve can determine, ``most`` of them; warnings name the
+    others.
+    """
+    overlap = curve.overlap / law.yield_overlap
+    switch = law.constants["area_switch"]
     names = ["pressure_limit", "pressure_rate", "area_slope"]
     if np.count_nonzero(curve.loading & (overlap > switch)) >= _FEWEST:
         names += ["area_switch", "area_offset"]
     turns = np.count_nonzero(curve.turns > _SMALL_TURN * law.yield_overlap)
-    names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][: turns + 1 if turns else 0]
+    names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][
+        : turns + 1 if turns else 0
+    ]
     reasons = {
         "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
         "residual_": f"the curve is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, and three tell all",
@@ -276,7 +329,9 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
     }
     stay = {why: [name for name in LAW_CONSTANTS if name.startswith(part) and name not in names]
             for part, why in reasons.items()}  # fmt: skip
-    stay[f"each constant needs a row beyond first yield, and {_FEWEST} more are needed"] = names[most:]
+    stay[f"each constant needs a row beyond first yield, and {_FEWEST} more are needed"] = names[
+        most:
+    ]
     for why, held in stay.items():
         if held:
             listed = " and ".join(filter(None, (", ".join(held[:-1]), held[-1])))
@@ -293,12 +348,16 @@ def _with_yield(materials: Sequence[Material], strength: float | None) -> list[M
 
 def _healing(law: ContactLaw) -> float:
     """Return a penalty against negative residual overlaps: 0 if a_R increases at first yield."""
-    slope, offset, rate = (law.constants[f"residual_{name}"] for name in ("slope", "offset", "rate"))
+    slope, offset, rate = (
+        law.constants[f"residual_{name}"] for name in ("slope", "offset", "rate")
+    )
     return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
 
 
 def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
-    """Return the correlation of residuals of neighbouring rows of a branch; 0 if it is not significant."""
+    """Return the correlation of residuals of neighbouring rows of a branch; 0 if it is not
+    significant.
+    """
     same = branch[1:] == branch[:-1]
     power = float(np.mean(residuals**2))
     if not power or np.count_nonzero(same) < 2:
@@ -322,5 +381,8 @@ def _misfit(curve: Curve, law: ContactLaw) -> DataFrame:
             ends = f"{low:g} to {high:g}" if math.isfinite(high) else f"beyond {low:g}"
             parts[f"  {word}{ends}"] = own & (peak > low) & (peak <= high)
     there = {part: off[rows] for part, rows in parts.items() if rows.any()}
-    rows = [(part, len(one), float(np.sqrt(np.mean(one**2))), float(one.max())) for part, one in there.items()]
+    rows = [
+        (part, len(one), float(np.sqrt(np.mean(one**2))), float(one.max()))
+        for part, one in there.items()
+    ]
     return DataFrame(rows, columns=["part", "rows", "rms_percent", "largest_percent"])

@@ -1,4 +1,6 @@
-"""Output files of a fit of the contact law: fit.toml, pair.toml, fit.csv, misfit.csv, and the figure fit."""
+"""Output files of a fit of the contact law: fit.toml, pair.toml, fit.csv, misfit.csv, and the
+figure fit.
+"""
 
 from __future__ import annotations
 
@@ -14,11 +16,27 @@ import tomli_w
 
 from granwave.analysis.contact_law.fit import YIELD, Fit, bearing, deviation
 from granwave.analysis.figures.series import panels
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Columns, Drawing, FigureFolder, style, write_csv
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Columns,
+    Drawing,
+    FigureFolder,
+    style,
+    write_csv,
+)
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
-from granwave.lammps_inputs.run_directory import FIT, FIT_FILES, FIT_MISFIT, FIT_PAIR, FIT_TABLE, FIT_TOML
+from granwave.lammps_inputs.run_directory import (
+    FIT,
+    FIT_FILES,
+    FIT_MISFIT,
+    FIT_PAIR,
+    FIT_TABLE,
+    FIT_TOML,
+)
 
 FIGURE = "fit"
 WRITTEN = (*FIT_FILES, *figure_files(FIGURE))
@@ -28,7 +46,8 @@ _POINTS = 300
 
 
 def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None) -> list[Path]:
-    """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory, created if necessary.
+    """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory,
+    created if necessary.
 
     An existing fit is replaced.
 
@@ -66,7 +85,9 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
 
 
 def constants_table(fit: Fit) -> Columns:
-    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) if it was fitted."""
+    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) if it
+    was fitted.
+    """
     names = [*LAW_CONSTANTS, *([YIELD] if YIELD in fit.uncertainty else [])]
     published = fit.published.constants | {YIELD: fit.published.yield_strength}
     return {
@@ -88,9 +109,13 @@ def state(fit: Fit, name: str) -> str:
 
 
 def fit_toml(fit: Fit) -> str:
-    """Return the text of a case of two such spheres, with the tables [contact] and [material] for other cases."""
+    """Return the text of a case of two such spheres, with the tables [contact] and [material] for
+    other cases.
+    """
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
-    material = {key: value for key, value in dataclasses.asdict(softer).items() if value is not None}
+    material = {
+        key: value for key, value in dataclasses.asdict(softer).items() if value is not None
+    }
     diameter = 2 * min(fit.radii)
     lines = [
         f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name} ({fit.curve.force.size} rows).",
@@ -118,7 +143,8 @@ def fit_toml(fit: Fit) -> str:
 
 
 def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
-    """Return the fitted law as a table ``[[pair]]`` for two materials of a case; "rigid" is a rigid wall.
+    """Return the fitted law as a table ``[[pair]]`` for two materials of a case; "rigid" is a rigid
+    wall.
 
     Parameters
     ----------
@@ -155,18 +181,30 @@ def toml_number(value: float) -> str:
 def fit_drawing(fit: Fit) -> Drawing:
     """Draw the curve with both laws, and their deviations below."""
     curve = fit.curve
-    off, published_off = deviation(curve, fit.law), deviation(curve, fit.published)
+    off = deviation(curve, fit.law)
+    published_off = deviation(curve, fit.published)
     figure, above, below = panels(4.0, rows=2, sharex=True, height_ratios=(3, 2))
-    loading, overlap = curve.loading, curve.overlap * _MICRO
+    loading = curve.loading
+    overlap = curve.overlap * _MICRO
     few = slice(None, None, max(curve.force.size // 400, 1))
-    above.plot(overlap[few], curve.force[few], "o", color="black", ms=2, mfc="none", mew=0.4, label="curve")
+    above.plot(
+        overlap[few], curve.force[few], "o", color="black", ms=2, mfc="none", mew=0.4, label="curve"
+    )
     grid = np.linspace(0, curve.peak.max(), _POINTS)
-    for law, colour, line, label in ((fit.published, GREY, "--", "published constants"), (fit.law, BLUE, "-", "fit")):
+    for law, colour, line, label in (
+        (fit.published, GREY, "--", "published constants"),
+        (fit.law, BLUE, "-", "fit"),
+    ):
         above.plot(grid * _MICRO, law.loading_force(grid), line, color=colour, lw=0.8, label=label)
         for turn in curve.turns:
             path = np.linspace(float(law.residual_overlap(np.array([turn]))[0]), turn, _POINTS)
-            above.plot(path * _MICRO, law.force(path, np.full_like(path, turn)), line, color=colour, lw=0.8)
-    for rows, colour, label in ((loading, BLUE, "loading"), (~loading & bearing(curve), ORANGE, "un- and reloading")):
+            above.plot(
+                path * _MICRO, law.force(path, np.full_like(path, turn)), line, color=colour, lw=0.8
+            )
+    for rows, colour, label in (
+        (loading, BLUE, "loading"),
+        (~loading & bearing(curve), ORANGE, "un- and reloading"),
+    ):
         if rows.any():
             below.plot(overlap[rows], off[rows], ".", color=colour, ms=2, label=label)
     below.axhline(0, color="black", lw=0.5)

@@ -23,9 +23,15 @@ _WIDTHS = 0.05, 1e-3  # residual from which on the loss is linear: initial, and 
 _OUTLIER = 3.0  # same in standard deviations
 _STEP = 1e-5  # relative step of derivatives
 _SINGULAR = 1e-10  # relative size of singular values that count as zero
-_ROUGH, _FINE = 1e-5, 1e-9  # tolerances of the search
-_FIRST_JOINT, _JOINTS, _RELEASED = 20.0, 10, 3  # smallest area_switch tried; number tried; number refined
-_NEAR = 25.0  # largest excess cost, in variances, of other fits that contribute to the uncertainties
+# tolerances of the search
+_ROUGH = 1e-5
+_FINE = 1e-9
+# smallest area_switch tried; number tried; number refined
+_FIRST_JOINT = 20.0
+_JOINTS = 10
+_RELEASED = 3
+# largest excess cost, in variances, of other fits that contribute to the uncertainties
+_NEAR = 25.0
 _OF_UNLOADING = ("residual_", "unloading_")
 
 
@@ -52,25 +58,41 @@ class Search:
     """
 
     def __init__(
-        self, residuals: Residuals, bounds: Array, names: Sequence[str], loading: Rows, largest: float
+        self,
+        residuals: Residuals,
+        bounds: Array,
+        names: Sequence[str],
+        loading: Rows,
+        largest: float,
     ) -> None:
-        self.residuals, self.bounds, self.names, self.loading = residuals, bounds, names, loading
+        self.residuals = residuals
+        self.bounds = bounds
+        self.names = names
+        self.loading = loading
         self.width = _WIDTHS[0]
         self.joint = names.index("area_switch") if "area_switch" in names else None
         self.joints = _joints(names, largest) if self.joint is not None else []
 
     def best(self) -> Array:
         """Find the best values: first those of loading, then those of unloading, then all together."""
-        every, dents = np.arange(len(self.names)), np.array([name.startswith(_OF_UNLOADING) for name in self.names])
+        every = np.arange(len(self.names))
+        dents = np.array([name.startswith(_OF_UNLOADING) for name in self.names])
         tried = [(0.0, np.ones(every.size))]
-        if self.joint is not None:  # each row that changes sides of it gives a local minimum: try several positions
+        if (
+            self.joint is not None
+        ):  # each row that changes sides of it gives a local minimum: try several positions
             others = every[~dents & (every != self.joint)]
-            tried = sorted((self.solve(x, others, self.loading, rough=True) for x in self.joints), key=itemgetter(0))
+            tried = sorted(
+                (self.solve(x, others, self.loading, rough=True) for x in self.joints),
+                key=itemgetter(0),
+            )
         released = [self.solve(x, every[~dents], self.loading) for _, x in tried[:_RELEASED]]
         _, x = self.solve(min(released, key=itemgetter(0))[1], every[dents], ~self.loading)
         for _ in range(3):
             _, x = self.solve(x, every)
-            scatter = 1.4826 * float(np.median(np.abs(self.residuals(x))))  # standard deviation from the median
+            scatter = 1.4826 * float(
+                np.median(np.abs(self.residuals(x)))
+            )  # standard deviation from the median
             self.width = max(_OUTLIER * scatter, _WIDTHS[1])
         return x
 
@@ -79,10 +101,18 @@ class Search:
         if self.joint is None:
             return []
         others = np.flatnonzero(np.arange(x.size) != self.joint)
-        return [self.solve(_replaced(x, [self.joint], start[self.joint]), others, rough=True) for start in self.joints]
+        return [
+            self.solve(_replaced(x, [self.joint], start[self.joint]), others, rough=True)
+            for start in self.joints
+        ]
 
     def solve(
-        self, x: Array, moving: NDArray[np.int_], rows: Rows | slice = slice(None), *, rough: bool = False
+        self,
+        x: Array,
+        moving: NDArray[np.int_],
+        rows: Rows | slice = slice(None),
+        *,
+        rough: bool = False,
     ) -> tuple[float, Array]:
         """Fit some of the values to some of the rows; return the cost and all values."""
         if moving.size == 0:
@@ -98,7 +128,9 @@ class Search:
     def cost(self, x: Array) -> float:
         """Return the cost of values, as in `solve`."""
         r = np.abs(self.residuals(x))
-        return float(np.sum(np.where(r < self.width, 0.5 * r**2, self.width * (r - 0.5 * self.width))))
+        return float(
+            np.sum(np.where(r < self.width, 0.5 * r**2, self.width * (r - 0.5 * self.width)))
+        )
 
 
 def _replaced(x: Array, which: Sequence[int] | NDArray[np.int_], values: Array | float) -> Array:
@@ -108,32 +140,41 @@ def _replaced(x: Array, which: Sequence[int] | NDArray[np.int_], values: Array |
 
 
 def _joints(names: Sequence[str], largest: float) -> list[Array]:
-    """Return starts of the search: published values, with several positions of the joint of the two area curves."""
+    """Return starts of the search: published values, with several positions of the joint of the two
+    area curves.
+    """
     published = PUBLISHED["area_switch"]
     return [
-        np.array([joint / published if name in ("area_switch", "area_offset") else 1.0 for name in names])
+        np.array(
+            [joint / published if name in ("area_switch", "area_offset") else 1.0 for name in names]
+        )
         for joint in np.geomspace(_FIRST_JOINT, max(largest, 2 * _FIRST_JOINT), _JOINTS)
     ]
 
 
 def uncertainties(search: Search, x: Array, held: Rows) -> Array:
-    """Return the standard uncertainties of the values, infinite if undetermined or at a bound: (n_values,).
+    """Return the standard uncertainties of the values, infinite if undetermined or at a bound:
+    (n_values,).
 
-    A fit with another joint whose sum of squares is larger by d variances, and which differs by e in a value, implies
-    that the uncertainty of this value is at least e/sqrt(d).
+    A fit with another joint whose sum of squares is larger by d variances, and which differs by e
+    in a value, implies that the uncertainty of this value is at least e/sqrt(d).
     """
-    residuals, bounds = search.residuals, search.bounds
+    residuals = search.residuals
+    bounds = search.bounds
     r = residuals(x)
     weight = np.minimum(1.0, search.width / np.maximum(np.abs(r), 1e-300))
     jacobian = np.empty((r.size, x.size))
     for k in range(x.size):
         step = _STEP * max(abs(x[k]), 1e-3)
-        high, low = _replaced(x, [k], min(x[k] + step, bounds[k, 1])), _replaced(x, [k], max(x[k] - step, bounds[k, 0]))
+        high = _replaced(x, [k], min(x[k] + step, bounds[k, 1]))
+        low = _replaced(x, [k], max(x[k] - step, bounds[k, 0]))
         jacobian[:, k] = (residuals(high) - residuals(low)) / (high[k] - low[k])
     spread = np.full(x.size, np.inf)
     inner = np.flatnonzero(~held)
     variance = float(np.sum(weight * r**2)) / max(r.size - inner.size, 1)
-    _, singular, rows = np.linalg.svd(np.sqrt(weight)[:, None] * jacobian[:, inner], full_matrices=False)
+    _, singular, rows = np.linalg.svd(
+        np.sqrt(weight)[:, None] * jacobian[:, inner], full_matrices=False
+    )
     known = singular > _SINGULAR * singular.max(initial=0.0)
     covariance = (rows[known].T / singular[known] ** 2) @ rows[known]
     spread[inner] = np.sqrt(variance * np.diag(covariance))

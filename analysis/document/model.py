@@ -1,14 +1,15 @@
-"""Content of a report, apart from its format: sections of tables, figures and notes, and cells of values.
+"""Content of a report, apart from its format: sections of tables, figures and notes, and cells of
+values.
 
-The content is built once (`granwave.analysis.reports.outline`); HTML, Markdown and PDF are three writers of this model.
-All texts are plain: a writer escapes what its format needs.
+The content is built once (`granwave.analysis.reports.outline`); HTML, Markdown and PDF are three
+writers of this model. All texts are plain: a writer escapes what its format needs.
 
-Cells and columns have names, units and numbers as text of a summary or a case, without clutter. Clutter are columns
-and rows without a value, and digits that are nothing but rounding.
+Cells and columns have names, units and numbers as text of a summary or a case, without clutter.
+Clutter are columns and rows without a value, and digits that are nothing but rounding.
 
-A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The scale is the largest
-number of the same unit that belongs to the same run (its energies, say); where it is the only one of its unit, or has
-none, the largest of all runs.
+A number is rounding where it is below 1e-12 of the scale of its quantity, or below 1e-100. The
+scale is the largest number of the same unit that belongs to the same run (its energies, say); where
+it is the only one of its unit, or has none, the largest of all runs.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ Model = TypeVar("Model")
 
 @dataclasses.dataclass(frozen=True)
 class Link:
-    """A file beside the report: its name for people, and its path from the report, quoted as in a URL."""
+    """A file beside the report: its name for people, and its path from the report, quoted as in a
+    URL.
+    """
 
     text: str
     href: str
@@ -62,7 +65,8 @@ class Cell:
 
 @dataclasses.dataclass(frozen=True)
 class Column:
-    """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too wide for a page.
+    """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too
+    wide for a page.
 
     ``meaning`` is a sentence that explains the quantity, shown on hover.
     """
@@ -100,9 +104,13 @@ class Table:
     kind: Literal["table"] = "table"
 
     def keeping(self, columns: Sequence[int], **changes: Any) -> Table:
-        """The table with only the columns of these numbers; ``changes``: as of ``dataclasses.replace``."""
+        """The table with only the columns of these numbers; ``changes``: as of
+        ``dataclasses.replace``.
+        """
         rows = tuple(tuple(row[n] for n in columns) for row in changes.pop("rows", self.rows))
-        return dataclasses.replace(self, columns=tuple(self.columns[n] for n in columns), rows=rows, **changes)
+        return dataclasses.replace(
+            self, columns=tuple(self.columns[n] for n in columns), rows=rows, **changes
+        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -145,7 +153,8 @@ class Gallery:
 
 @dataclasses.dataclass(frozen=True)
 class Note:
-    """A sentence: one that must not be overlooked, the answer (``lead``), or with no tone a plain paragraph.
+    """A sentence: one that must not be overlooked, the answer (``lead``), or with no tone a plain
+    paragraph.
 
     ``section`` is where to read on.
     """
@@ -201,7 +210,9 @@ class Report:
 
 
 def cleaned(part: Model) -> Model:
-    """The same with texts that any format can hold: control characters and lone surrogates are replaced."""
+    """The same with texts that any format can hold: control characters and lone surrogates are
+    replaced.
+    """
 
     def printable(text: str) -> str:
         kept = "".join(c if c in "\n\t" or c.isprintable() else "\ufffd" for c in text)
@@ -218,7 +229,9 @@ def changed(part: Any, kind: type, change: Callable[[Any], Any]) -> Any:
         return tuple(changed(item, kind, change) for item in part)
     if dataclasses.is_dataclass(part) and not isinstance(part, type):
         names = [field.name for field in dataclasses.fields(part)]
-        return dataclasses.replace(part, **{name: changed(getattr(part, name), kind, change) for name in names})
+        return dataclasses.replace(
+            part, **{name: changed(getattr(part, name), kind, change) for name in names}
+        )
     return part
 
 
@@ -241,25 +254,38 @@ def meaning_in(key: str, called: str = SPHERES) -> str:
 
 
 def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
-    """Meanings of the values that any of these summaries has, folded away; nothing if there are none."""
+    """Meanings of the values that any of these summaries has, folded away; nothing if there are
+    none.
+    """
     explained = [entry for entry in ENTRIES if entry.meaning]
-    shown = [entry for entry in explained if any(summary.get(entry.name) is not None for summary in summaries)]
+    shown = [
+        entry
+        for entry in explained
+        if any(summary.get(entry.name) is not None for summary in summaries)
+    ]
     if not shown:
         return ()
     title = "What these values mean"
     called = grains_called_in(summaries)
     heads = ("Quantity", "In summary.json", "Meaning")
-    rows = [(in_grains(entry.label, called), entry.name, in_grains(entry.meaning, called)) for entry in shown]
+    rows = [
+        (in_grains(entry.label, called), entry.name, in_grains(entry.meaning, called))
+        for entry in shown
+    ]
     return (Group(title, (text_table(title, heads, rows, captioned=False),), folded=True),)
 
 
-def text_table(caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any) -> Table:
+def text_table(
+    caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any
+) -> Table:
     """Table of texts, the first of each row its key; ``options``: as of `Table`."""
     cells = tuple(tuple(one if isinstance(one, Cell) else Cell(one) for one in row) for row in rows)
     return Table(caption, (Column(heads[0], key=True), *map(Column, heads[1:])), cells, **options)
 
 
-def column_table(caption: str, columns: Iterable[tuple[Column, Sequence[Cell]]], **options: Any) -> Table:
+def column_table(
+    caption: str, columns: Iterable[tuple[Column, Sequence[Cell]]], **options: Any
+) -> Table:
     """Table from its columns, each with its cells; ``options``: as of `Table`."""
     heads, cells = zip(*columns, strict=True)
     return Table(caption, heads, tuple(zip(*cells, strict=True)), **options)
@@ -272,7 +298,9 @@ def unit_of_value(key: str) -> str:
 
 def value_column(key: str, called: str = SPHERES) -> Column:
     """Column of a value of the summary; ``called``: what the grains of its runs are called."""
-    return Column(label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called))
+    return Column(
+        label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called)
+    )
 
 
 def case_column(key: str, unit: str, *, numeric: bool) -> Column:
@@ -290,7 +318,9 @@ def show(value: Any) -> str:
         return str(value)
     if isinstance(value, float):
         return _float(value)
-    if isinstance(value, dict) or (isinstance(value, (list, tuple)) and any(isinstance(item, dict) for item in value)):
+    if isinstance(value, dict) or (
+        isinstance(value, (list, tuple)) and any(isinstance(item, dict) for item in value)
+    ):
         return as_label(value)
     if isinstance(value, (list, tuple)):
         return "[" + ", ".join(show(item) for item in value) + "]"
@@ -298,8 +328,11 @@ def show(value: Any) -> str:
 
 
 def named(labels: Sequence[str], most: int = 6) -> str:
-    """A list of runs, cut when it is long; points of one scan are named by their numbers after the first."""
-    texts, before = [], None
+    """A list of runs, cut when it is long; points of one scan are named by their numbers after the
+    first.
+    """
+    texts = []
+    before = None
     for label in labels[:most]:
         scan, _, number = label.rpartition(" #")
         texts.append(f"#{number}" if scan and scan == before else label)
@@ -327,7 +360,9 @@ def value_cell(value: Any, **more: Any) -> Cell:
 
 
 def spread_cell(mean: float | None, half_width: float | None) -> Cell:
-    """Cell of a mean with its interval or deviation, where there is one, and no digit beyond those it tells."""
+    """Cell of a mean with its interval or deviation, where there is one, and no digit beyond those
+    it tells.
+    """
     if mean is None or not half_width or not math.isfinite(half_width):
         return value_cell(mean)
     return Cell(interval(mean, half_width), mean)
@@ -362,10 +397,15 @@ def tidied(report: Report) -> Report:
 
 def tidied_table(table: Table) -> Table:
     """The table without empty columns and rows, and with ``< 1e-16`` for what is rounding."""
-    rows, numbers = _without_rounding(table), _columns_of_numbers(table)
+    rows = _without_rounding(table)
+    numbers = _columns_of_numbers(table)
     if table.by_row and numbers:
         rows = [row for row in rows if any(row[n].text not in _EMPTY for n in numbers)] or rows
-    kept = [n for n in range(len(table.columns)) if not rows or any(row[n].text not in _EMPTY for row in rows)]
+    kept = [
+        n
+        for n in range(len(table.columns))
+        if not rows or any(row[n].text not in _EMPTY for row in rows)
+    ]
     return table.keeping(kept, rows=rows)
 
 
@@ -375,14 +415,18 @@ def _columns_of_numbers(table: Table) -> list[int]:
 
 def _without_rounding(table: Table) -> list[list[Cell]]:
     """Return the cells by row and column, with a bound in place of each number that is rounding."""
-    rows, shown = [list(row) for row in table.rows], _columns_of_numbers(table)
+    rows = [list(row) for row in table.rows]
+    shown = _columns_of_numbers(table)
     if not rows or not shown:
         return rows
-    sizes = np.array([[max(map(abs, _numbers(row[n])), default=0.0) for n in shown] for row in rows])
+    sizes = np.array(
+        [[max(map(abs, _numbers(row[n])), default=0.0) for n in shown] for row in rows]
+    )
     units = [table.columns[n].unit for n in shown]
     if table.by_row:  # then a quantity is a row
         of_units = [n for n, column in enumerate(table.columns) if column.heading == _UNIT]
-        units, sizes = [row[of_units[0]].text if of_units else "" for row in rows], sizes.T
+        units = [row[of_units[0]].text if of_units else "" for row in rows]
+        sizes = sizes.T
     scales = np.empty_like(sizes)  # by run and quantity
     for unit in set(units):
         alike = np.array([one == unit for one in units])
@@ -391,7 +435,8 @@ def _without_rounding(table: Table) -> list[list[Cell]]:
     limits = np.maximum(_ROUNDING * scales, _LEAST)
     rounding = (sizes > 0) & (sizes < limits)
     if table.by_row:
-        limits, rounding = limits.T, rounding.T
+        limits = limits.T
+        rounding = rounding.T
     for row, n in np.argwhere(rounding):
         bound = f"< 1e{math.ceil(math.log10(limits[row, n]) - 1e-9)}"  # the power of ten above
         rows[row][shown[n]] = dataclasses.replace(rows[row][shown[n]], text=bound)

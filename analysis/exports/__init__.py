@@ -1,1 +1,3 @@
-"""Export of results to other programs: tables for pandas, NetCDF for xarray, VTP for ParaView, a script for OVITO."""
+"""Export of results to other programs: tables for pandas, NetCDF for xarray, VTP for ParaView, a
+script for OVITO.
+"""

@@ -69,17 +69,21 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     Raises
     ------
     InputError
-        There is no such format or directory, the directory holds no result or a damaged one, a library is missing, or
-        the output cannot be written; nothing was written.
+        There is no such format or directory, the directory holds no result or a damaged one, a
+        library is missing, or the output cannot be written; nothing was written.
     """
     directory = Path(directory)
     if to not in FORMATS:
         hint = did_you_mean(to.lower(), FORMATS, 0.4) or f"expected one of {', '.join(FORMATS)}"
         raise InputError(f"--to {to}: no such form; {hint}")
     if not directory.exists():
-        raise InputError(f"{directory}: no such directory{similar(directory)}; expected that of a run or a scan")
+        raise InputError(
+            f"{directory}: no such directory{similar(directory)}; expected that of a run or a scan"
+        )
     if not directory.is_dir():
-        raise InputError(f"{directory}: is a file, expected the directory of a run or of a scan{around(directory)}")
+        raise InputError(
+            f"{directory}: is a file, expected the directory of a run or of a scan{around(directory)}"
+        )
     if output is not None:
         results_directory(output)
         return _export(directory, to, Path(output))
@@ -93,7 +97,11 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
 def _take_over(directory: Path, output: Path) -> None:
     """Write a marker for an export that version 0.1.0 left in its results."""
     prefix = f"{EXPORT_DIRECTORY}/"
-    names = [name.removeprefix(prefix) for name in read_marker(directory).files if name.startswith(prefix)]
+    names = [
+        name.removeprefix(prefix)
+        for name in read_marker(directory).files
+        if name.startswith(prefix)
+    ]
     if any(names) and not read_marker(output).kind:
         Marker(OTHER, files=dict.fromkeys(filter(None, names))).write(output)
 
@@ -148,16 +156,19 @@ def _export_recipe(directory: Path, output: Path) -> list[Path]:
 
 
 @contextmanager
-def staged(output: Path, outdated: str = _NOTHING) -> Iterator[tuple[Callable[[str], Path], list[Path]]]:
-    """Give a scratch directory whose files are moved to ``output`` at the end, in order, or none on an error.
+def staged(
+    output: Path, outdated: str = _NOTHING
+) -> Iterator[tuple[Callable[[str], Path], list[Path]]]:
+    """Give a scratch directory whose files are moved to ``output`` at the end, in order, or none on
+    an error.
 
     Parameters
     ----------
     output
         Output directory; created if necessary, and removed again on failure if created here.
     outdated
-        Regular expression; files of earlier exports whose full names match, and that were not written now, are
-        removed.
+        Regular expression; files of earlier exports whose full names match, and that were not
+        written now, are removed.
 
     Yields
     ------
@@ -167,7 +178,8 @@ def staged(output: Path, outdated: str = _NOTHING) -> Iterator[tuple[Callable[[s
     Raises
     ------
     InputError
-        The directory cannot be written to, or a file exists that granwave did not write; no file was moved.
+        The directory cannot be written to, or a file exists that granwave did not write; no file
+        was moved.
     """
     made = [path for path in (output, *output.parents) if not path.exists()]
     names: list[str] = []

@@ -2,15 +2,15 @@
 
     python open_in_ovito.py [RUN] [--scene FILE] [--picture FILE]
 
-needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it as it is (File > Run Python Script). It
-saves a scene that OVITO Basic opens too, without Python. Spheres come from ``data.granwave`` and
-``dumps/spheres.bin`` (``spheres.dump`` if the snapshots are text); contacts are bonds, from ``dumps/contacts.dump``.
-Lengths are metres.
+needs only the ``ovito`` package (``pip install ovito``); OVITO Pro runs it as it is (File > Run
+Python Script). It saves a scene that OVITO Basic opens too, without Python. Spheres come from
+``data.granwave`` and ``dumps/spheres.bin`` (``spheres.dump`` if the snapshots are text); contacts
+are bonds, from ``dumps/contacts.dump``. Lengths are metres.
 
-Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are seen, and coloured by the
-decimal logarithm of their peak force so far (N). A contact appears with the snapshot that follows its first load;
-its colour and width show its peak force of the whole run, and its other columns (peak_overlap, dissipated,
-time_yield ...) are bond properties, in SI units.
+Spheres are drawn at `SPHERE_SCALE` of their radius, so that the contacts between them are seen, and
+coloured by the decimal logarithm of their peak force so far (N). A contact appears with the
+snapshot that follows its first load; its colour and width show its peak force of the whole run, and
+its other columns (peak_overlap, dissipated, time_yield ...) are bond properties, in SI units.
 """
 
 from __future__ import annotations
@@ -57,7 +57,8 @@ def build(run: Path) -> Any:
     sides = case.get("boundary", {}).get("sides") == "periodic"
     contacts_file = run / "dumps" / "contacts.dump"
 
-    # The data file first and the snapshots last, so that bonds remain and the time step is that of the snapshot.
+    # The data file first and the snapshots last, so that bonds remain and the time step is that of
+    # the snapshot.
     pipeline: Any = import_file(str(run / "data.granwave"), atom_style="sphere")
     pipeline.source.data.cell_.pbc = (sides, sides, False)
     if columns := _columns(contacts_file):
@@ -93,7 +94,9 @@ def build(run: Path) -> Any:
         coloured("bonds")
         width = f"{CONTACT_WIDTH * case['packing']['diameter']!r}*sqrt(peak_force/{strongest!r})"
         pipeline.modifiers.append(
-            ComputePropertyModifier(operate_on="bonds", output_property="Width", expressions=[width])
+            ComputePropertyModifier(
+                operate_on="bonds", output_property="Width", expressions=[width]
+            )
         )
     return pipeline
 
@@ -110,7 +113,8 @@ def show(pipeline: Any) -> Any:
     scene: Any = ovito.scene
     viewport = scene.viewports.active_vp or Viewport()
     viewport.type = Viewport.Type.Ortho
-    viewport.camera_dir, viewport.camera_up = VIEW, (0.0, 0.0, -1.0)
+    viewport.camera_dir = VIEW
+    viewport.camera_up = (0.0, 0.0, -1.0)
     viewport.zoom_all(size=PIXELS)
     return viewport
 
@@ -118,14 +122,18 @@ def show(pipeline: Any) -> Any:
 def _snapshots(run: Path) -> list[str]:
     """Return the files of the snapshots; a resumed run has several."""
     first = next(run / name for name in SNAPSHOTS if (run / name).is_file())
-    parts = sorted((run / "dumps").glob("spheres-*.bin"), key=lambda path: int(path.stem.partition("-")[2]))
+    parts = sorted(
+        (run / "dumps").glob("spheres-*.bin"), key=lambda path: int(path.stem.partition("-")[2])
+    )
     return [str(path) for path in (first, *parts) if path.stat().st_size]
 
 
 def missing_files(run: Path) -> list[str]:
     """Return the files that `build` needs and does not find."""
     found = [name for name in SNAPSHOTS if (run / name).is_file()]
-    return [name for name in (*NEEDED, *([] if found else SNAPSHOTS[:1])) if not (run / name).is_file()]
+    return [
+        name for name in (*NEEDED, *([] if found else SNAPSHOTS[:1])) if not (run / name).is_file()
+    ]
 
 
 def in_parts(run: Path) -> bool:
@@ -134,7 +142,9 @@ def in_parts(run: Path) -> bool:
 
 
 def _columns(path: Path) -> list[str]:
-    """Return OVITO's names for the columns of the contacts, from the header; empty without contacts."""
+    """Return OVITO's names for the columns of the contacts, from the header; empty without
+    contacts.
+    """
     ids = {"i": "Particle Identifiers.1", "j": "Particle Identifiers.2"}
     with open(path, encoding="ascii") as file:
         count = 0
@@ -143,21 +153,31 @@ def _columns(path: Path) -> list[str]:
                 count = int(next(file))
             if line.startswith("ITEM: ENTRIES"):
                 return [ids.get(name, name) for name in line.split()[2:]] if count else []
-    raise SystemExit(f"{path}: found no line 'ITEM: ENTRIES ...', expected the contacts of a finished run")
+    raise SystemExit(
+        f"{path}: found no line 'ITEM: ENTRIES ...', expected the contacts of a finished run"
+    )
 
 
 def main() -> None:
     here = Path(__file__).resolve().parent
     parser = argparse.ArgumentParser(description="Spheres and contacts of a granwave run in OVITO.")
-    parser.add_argument("run", nargs="?", type=Path, default=here / RUN, help="the directory of the run")
-    parser.add_argument("--scene", type=Path, default=here / "scene.ovito", help="what OVITO opens (default: here)")
+    parser.add_argument(
+        "run", nargs="?", type=Path, default=here / RUN, help="the directory of the run"
+    )
+    parser.add_argument(
+        "--scene", type=Path, default=here / "scene.ovito", help="what OVITO opens (default: here)"
+    )
     parser.add_argument("--picture", type=Path, help="render the last snapshot too (.png)")
     options = parser.parse_args()
     run = options.run.resolve()
     if in_parts(run):
-        raise SystemExit(f"{run}: each rank wrote its own dumps, which OVITO does not join; granwave export --to vtp")
+        raise SystemExit(
+            f"{run}: each rank wrote its own dumps, which OVITO does not join; granwave export --to vtp"
+        )
     if missing := missing_files(run):
-        raise SystemExit(f"{run}: {', '.join(missing)} missing; give the directory of a finished run")
+        raise SystemExit(
+            f"{run}: {', '.join(missing)} missing; give the directory of a finished run"
+        )
 
     import ovito
 
@@ -166,13 +186,17 @@ def main() -> None:
     ovito.scene.save(str(options.scene))
     data = pipeline.compute(pipeline.num_frames - 1)
     bonds = data.particles.bonds.count if data.particles.bonds is not None else 0
-    print(f"{options.scene}: {data.particles.count} spheres, {bonds} contacts, {pipeline.num_frames} snapshots")
+    print(
+        f"{options.scene}: {data.particles.count} spheres, {bonds} contacts, {pipeline.num_frames} snapshots"
+    )
     if options.picture:
         from ovito.vis import TachyonRenderer
 
         last = pipeline.num_frames - 1
         try:
-            viewport.render_image(filename=str(options.picture), size=PIXELS, frame=last, renderer=TachyonRenderer())
+            viewport.render_image(
+                filename=str(options.picture), size=PIXELS, frame=last, renderer=TachyonRenderer()
+            )
         except RuntimeError as error:  # without graphics libraries; the message names them
             raise SystemExit(f"{options.picture}: not drawn; {error}") from None
         print(options.picture)

@@ -27,8 +27,9 @@ versions (JSON) are attributes of the file. All reals are doubles; positions in 
 
     xarray.open_dataset("result.nc")
 
-NetCDF-4 is based on HDF5: h5netcdf writes snapshots one at a time, compressed, through h5py. scipy's writer of NetCDF-3
-would keep the whole file in memory and supports neither 64-bit integers nor strings of variable length.
+NetCDF-4 is based on HDF5: h5netcdf writes snapshots one at a time, compressed, through h5py.
+scipy's writer of NetCDF-3 would keep the whole file in memory and supports neither 64-bit integers
+nor strings of variable length.
 """
 
 from __future__ import annotations
@@ -71,7 +72,11 @@ def write_run_csv(result: Result, path_of: Callable[[str], Path]) -> None:
     for group, name in tables.items():
         names = sorted(result.names(group), key=place_of_column)
         columns = {column: result.file[group][column] for column in names}
-        _write_csv(path_of(f"{name}.csv"), columns, {column: result.unit(f"{group}/{column}") for column in columns})
+        _write_csv(
+            path_of(f"{name}.csv"),
+            columns,
+            {column: result.unit(f"{group}/{column}") for column in columns},
+        )
     _write_chain(result, path_of)
     files = [f"snapshot_{number:04d}.csv" for number in range(result.n_frames)]
     units = {"id": "1"} | {name: result.unit(f"{GROUP}/{name}/value") for name in result.quantities}
@@ -88,7 +93,9 @@ def write_run_csv(result: Result, path_of: Callable[[str], Path]) -> None:
 
 
 def _write_chain(result: Result, path_of: Callable[[str], Path]) -> None:
-    """Write the history of a chain and its bars: tables of positions, and one table for each quantity."""
+    """Write the history of a chain and its bars: tables of positions, and one table for each
+    quantity.
+    """
     if "chain" not in result:
         return
     beads = [f"bead_{bead}" for bead in result["chain/id"].tolist()]
@@ -103,13 +110,27 @@ def _write_chain(result: Result, path_of: Callable[[str], Path]) -> None:
     for bar in result.names("bars"):
         position = result[f"bars/{bar}/position"]
         nodes = np.arange(1, len(position) + 1)
-        _write_csv(path_of(f"bar_{bar}_nodes.csv"), {"node": nodes, "position": position}, {"position": "m"})
+        _write_csv(
+            path_of(f"bar_{bar}_nodes.csv"),
+            {"node": nodes, "position": position},
+            {"position": "m"},
+        )
         of_nodes = [f"node_{node}" for node in nodes]
-        tables |= {f"bars/{bar}/{name}": (f"bar_{bar}_{name}", of_nodes) for name in ("displacement", "velocity")}
-        tables[f"bars/{bar}/force"] = (f"bar_{bar}_force", [f"element_{node}" for node in nodes[:-1]])
+        tables |= {
+            f"bars/{bar}/{name}": (f"bar_{bar}_{name}", of_nodes)
+            for name in ("displacement", "velocity")
+        }
+        tables[f"bars/{bar}/force"] = (
+            f"bar_{bar}_force",
+            [f"element_{node}" for node in nodes[:-1]],
+        )
     for name, (file, columns) in tables.items():
         values = {"time": result["chain/time"]} | dict(zip(columns, result[name].T, strict=True))
-        _write_csv(path_of(f"{file}.csv"), values, {"time": "s"} | dict.fromkeys(columns, result.unit(name)))
+        _write_csv(
+            path_of(f"{file}.csv"),
+            values,
+            {"time": "s"} | dict.fromkeys(columns, result.unit(name)),
+        )
 
 
 def write_scan_csv(scan: ScanData, path_of: Callable[[str], Path]) -> None:
@@ -128,7 +149,9 @@ def place_of_column(column: str) -> int:
     return _FIRST.index(column) if column in _FIRST else len(_FIRST)
 
 
-def _write_csv(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Mapping[str, str]) -> None:
+def _write_csv(
+    path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units: Mapping[str, str]
+) -> None:
     """Write columns, (n,) or (n, 3), of equal length."""
     n_rows = max((len(values) for values in columns.values()), default=0)
     with open(path, "w", encoding="utf-8", newline="") as file:
@@ -140,10 +163,17 @@ def _write_csv(path: Path, columns: Mapping[str, NDArray | h5py.Dataset], units:
                 part = np.asarray(values[start : start + _ROWS])
                 part = part.astype(np.int64) if name == _STEP else part
                 parts = (
-                    {f"{name}_{axis}": part[:, n] for n, axis in enumerate("xyz")} if part.ndim == 2 else {name: part}
+                    {f"{name}_{axis}": part[:, n] for n, axis in enumerate("xyz")}
+                    if part.ndim == 2
+                    else {name: part}
                 )
-                table |= {column_name(own, units.get(name, "1")): column for own, column in parts.items()}
-            cells = [["" if cell != cell else cell for cell in column.tolist()] for column in table.values()]
+                table |= {
+                    column_name(own, units.get(name, "1")): column for own, column in parts.items()
+                }
+            cells = [
+                ["" if cell != cell else cell for cell in column.tolist()]
+                for column in table.values()
+            ]
             write_csv_rows(file, [*([] if start else [table]), *zip(*cells, strict=True)])
 
 
@@ -166,7 +196,13 @@ def write_run_netcdf(result: Result, path_of: Callable[[str], Path]) -> None:
         file.attrs["title"] = str(result.file.attrs["name"])
         for name in ("case", "run", "versions"):
             file.attrs[name] = str(result.file.attrs[name])
-        _add(file, "axis", ("axis",), np.array(["x", "y", "z"], dtype=object), long_name="axis; impact goes along +z")
+        _add(
+            file,
+            "axis",
+            ("axis",),
+            np.array(["x", "y", "z"], dtype=object),
+            long_name="axis; impact goes along +z",
+        )
         for group in _TABLES:
             _add_table(file, result, group)
         for n, wall in enumerate(result.names("walls")):
@@ -174,7 +210,8 @@ def write_run_netcdf(result: Result, path_of: Callable[[str], Path]) -> None:
                 _add(file, "wall_time", ("wall_time",), result[f"walls/{wall}/time"], "s", "time")
             for name in result.names(f"walls/{wall}"):
                 if name != "time":
-                    values, unit = result[f"walls/{wall}/{name}"], result.unit(f"walls/{wall}/{name}")
+                    values = result[f"walls/{wall}/{name}"]
+                    unit = result.unit(f"walls/{wall}/{name}")
                     place = "on" if name == "force" else "of"
                     words = f"{name.replace('_', ' ')} {place} the wall {wall}, positive outwards"
                     _add(file, f"wall_{wall}_{name}", ("wall_time",), values, unit, words)
@@ -187,7 +224,13 @@ def write_scan_netcdf(scan: ScanData, path_of: Callable[[str], Path]) -> None:
     with _create(path_of, "points.nc") as file:
         file.attrs["title"], file.attrs["case"] = scan.name, scan.case_name
         file.attrs["varied"] = json.dumps(scan.varied)
-        _add(file, "point", ("point",), np.arange(1, scan.n_points + 1), long_name="number of the point")
+        _add(
+            file,
+            "point",
+            ("point",),
+            np.arange(1, scan.n_points + 1),
+            long_name="number of the point",
+        )
         for name in scan:
             coordinates = {} if name in scan.varied else {"coordinates": " ".join(scan.varied)}
             _add(file, name, ("point",), scan[name], scan.unit(name), name, **coordinates)
@@ -207,7 +250,11 @@ def _create(path_of: Callable[[str], Path], name: str) -> Iterator[h5netcdf.File
 def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
     dimension, prefix, whose, coordinates = _TABLES[group]
     names = result.names(group)
-    axes = (("sphere", "id"), ("time", "time"), ("probe_time", "time"))  # coordinates of their dimensions
+    axes = (
+        ("sphere", "id"),
+        ("time", "time"),
+        ("probe_time", "time"),
+    )  # coordinates of their dimensions
     own = {name: dimension if (dimension, name) in axes else f"{prefix}_{name}" for name in names}
     others = " ".join(own[name] for name in coordinates if own.get(name, dimension) != dimension)
     for name in names:
@@ -215,7 +262,9 @@ def _add_table(file: h5netcdf.File, result: Result, group: str) -> None:
         dimensions = (dimension, "axis")[: values.ndim]
         described = name if own[name] == dimension else f"{name.replace('_', ' ')} {whose}"
         extra = {"coordinates": others} if others and name not in coordinates else {}
-        _add(file, own[name], dimensions, values, result.unit(f"{group}/{name}"), described, **extra)
+        _add(
+            file, own[name], dimensions, values, result.unit(f"{group}/{name}"), described, **extra
+        )
 
 
 def _add_chain(file: h5netcdf.File, result: Result) -> None:
@@ -224,25 +273,47 @@ def _add_chain(file: h5netcdf.File, result: Result) -> None:
         contact = name.startswith("contact_")
         own = "chain_contact" if contact else "bead"
         column = name.removeprefix("contact_")
-        values, unit = result[f"chain/{name}"], result.unit(f"chain/{name}")
+        values = result[f"chain/{name}"]
+        unit = result.unit(f"chain/{name}")
         if name == "time":
             _add(file, "chain_time", ("chain_time",), values, unit, "time")
             continue
         dimensions = ("chain_time", own) if values.ndim == 2 else (own,)
         variable = own if (own, column) == ("bead", "id") else f"{own}_{column}"
-        _add(file, variable, dimensions, values, unit, f"{column} of the {own.replace('_', ' ')}, along the chain")
+        _add(
+            file,
+            variable,
+            dimensions,
+            values,
+            unit,
+            f"{column} of the {own.replace('_', ' ')}, along the chain",
+        )
     for bar in result.names("bars"):
         for name in result.names(f"bars/{bar}"):
-            values, unit = result[f"bars/{bar}/{name}"], result.unit(f"bars/{bar}/{name}")
+            values = result[f"bars/{bar}/{name}"]
+            unit = result.unit(f"bars/{bar}/{name}")
             own = f"{bar}_element" if name == "force" else f"{bar}_node"
             dimensions = ("chain_time", own) if values.ndim == 2 else (own,)
-            _add(file, f"{own}_{name}", dimensions, values, unit, f"{name} along the {bar.replace('_', ' ')}")
+            _add(
+                file,
+                f"{own}_{name}",
+                dimensions,
+                values,
+                unit,
+                f"{name} along the {bar.replace('_', ' ')}",
+            )
 
 
 def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
     _add(file, "frame", ("frame",), np.arange(result.n_frames), long_name="number of the snapshot")
     _add(file, "frame_time", ("frame",), result.frame_times, "s", "time of the snapshot")
-    _add(file, "frame_step", ("frame",), result[f"{GROUP}/position/step"], long_name="time step of the snapshot")
+    _add(
+        file,
+        "frame_step",
+        ("frame",),
+        result[f"{GROUP}/position/step"],
+        long_name="time step of the snapshot",
+    )
     for name in result.quantities:
         if name == "position":
             continue  # given by initial position and displacement
@@ -255,7 +326,9 @@ def _add_snapshots(file: h5netcdf.File, result: Result) -> None:
             **COMPRESSION,
         )
         description = f"{name.replace('_', ' ')} at the snapshot"
-        variable.attrs.update(_attributes(result.unit(f"{GROUP}/{name}/value"), description, coordinates="frame_time"))
+        variable.attrs.update(
+            _attributes(result.unit(f"{GROUP}/{name}/value"), description, coordinates="frame_time")
+        )
         for number in range(result.n_frames):
             variable[number] = result.frame(number, name)
 
@@ -275,10 +348,12 @@ def _add(
     extra: dict[str, Any] = dict(attributes)
     kind: Any = values.dtype
     if values.dtype == bool:
-        values, kind = values.astype(np.int8), np.int8
+        values = values.astype(np.int8)
+        kind = np.int8
         extra["dtype"] = "bool"  # for xarray, which converts it back
     elif values.dtype.kind in "OU":
-        values, kind = values.astype(object), h5py.string_dtype()
+        values = values.astype(object)
+        kind = h5py.string_dtype()
     options = COMPRESSION if values.size >= _COMPRESSED_FROM and kind is values.dtype else {}
     variable = file.create_variable(name, dimensions, kind, **options)
     if values.size:

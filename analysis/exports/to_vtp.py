@@ -1,14 +1,16 @@
-"""Export of a run to VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, with times in s.
+"""Export of a run to VTK PolyData, for ParaView: open ``spheres.pvd`` and ``contacts.pvd``, with
+times in s.
 
     spheres_NNNN.vtp    a point for each sphere at its position in the snapshot, with id, radius, displacement,
-                        velocity, contact_force, peak_force, dissipated_energy, elastic_energy and contacts_yielded at
-                        this time, and friction_energy with friction
+                        velocity, contact_force, peak_force, dissipated_energy, elastic_energy and
+                        contacts_yielded at this time, and friction_energy with friction
     contacts_NNNN.vtp   a line between the centres of each pair of ``/contacts``, with i, j, overlap at this time
-                        (negative: a gap), loaded and yielded (1: by this time), and, for the whole run, peak_overlap,
-                        peak_force, dissipated_energy, friction_energy, initial_overlap, initial_force
+                        (negative: a gap), loaded and yielded (1: by this time), and, for the whole
+                        run, peak_overlap, peak_force, dissipated_energy, friction_energy,
+                        initial_overlap, initial_force
 
-SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws spheres to scale. A
-contact across a periodic boundary ends at the image of its second sphere.
+SI units. In ParaView, a Glyph filter with spheres, scaled by ``radius`` with a factor of 2, draws
+spheres to scale. A contact across a periodic boundary ends at the image of its second sphere.
 """
 
 from __future__ import annotations
@@ -51,7 +53,9 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
         positions = result.frame(number, "position")
         quantities = [name for name in result.quantities if name != "position"]
         values: dict[str, NDArray] = {name: result.frame(number, name) for name in quantities}
-        yielded = result["contacts/yielded"].astype(np.int8) & _since(result["contacts/time_yield"], time)
+        yielded = result["contacts/yielded"].astype(np.int8) & _since(
+            result["contacts/time_yield"], time
+        )
         ends = result.ends[yielded > 0]
         values["contacts_yielded"] = np.bincount(ends.ravel(), minlength=result.n_spheres)
         spheres = {"id": result["spheres/id"], "radius": radius, **values}
@@ -60,10 +64,14 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
         points, lines, overlap = _lines(result, positions, radius)
         contacts = {"i": result["contacts/i"], "j": result["contacts/j"], "overlap": overlap}
         contacts |= {"loaded": _since(result["contacts/time_first"], time), "yielded": yielded}
-        contacts |= {name: result[f"contacts/{name}"] for name in _OF_RUN if f"contacts/{name}" in result}
+        contacts |= {
+            name: result[f"contacts/{name}"] for name in _OF_RUN if f"contacts/{name}" in result
+        }
         _write(path_of(_name("contacts", number)), points, lines, contacts, time)
     for what in ("spheres", "contacts"):
-        _write_collection(path_of(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)})
+        _write_collection(
+            path_of(f"{what}.pvd"), {time: _name(what, n) for n, time in enumerate(times)}
+        )
 
 
 def _name(what: str, number: int) -> str:
@@ -83,7 +91,8 @@ def _lines(
     Returns
     -------
     points
-        Centres of the spheres, followed by images at the ends of contacts across periodic boundaries: (n, 3), m.
+        Centres of the spheres, followed by images at the ends of contacts across periodic
+        boundaries: (n, 3), m.
     lines
         Rows of the end points: (n_contacts, 2).
     overlap
@@ -93,7 +102,9 @@ def _lines(
     lines = result.ends
     step = positions[lines[:, 1]] - positions[lines[:, 0]]
     shift = np.zeros_like(step)
-    for axis, (boundary, length) in enumerate(zip(box.attrs["boundary"], box["edges"][()], strict=True)):
+    for axis, (boundary, length) in enumerate(
+        zip(box.attrs["boundary"], box["edges"][()], strict=True)
+    ):
         if boundary == "periodic":
             shift[:, axis] = -length * np.round(step[:, axis] / length)
     overlap = radius[lines].sum(axis=1) - np.linalg.norm(step + shift, axis=1)
@@ -103,7 +114,9 @@ def _lines(
     return np.concatenate([positions, images]), lines, overlap
 
 
-def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], arrays: Arrays, time: float) -> None:
+def _write(
+    path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], arrays: Arrays, time: float
+) -> None:
     """Write vertices (n, 1) with point data, or lines (n, 2) with cell data."""
     from vtkmodules.util.numpy_support import numpy_to_vtk, numpy_to_vtkIdTypeArray
     from vtkmodules.vtkCommonCore import vtkLogger, vtkPoints
@@ -115,15 +128,25 @@ def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], ar
     places.SetData(numpy_to_vtk(np.ascontiguousarray(points), deep=True))
     data.SetPoints(places)
     cell_array = vtkCellArray()
-    cell_array.SetData(cells.shape[1], numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells).ravel(), deep=True))
+    cell_array.SetData(
+        cells.shape[1], numpy_to_vtkIdTypeArray(np.ascontiguousarray(cells).ravel(), deep=True)
+    )
     is_lines = cells.shape[1] == 2
     (data.SetLines if is_lines else data.SetVerts)(cell_array)
     for name, values in {**arrays, "TimeValue": np.array([time])}.items():
         array = numpy_to_vtk(np.ascontiguousarray(values), deep=True)
         array.SetName(name)
-        where = data.GetFieldData() if name == "TimeValue" else data.GetCellData() if is_lines else data.GetPointData()
+        where = (
+            data.GetFieldData()
+            if name == "TimeValue"
+            else data.GetCellData()
+            if is_lines
+            else data.GetPointData()
+        )
         where.AddArray(array)
-    vtkLogger.SetStderrVerbosity(vtkLogger.VERBOSITY_OFF)  # errors of the file are told below, with its name
+    vtkLogger.SetStderrVerbosity(
+        vtkLogger.VERBOSITY_OFF
+    )  # errors of the file are told below, with its name
     writer = vtkXMLPolyDataWriter()
     writer.SetFileName(str(path))
     writer.SetInputData(data)
@@ -132,7 +155,9 @@ def _write(path: Path, points: NDArray[np.float64], cells: NDArray[np.int64], ar
 
 
 def _write_collection(path: Path, files: Mapping[float, str]) -> None:
-    root = ElementTree.Element("VTKFile", type="Collection", version="0.1", byte_order="LittleEndian")
+    root = ElementTree.Element(
+        "VTKFile", type="Collection", version="0.1", byte_order="LittleEndian"
+    )
     collection = ElementTree.SubElement(root, "Collection")
     for time, name in files.items():
         ElementTree.SubElement(collection, "DataSet", timestep=repr(time), part="0", file=name)

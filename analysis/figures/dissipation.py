@@ -26,9 +26,22 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.measures import waves
 from granwave.analysis.measures.geometry import preferred_directions
-from granwave.analysis.measures.impact import cumulated, peak_force_by_depth, ranked, rays, zone_growth
+from granwave.analysis.measures.impact import (
+    cumulated,
+    peak_force_by_depth,
+    ranked,
+    rays,
+    zone_growth,
+)
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.zone_size import BOTTOM, SIDES, bounds_in_words, cut_of, extent_holding, packing_zone
+from granwave.analysis.measures.zone_size import (
+    BOTTOM,
+    SIDES,
+    bounds_in_words,
+    cut_of,
+    extent_holding,
+    packing_zone,
+)
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.lattices import is_plane_crystal
@@ -68,7 +81,9 @@ def dissipation_ranked(result: Result) -> Drawing | None:
     columns |= {"dissipated_over_Fy_alpha_y": values, "beyond_law": beyond.astype(int)}
     for part, (share, colour, line) in parts.items():
         own = share[ranked(share)]
-        axes.loglog(np.arange(1, len(own) + 1), own / unit, line, color=colour, linewidth=1.0, label=part)
+        axes.loglog(
+            np.arange(1, len(own) + 1), own / unit, line, color=colour, linewidth=1.0, label=part
+        )
         columns[f"{part}_in_descending_order_J"] = own
     if axes.get_legend_handles_labels()[0]:
         axes.legend(loc="lower left")
@@ -86,12 +101,21 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
     in_plane = result.assembly.grains_called == CYLINDERS  # of one length
-    volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (2 if in_plane else 3)
+    volumes = (2 * result["spheres/radius"] / result.case.packing.diameter) ** (
+        2 if in_plane else 3
+    )
     fraction, volume = cumulated(result["spheres/dissipated_energy"], result.energy_input, volumes)
     enough = int(np.searchsorted(fraction, _SHOWN_SHARE * fraction[-1])) + 1
     figure, axes = panels(2.4)
     parts = _parts(result)
-    axes.plot(fraction[:enough], volume[:enough], "-o", color=BLUE, markersize=2.5, label=_ALL.get(len(parts)))
+    axes.plot(
+        fraction[:enough],
+        volume[:enough],
+        "-o",
+        color=BLUE,
+        markersize=2.5,
+        label=_ALL.get(len(parts)),
+    )
     axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
     columns = {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume}
     top = float(volume[min(enough, len(volume)) - 1])
@@ -115,16 +139,26 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
 
 
 def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
-    """Return the dissipation by yielding, friction and losses, with colour and line; empty if there is one kind."""
-    found = {"yielding": (result.yield_energy, ORANGE, "--")} if result.yields or result.yield_energy.any() else {}
-    for part, name, colour, line in (("friction", "friction", GREEN, ":"), ("viscous losses", "viscous", PURPLE, "-.")):
+    """Return the dissipation by yielding, friction and losses, with colour and line; empty if there
+    is one kind.
+    """
+    found = (
+        {"yielding": (result.yield_energy, ORANGE, "--")}
+        if result.yields or result.yield_energy.any()
+        else {}
+    )
+    for part, name, colour, line in (
+        ("friction", "friction", GREEN, ":"),
+        ("viscous losses", "viscous", PURPLE, "-."),
+    ):
         if result.has(f"spheres/{name}_energy"):
             found[part] = result[f"spheres/{name}_energy"], colour, line
     return found if len(found) > 1 else {}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
-    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost, against time.
+    """Draw the number of yielded contacts and spheres, and depth and radius of the outermost,
+    against time.
 
     The title names the boundaries that the zone reaches.
     """
@@ -138,10 +172,20 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
         upper.set_title(f"the zone reaches a bound: {bounds_in_words(cut)}", fontsize=7)
     for axes, quantity, curves in (
         (upper, "Number yielded", {"contacts": growth.contacts, "spheres": growth.spheres}),
-        (lower, "Outermost yield (mm)", {"depth": growth.depth * _MILLI, "radius": growth.radius * _MILLI}),
+        (
+            lower,
+            "Outermost yield (mm)",
+            {"depth": growth.depth * _MILLI, "radius": growth.radius * _MILLI},
+        ),
     ):
         for (name, values), line in zip(curves.items(), ("-", "--"), strict=True):
-            axes.step(time * _MICRO, np.concatenate([[0], values, values[-1:]]), line, where="post", label=name)
+            axes.step(
+                time * _MICRO,
+                np.concatenate([[0], values, values[-1:]]),
+                line,
+                where="post",
+                label=name,
+            )
         label(axes, y=quantity)
         axes.set_ylim(bottom=0)
         axes.legend(loc="lower right")
@@ -153,7 +197,9 @@ def plastic_zone_growth(result: Result) -> Drawing | None:
 def peak_force_depth(result: Result) -> Drawing | None:
     """Draw the decay of the peak force: largest of each layer, and along the preferred directions."""
     depth, force = peak_force_by_depth(result)
-    if len(depth) < 2 or not np.any(force > 0) or "chain" in result:  # a chain has a figure of its own
+    if (
+        len(depth) < 2 or not np.any(force > 0) or "chain" in result
+    ):  # a chain has a figure of its own
         return None
     scale, unit, name = force_scale(result)
     along = rays(result)
@@ -163,32 +209,51 @@ def peak_force_depth(result: Result) -> Drawing | None:
     figure, axes = panels(2.4)
     if n_rays > 1 and n_contacts > 1:
         colours = (ORANGE, GREEN, "black", ORANGE)
-        for n, (marker, colour, values) in enumerate(zip("o^vs", colours, along.peak_force.T, strict=False)):
+        for n, (marker, colour, values) in enumerate(
+            zip("o^vs", colours, along.peak_force.T, strict=False)
+        ):
             axes.plot(
                 middle * _MILLI, values / scale, marker, color=colour, markerfacecolor="none",
                 markersize=5 - 0.5 * n, markeredgewidth=0.8, label=f"preferred direction {n + 1}",
             )  # fmt: skip
-    axes.plot(depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1)
+    axes.plot(
+        depth * _MILLI, force / scale, "-", color=BLUE, label="largest of the layer", zorder=1
+    )
     label(axes, "Depth (mm)", f"Peak force {unit}", log="y", xlim=(0, depth[-1] * _MILLI))
     axes.legend(fontsize=8)
-    columns = {"layer_depth_m": depth, f"layer_peak_{name}": force / scale, "contact_depth_m": middle}
-    columns |= {f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)}
+    columns = {
+        "layer_depth_m": depth,
+        f"layer_peak_{name}": force / scale,
+        "contact_depth_m": middle,
+    }
+    columns |= {
+        f"direction_{n + 1}_{name}": values / scale for n, values in enumerate(along.peak_force.T)
+    }
     return Drawing(figure, columns)
 
 
 _LEAST = 1e-5  # smallest share of the energy in the figure
 _NOTHING = 1e-12  # share of the energy that is due to rounding
-_STYLES = {"depth": (BLUE, "-", "o", BOTTOM, 0.97), "radius": (ORANGE, "--", "s", SIDES, 0.6)}  # height of a label last
+_STYLES = {
+    "depth": (BLUE, "-", "o", BOTTOM, 0.97),
+    "radius": (ORANGE, "--", "s", SIDES, 0.6),
+}  # height of a label last
 _SAME = 1e-9  # relative difference of distances that are equal up to rounding
 
 
 def plastic_zone_size(result: Result) -> Drawing | None:
-    """Draw the shares of the dissipation by yielding beyond a depth and a radius, with the sizes of the zone."""
+    """Draw the shares of the dissipation by yielding beyond a depth and a radius, with the sizes of
+    the zone.
+    """
     if not result.yields:
         return None
     zone = packing_zone(result)
-    distances, bounds = {}, {}
-    for name, values, bound in (("depth", zone.get("depth"), BOTTOM), ("radius", zone.get("radius"), SIDES)):
+    distances = {}
+    bounds = {}
+    for name, values, bound in (
+        ("depth", zone.get("depth"), BOTTOM),
+        ("radius", zone.get("radius"), SIDES),
+    ):
         if values is not None:
             distances[name] = values
             if bound in cut_of(zone):
@@ -197,7 +262,11 @@ def plastic_zone_size(result: Result) -> Drawing | None:
 
 
 def draw_zone_size(
-    energy: Array, distances: Mapping[str, Array], diameter: float, unit: str, bounds: Mapping[str, float]
+    energy: Array,
+    distances: Mapping[str, Array],
+    diameter: float,
+    unit: str,
+    bounds: Mapping[str, float],
 ) -> Drawing | None:
     """Draw the share of an energy beyond a distance, on a logarithmic axis; None without energy.
 
@@ -222,12 +291,22 @@ def draw_zone_size(
     for name, values in distances.items():
         colour, line, marker, bound, height = _STYLES[name]
         place, outside = _outside(values, energy)
-        axes.step(place / diameter, np.maximum(outside, _NOTHING), line, where="post", color=colour, label=name)
+        axes.step(
+            place / diameter,
+            np.maximum(outside, _NOTHING),
+            line,
+            where="post",
+            color=colour,
+            label=name,
+        )
         sizes = [extent_holding(values, energy, percent / 100) for percent in SHARES]
         left = [1 - percent / 100 for percent in SHARES]
         axes.plot(np.array(sizes) / diameter, left, marker, color=colour, markersize=4)
         beyond = np.flatnonzero(outside > _LEAST)  # none if all the energy is at distance 0
-        reach = max(reach, float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2)
+        reach = max(
+            reach,
+            float(place[beyond[-1] + 1 :].min(initial=place[-1])) if beyond.size else diameter / 2,
+        )
         if bound in bounds:
             reach = max(reach, bounds[bound])
             axes.axvline(bounds[bound] / diameter, color=colour, linestyle=":", linewidth=0.9)
@@ -236,7 +315,10 @@ def draw_zone_size(
                 textcoords="offset points", rotation=90, ha="right", va="top", color=colour, fontsize=7,
             )  # fmt: skip
         columns |= {f"{name}_m": place, f"share_beyond_{name}": outside}
-        columns |= {f"{name}_holding_m": sizes, f"share_within_{name}": [percent / 100 for percent in SHARES]}
+        columns |= {
+            f"{name}_holding_m": sizes,
+            f"share_within_{name}": [percent / 100 for percent in SHARES],
+        }
     for percent in SHARES:
         axes.axhline(1 - percent / 100, color=GREY, linestyle=":", linewidth=0.6, zorder=0)
     words = {"depth": "depth", "radius": "distance from the impact axis"}
@@ -252,11 +334,16 @@ def draw_zone_size(
 def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
     """Return distances, rising from 0, and the share of the energy that lies beyond each."""
     order = np.argsort(distance, kind="stable")
-    place, held = distance[order], np.cumsum(energy[order])
-    last = np.append(np.diff(place) > _SAME * place[-1], True)  # last of the parts at the same distance
-    place, beyond = place[last], 1 - held[last] / held[-1]
+    place = distance[order]
+    held = np.cumsum(energy[order])
+    last = np.append(
+        np.diff(place) > _SAME * place[-1], True
+    )  # last of the parts at the same distance
+    place = place[last]
+    beyond = 1 - held[last] / held[-1]
     if place[0] > 0:
-        place, beyond = np.insert(place, 0, 0.0), np.insert(beyond, 0, 1.0)
+        place = np.insert(place, 0, 0.0)
+        beyond = np.insert(beyond, 0, 1.0)
     return place, beyond
 
 
@@ -265,9 +352,11 @@ _TITLE_HEIGHT = 0.7  # inches
 
 
 def directions(result: Result) -> Drawing | None:
-    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else stereographic.
+    """Draw the shares of travelling energy and dissipation by direction: polar for a layer, else
+    stereographic.
 
-    Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a stereographic view.
+    Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a
+    stereographic view.
     """
     kind = result.case.packing.kind
     if kind == "chain" or is_plane_crystal(kind) or not len(preferred_directions(kind)):
@@ -277,14 +366,18 @@ def directions(result: Result) -> Drawing | None:
     frame = waves.travelling_frame(result)
     time = result.frame_times[frame]
     found = {
-        f"Energy at {time * _MICRO:.0f} µs": waves.spread(result, waves.energy_of_spheres(result, frame)),
+        f"Energy at {time * _MICRO:.0f} µs": waves.spread(
+            result, waves.energy_of_spheres(result, frame)
+        ),
         "Dissipation": waves.spread(result, result["spheres/dissipated_energy"]),
     }
     shown = {name: one for name, one in found.items() if one is not None}
     if not shown:
         return None
     layer = waves.is_layer(result)
-    height = (WIDTH / 2 if len(shown) > 1 else 0.7 * WIDTH) + _TITLE_HEIGHT + (0.0 if layer else 0.5)
+    height = (
+        (WIDTH / 2 if len(shown) > 1 else 0.7 * WIDTH) + _TITLE_HEIGHT + (0.0 if layer else 0.5)
+    )
     polar = {"projection": "polar"}
     figure, *row = panels(height, len(shown), width=WIDTH, subplot_kw=polar)
     draw = _draw_layer if layer else _draw_half_sphere
@@ -292,7 +385,9 @@ def directions(result: Result) -> Drawing | None:
     for axes, (name, one), colours in zip(
         row, shown.items(), ((BLUE, FORCE_MAP), (ORANGE, DISSIPATION_MAP)), strict=False
     ):
-        title = f"{name}\n{100 * one.along:.0f} % along contacts\n(even spread: {100 * one.even:.0f} %)"
+        title = (
+            f"{name}\n{100 * one.along:.0f} % along contacts\n(even spread: {100 * one.even:.0f} %)"
+        )
         columns |= draw(result, axes, one, *colours)
         axes.set_title(title)
         axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
@@ -300,7 +395,9 @@ def directions(result: Result) -> Drawing | None:
     return Drawing(figure, columns)
 
 
-def _draw_layer(_: Result, axes: Any, one: waves.Spread, colour: str, __: str) -> dict[str, NDArray]:
+def _draw_layer(
+    _: Result, axes: Any, one: waves.Spread, colour: str, __: str
+) -> dict[str, NDArray]:
     """Draw the shares of a layer as bars; return the columns of the directions."""
     angle = np.arange(waves.LAYER_BINS) * 360 / waves.LAYER_BINS - 180
     axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / waves.LAYER_BINS), color=colour)
@@ -309,21 +406,34 @@ def _draw_layer(_: Result, axes: Any, one: waves.Spread, colour: str, __: str) -
     return {"angle_deg": angle}
 
 
-def _draw_half_sphere(result: Result, axes: Any, one: waves.Spread, _: str, colours: str) -> dict[str, NDArray]:
-    """Draw the shares below the impact in a stereographic view; return the columns of the directions."""
-    edges = np.deg2rad(np.arange(waves.PER_RING + 1) * 360 / waves.PER_RING - 180 - 180 / waves.PER_RING)
+def _draw_half_sphere(
+    result: Result, axes: Any, one: waves.Spread, _: str, colours: str
+) -> dict[str, NDArray]:
+    """Draw the shares below the impact in a stereographic view; return the columns of the
+    directions.
+    """
+    edges = np.deg2rad(
+        np.arange(waves.PER_RING + 1) * 360 / waves.PER_RING - 180 - 180 / waves.PER_RING
+    )
     depth = 1 - np.arange(waves.RINGS + 1) / waves.RINGS  # cosine of the angle to the impact axis
-    axis, norm = preferred_directions(result.case.packing.kind), Normalize(0, float(one.relative.max()))
+    axis = preferred_directions(result.case.packing.kind)
+    norm = Normalize(0, float(one.relative.max()))
     colours = result.figure_options.colour_map or colours
     radius = 2 * np.tan(np.arccos(depth) / 2)
     mesh = axes.pcolormesh(edges, radius, one.relative, cmap=colours, norm=norm, rasterized=True)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": "white", "markersize": 9}
-    axes.plot(np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o", **ring)
+    axes.plot(
+        np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o", **ring
+    )
     axes.set_yticks(2 * np.tan(np.deg2rad([30, 60]) / 2), ["30°", "60°"], color="white")
     axes.set_rlabel_position(90)
     axes.grid(alpha=0.3)
-    axes.figure.colorbar(mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12)
+    axes.figure.colorbar(
+        mesh, ax=axes, orientation="horizontal", label="Share over even spread", pad=0.12
+    )
     return {
-        "axis_angle_deg": np.repeat(np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), waves.PER_RING),
+        "axis_angle_deg": np.repeat(
+            np.rad2deg(np.arccos((depth[1:] + depth[:-1]) / 2)), waves.PER_RING
+        ),
         "azimuth_deg": np.tile(np.rad2deg((edges[1:] + edges[:-1]) / 2), waves.RINGS),
     }

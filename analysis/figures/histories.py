@@ -8,13 +8,33 @@ import numpy as np
 from matplotlib.axes import Axes
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import against_time, energy_unit, label, panels, time_axis, velocity_unit
-from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, YELLOW, Drawing, legend_above
+from granwave.analysis.figures.series import (
+    against_time,
+    energy_unit,
+    label,
+    panels,
+    time_axis,
+    velocity_unit,
+)
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    YELLOW,
+    Drawing,
+    legend_above,
+)
 from granwave.analysis.measures.lines import sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 
-_NANO, _MICRO, _MILLI = 1e9, 1e6, 1e3  # of a second, of a metre
+# of a second, of a metre
+_NANO = 1e9
+_MICRO = 1e6
+_MILLI = 1e3
 _PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
 _QUANTITIES = {
     "u": ("Displacement (µm)", 1e6),
@@ -23,8 +43,13 @@ _QUANTITIES = {
     "overlap": ("Overlap (µm)", 1e6),
     "force": ("Contact force (N)", 1.0),
 }
-_BROWN, _WINE, _PALE, _NAVY = "#8C5A2B", "#882255", "#C9C2B2", "#1B2A49"
-_OLIVE, _TEAL, _ROSE = "#999933", "#44AA99", "#CC6677"
+_BROWN = "#8C5A2B"
+_WINE = "#882255"
+_PALE = "#C9C2B2"
+_NAVY = "#1B2A49"
+_OLIVE = "#999933"
+_TEAL = "#44AA99"
+_ROSE = "#CC6677"
 #: Parts of the energy and their colours, from the bottom of the figure up.
 _AREAS = {
     "dissipated": ORANGE, "yielding": ORANGE, "friction": YELLOW, "rolling": _OLIVE, "twisting": _TEAL,
@@ -41,7 +66,9 @@ _LOST_OTHERWISE = {
 _ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by subtraction
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
-_IN_COLOUR, _MOST_IN_LEGEND = 6, 10  # probes: after so many lines are broken, with more there is no legend
+# probes: after so many lines are broken, with more there is no legend
+_IN_COLOUR = 6
+_MOST_IN_LEGEND = 10
 _LEAST = 1e-3  # of the tolerance: where the axis of the error begins
 
 
@@ -50,39 +77,62 @@ def energies(result: Result) -> Drawing | None:
     given = result.energy_input
     if not given:
         return None
-    time, parts = result["energy/time"], _energy_parts(result)
+    time = result["energy/time"]
+    parts = _energy_parts(result)
     residual = np.abs(sum(parts.values()) - result["energy/input"]) / result.largest_input
     figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
     unit, name = energy_unit(given)
-    as_areas = len(parts) > 3 and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
+    as_areas = (
+        len(parts) > 3
+        and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
+    )
     if as_areas:
         colours = [_AREAS[part] for part in parts]
         areas = np.stack(list(parts.values())) * unit
         upper.stackplot(time * _MICRO, areas, labels=list(parts), colors=colours, linewidth=0)
     else:
         for part, values in parts.items():
-            line = {"linestyle": "--", "zorder": 3} if part == "elastic" else {}  # often as large as the kinetic energy
+            line = (
+                {"linestyle": "--", "zorder": 3} if part == "elastic" else {}
+            )  # often as large as the kinetic energy
             upper.plot(time * _MICRO, values * unit, color=_AREAS[part], label=part, **line)
-    upper.plot(time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input")
+    upper.plot(
+        time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input"
+    )
     least = 0 if as_areas or len(parts) == 3 else None
     label(upper, y=f"Energy ({name})", ylim=(least, 1.05 * given * unit))
     legend_above(upper, 3, handlelength=1.0 if as_areas else 1.6)
-    lower.semilogy(time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
+    lower.semilogy(
+        time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8
+    )
     label(lower, y="|Residual|\n/ input")
     time_axis(lower, time)
     named = {part.replace("'s ", "_").replace(" ", "_"): values for part, values in parts.items()}
     columns = {"time_s": time, **{f"{name}_J": values for name, values in named.items()}}
-    columns |= {f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")}
-    return Drawing(figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual})
+    columns |= {
+        f"{part}_wall_J": result[f"energy/{part}_wall"] for part in ("elastic", "dissipated")
+    }
+    return Drawing(
+        figure, columns | {"input_J": result["energy/input"], "residual_over_input": residual}
+    )
 
 
 def _energy_parts(result: Result) -> dict[str, NDArray]:
-    """Return the energies that add up to the input; rotation and kinds of dissipation separately, if any."""
-    kinetic, elastic, dissipated = (result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated"))
+    """Return the energies that add up to the input; rotation and kinds of dissipation separately,
+    if any.
+    """
+    kinetic, elastic, dissipated = (
+        result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated")
+    )
     parts = {"kinetic": kinetic, "elastic": elastic, "dissipated": dissipated}
     if result.has("energy/rotational"):
         rotational = result["energy/rotational"]
-        parts = {"kinetic": kinetic - rotational, "rotation": rotational, "elastic": elastic, "dissipated": dissipated}
+        parts = {
+            "kinetic": kinetic - rotational,
+            "rotation": rotational,
+            "elastic": elastic,
+            "dissipated": dissipated,
+        }
     if result.has("energy/plate"):
         parts["kinetic"] = parts["kinetic"] - result["energy/plate"]
         parts["plate"] = result["energy/plate"]
@@ -94,8 +144,13 @@ def _energy_parts(result: Result) -> dict[str, NDArray]:
             parts["dissipated"] = parts["dissipated"] - result[f"energy/{source}"]
             parts[name] = result[f"energy/{source}"]
     if any(part in parts for part in _LOST_OTHERWISE):
-        parts = {"yielding" if name == "dissipated" else name: values for name, values in parts.items()}
-        if not result.yields and float(np.abs(parts["yielding"]).max()) <= _ROUNDING * result.energy_input:
+        parts = {
+            "yielding" if name == "dissipated" else name: values for name, values in parts.items()
+        }
+        if (
+            not result.yields
+            and float(np.abs(parts["yielding"]).max()) <= _ROUNDING * result.energy_input
+        ):
             del parts["yielding"]
     return dict(sorted(parts.items(), key=lambda item: list(_AREAS).index(item[0])))
 
@@ -104,13 +159,16 @@ def bottom_force(result: Result) -> Drawing | None:
     """Draw the force on the bottom and its impulse."""
     if "walls/bottom" not in result:
         return None
-    time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+    time = result["walls/bottom/time"]
+    force = result["walls/bottom/force"]
     if not np.any(force):
         return None
     impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
     figure, axes = panels(2.3)
     against_time(axes, time, force, linewidth=0.8)
-    axes.update_datalim([(0.0, 0.0)])  # so that a force that hardly changes does not lie on the frame
+    axes.update_datalim(
+        [(0.0, 0.0)]
+    )  # so that a force that hardly changes does not lie on the frame
     axes.autoscale_view(scalex=False)
     axes.set_ylabel("Force on the bottom (N)", color=BLUE)
     beside = axes.twinx()
@@ -121,27 +179,41 @@ def bottom_force(result: Result) -> Drawing | None:
 
 
 def impactor_velocity(result: Result) -> Drawing | None:
-    """Draw the velocity of the struck, or loaded, sphere along the impact direction; None if it is zero throughout."""
-    time, velocity = result["energy/time"], result["energy/struck_velocity"]
+    """Draw the velocity of the struck, or loaded, sphere along the impact direction; None if it is
+    zero throughout.
+    """
+    time = result["energy/time"]
+    velocity = result["energy/struck_velocity"]
     if not np.any(velocity):
         return None
     figure, axes = panels(2.1)
     axes.axhline(0, color="black", linewidth=0.5)
     scale, unit = velocity_unit(float(np.abs(velocity).max()))
     against_time(axes, time, velocity * scale)
-    label(axes, y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere ({unit})")
+    label(
+        axes,
+        y=f"Velocity of the\n{'loaded' if result.case.load.driven else 'struck'} sphere ({unit})",
+    )
     return Drawing(figure, {"time_s": time, "velocity_m_s": velocity})
 
 
 def probes(result: Result) -> Drawing | None:
     """Draw the records of the probes, with a panel for each quantity."""
-    wanted = {f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None}
-    wanted |= {"contact_{}_{}".format(*probe.contact) for probe in result.case.output.probes if probe.contact}
+    wanted = {
+        f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None
+    }
+    wanted |= {
+        "contact_{}_{}".format(*probe.contact)
+        for probe in result.case.output.probes
+        if probe.contact
+    }
     if "probes" not in result or not wanted:
         return None
     time = result["probes/time"]
     shown: dict[str, dict[str, NDArray]] = {}
-    names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted]  # without sensors
+    names = [
+        name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted
+    ]  # without sensors
     for found in filter(None, map(_PROBE.fullmatch, names)):
         quantity = found["quantity"]
         key = quantity if quantity in _QUANTITIES else quantity[0]
@@ -152,24 +224,34 @@ def probes(result: Result) -> Drawing | None:
     for axes, key in zip(stack, sorted(shown, key=list(_QUANTITIES).index), strict=True):
         quantity, scale = _QUANTITIES[key]
         for n, (curve, values) in enumerate(shown[key].items()):
-            against_time(axes, time, values * scale, ("-", "--", ":")[n // _IN_COLOUR % 3], label=curve)
+            against_time(
+                axes, time, values * scale, ("-", "--", ":")[n // _IN_COLOUR % 3], label=curve
+            )
         label(axes, y=quantity)
         if len(shown[key]) <= _MOST_IN_LEGEND:
             axes.legend(handlelength=1.2)
     units = {name: result.unit(f"probes/{name}").replace(" s-1", "_s") for name in names}
-    return Drawing(figure, {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names})
+    return Drawing(
+        figure,
+        {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names},
+    )
 
 
 def sensors(result: Result) -> Drawing | None:
-    """Draw the accelerations of the spheres with a sensor, each along the direction of its largest velocity."""
+    """Draw the accelerations of the spheres with a sensor, each along the direction of its largest
+    velocity.
+    """
     found = sensor_accelerations(result)
     if not found:
         return None
-    time, velocities, names = result["probes/time"], sensor_velocities(result), list(found)
+    time = result["probes/time"]
+    velocities = sensor_velocities(result)
+    names = list(found)
     rows = -(-len(names) // _IN_PANEL)
     figure, *stack = panels(0.5 + 1.5 * rows, rows=rows, sharex=True)
     for n, name in enumerate(names):
-        axes, velocity = stack[n // _IN_PANEL], velocities[name]
+        axes = stack[n // _IN_PANEL]
+        velocity = velocities[name]
         fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
         along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
         line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
@@ -177,7 +259,11 @@ def sensors(result: Result) -> Drawing | None:
     for axes in stack:
         label(axes, y="Acceleration (m/s²)")
         axes.legend(handlelength=1.2, loc="upper left")
-    columns = {f"{name}_a{axis}_m_s2": values[:, n] for name, values in found.items() for n, axis in enumerate("xyz")}
+    columns = {
+        f"{name}_a{axis}_m_s2": values[:, n]
+        for name, values in found.items()
+        for n, axis in enumerate("xyz")
+    }
     return Drawing(figure, {"time_s": time} | columns)
 
 
@@ -192,7 +278,8 @@ def _common_zero(first: Axes, second: Axes) -> None:
 def target(result: Result) -> Drawing | None:
     """Draw force, impulse and work on the bottom against time, and the force without the packing.
 
-    None if the bottom does not move and there is no such force: the force on the bottom has a figure of its own.
+    None if the bottom does not move and there is no such force: the force on the bottom has a
+    figure of its own.
     """
     found = reached(result)
     if found is None or not np.any(found.force):
@@ -201,15 +288,29 @@ def target(result: Result) -> Drawing | None:
     moves = found.displacement is not None
     if not moves and without is None:
         return None
-    time, columns = found.time, {"time_s": found.time, "force_N": found.force, "impulse_Ns": found.impulse}
-    figure, force, impulse, *below = panels(4.8 if moves else 3.5, rows=3 if moves else 2, sharex=True)
+    time = found.time
+    columns = {"time_s": found.time, "force_N": found.force, "impulse_Ns": found.impulse}
+    figure, force, impulse, *below = panels(
+        4.8 if moves else 3.5, rows=3 if moves else 2, sharex=True
+    )
     against_time(force, time, found.force, linewidth=0.9, label="on the target")
     if found.displacement is not None and found.ground_force is not None:
         columns |= {"displacement_m": found.displacement, "ground_force_N": found.ground_force}
-        against_time(force, time, found.ground_force, color=GREEN, linewidth=0.9, label="on the ground")
+        against_time(
+            force, time, found.ground_force, color=GREEN, linewidth=0.9, label="on the ground"
+        )
     if without is not None and without.peak_force > 0:
-        columns |= {"without_packing_time_s": without.time, "without_packing_force_N": without.force}
-        force.plot(without.time * _MICRO, without.force, color=GREY, linestyle="--", label="target without packing")
+        columns |= {
+            "without_packing_time_s": without.time,
+            "without_packing_force_N": without.force,
+        }
+        force.plot(
+            without.time * _MICRO,
+            without.force,
+            color=GREY,
+            linestyle="--",
+            label="target without packing",
+        )
         peaks = float(found.force.max()), without.peak_force
         force.set(yscale="log", ylim=(1e-2 * min(peaks), 2 * max(peaks)))
     label(force, y="Force (N)")
@@ -217,7 +318,8 @@ def target(result: Result) -> Drawing | None:
     impulse.plot(time * _MICRO, found.impulse * _MILLI, color=ORANGE)
     label(impulse, y="Impulse (mN s)")
     for axes in below:
-        ledger, energy = result["energy/time"], result.get("energy/target")
+        ledger = result["energy/time"]
+        energy = result.get("energy/target")
         energy = np.zeros_like(ledger) if energy is None else energy
         unit, name = energy_unit(float(np.abs(energy).max()))
         axes.plot(ledger * _MICRO, energy * unit)
@@ -228,11 +330,15 @@ def target(result: Result) -> Drawing | None:
 
 
 def timestep(result: Result) -> Drawing | None:
-    """Draw the timestep against time, and below it the error of the balance: measured, expected, and allowed."""
-    given, tolerance = result.largest_input, result.case.run.energy_tolerance
+    """Draw the timestep against time, and below it the error of the balance: measured, expected,
+    and allowed.
+    """
+    given = result.largest_input
+    tolerance = result.case.run.energy_tolerance
     if not given or not result.has("energy/timestep"):
         return None
-    time, step = result["energy/time"], result["energy/timestep"]
+    time = result["energy/time"]
+    step = result["energy/timestep"]
     work = work_on_packing(result.ledger, moved_mass(result.assembly))
     expected = np.abs(result["energy/expected_error"]) * work / given
     error = misfit(result.ledger) / given
@@ -242,10 +348,21 @@ def timestep(result: Result) -> Drawing | None:
     upper.yaxis.set_major_formatter("{x:.3g}")
     label(upper, y="Timestep (ns)")
     for values, colour, name in ((error, GREY, "measured"), (expected, ORANGE, "expected")):
-        lower.semilogy(time * _MICRO, np.where(values > 0, values, np.nan), color=colour, linewidth=0.8, label=name)
+        lower.semilogy(
+            time * _MICRO,
+            np.where(values > 0, values, np.nan),
+            color=colour,
+            linewidth=0.8,
+            label=name,
+        )
     lower.axhline(tolerance, color="black", linestyle=":", linewidth=0.8, label="tolerance")
     label(lower, y="|Residual|\n/ input", ylim=(_LEAST * tolerance, 3 * tolerance))
     legend_above(lower, 3)
     time_axis(lower, time)
-    columns = {"time_s": time, "timestep_s": step, "residual_over_input": error, "expected_over_input": expected}
+    columns = {
+        "time_s": time,
+        "timestep_s": step,
+        "residual_over_input": error,
+        "expected_over_input": expected,
+    }
     return Drawing(figure, columns)

@@ -25,7 +25,9 @@ from granwave.lammps_inputs.packing.walls import walls
 
 _PIXELS = 1000  # width of the picture, about that of the figure at its resolution
 _HIGHEST = 6.5  # inches, of the picture
-AZIMUTH, ELEVATION = -58.0, 30.0  # degrees
+# degrees
+AZIMUTH = -58.0
+ELEVATION = 30.0
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
@@ -49,7 +51,9 @@ def packing_3d_dissipation(result: Result) -> Drawing | None:
     return draw_packing(result, dissipation_colouring(result))
 
 
-def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float] | None = None) -> Drawing | None:
+def draw_packing(
+    result: Result, colouring: Colouring, size: tuple[float, float] | None = None
+) -> Drawing | None:
     """Draw the cut packing in any colouring; return None for a chain, of which curves show more.
 
     Parameters
@@ -61,28 +65,41 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
         return None
     positions = result["spheres/position"]
     camera = Camera.looking(AZIMUTH, ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
-    beyond, towards = (positions - result.origin)[:, :2], np.sign(camera.towards[:2])
-    facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)  # the quarter that is cut away
+    beyond = (positions - result.origin)[:, :2]
+    towards = np.sign(camera.towards[:2])
+    facing = np.all(
+        beyond * towards > _CUT * result.case.packing.diameter, axis=1
+    )  # the quarter that is cut away
     kept = np.flatnonzero(~facing)
     values = colouring.values[kept]
-    colours = colormaps[colouring.map](colouring.norm(np.clip(values, colouring.low, colouring.high)))[:, :3]
+    colours = colormaps[colouring.map](
+        colouring.norm(np.clip(values, colouring.low, colouring.high))
+    )[:, :3]
     colours[values < colouring.low] = to_rgb(BLANK)
     surface = _SURFACES.get(result)
     if surface is None:  # which is the same for the next picture of the same result
-        places, radii = positions[kept], result["spheres/radius"][kept]
+        places = positions[kept]
+        radii = result["spheres/radius"][kept]
         across, up = np.ptp(camera.project(places)[:, :2], axis=0) + 2 * radii.max()
         pixels = round(_PIXELS * min(_HIGHEST / WIDTH * across / up, 1.0))
-        surface = _SURFACES[result] = lit_surface(places, radii, camera, pixels, half_axes(result, kept))
+        surface = _SURFACES[result] = lit_surface(
+            places, radii, camera, pixels, half_axes(result, kept)
+        )
     left, right, bottom, top = (edge * _MILLI for edge in surface.extent)
     figure = new_figure(min((WIDTH - 0.1) * (top - bottom) / (right - left), _HIGHEST) + 0.75)
     if size is not None:
         figure.set_size_inches(size)
     axes = figure.subplots()
-    image, outlined = painted(surface, colours), any(wall.tube or wall.plate for wall in walls(result.assembly))
+    image = painted(surface, colours)
+    outlined = any(wall.tube or wall.plate for wall in walls(result.assembly))
     if not outlined:  # on white, as no lines are seen behind: files are smaller
         alpha = image[..., 3:]
         image = np.concatenate([image[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
-    axes.imshow(np.rint(image * 255).astype(np.uint8), extent=(left, right, bottom, top), interpolation="antialiased")
+    axes.imshow(
+        np.rint(image * 255).astype(np.uint8),
+        extent=(left, right, bottom, top),
+        interpolation="antialiased",
+    )
     axes.set_axis_off()
     if outlined:
         _draw_walls(axes, result, camera)
@@ -93,18 +110,34 @@ def draw_packing(result: Result, colouring: Colouring, size: tuple[float, float]
     power = 10 ** np.floor(np.log10(wanted))
     length = power * max(step for step in _ROUND_LENGTHS if step * power <= wanted)
     start = left + 0.02 * (right - left)
-    axes.plot([start, start + length], [bottom, bottom], color="black", linewidth=1.5, solid_capstyle="butt")
-    axes.annotate(
-        f"{length:g} mm", (start + length / 2, bottom), (0, 3), textcoords="offset points", ha="center", va="bottom"
+    axes.plot(
+        [start, start + length],
+        [bottom, bottom],
+        color="black",
+        linewidth=1.5,
+        solid_capstyle="butt",
     )
-    # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see, and it points down
-    place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[:, :2]
+    axes.annotate(
+        f"{length:g} mm",
+        (start + length / 2, bottom),
+        (0, 3),
+        textcoords="offset points",
+        ha="center",
+        va="bottom",
+    )
+    # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see,
+    # and it points down
+    place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[
+        :, :2
+    ]
     seen = float(np.hypot(*(beyond - place)))
     back = (place - beyond) / seen if seen > 0.1 else np.array([0.0, 1.0])
     tip, tail = (tuple(place * _MILLI + share * (right - left) * back) for share in (0.02, 0.12))
     arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0}
     axes.annotate("", xy=tip, xytext=tail, arrowprops=arrow, annotation_clip=False)
-    colour_bar(figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size))
+    colour_bar(
+        figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size)
+    )
     rows = kept[surface.visible]
     columns = {"id": result["spheres/id"][rows]}
     columns |= {f"{axis}_m": place for axis, place in zip("xyz", positions[rows].T, strict=True)}
@@ -123,10 +156,13 @@ def can_be_cut(result: Result) -> bool:
 
 
 def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
-    """Draw the outlines of a tube, and of a plate on the top: behind the packing, and thin before it."""
+    """Draw the outlines of a tube, and of a plate on the top: behind the packing, and thin before
+    it.
+    """
     radius = float(result["spheres/radius"].max())
     low, high = result.assembly.lattice_bounds()
-    low, high = low - radius, high + radius
+    low = low - radius
+    high = high + radius
     for wall in walls(result.assembly):
         lines = []
         if wall.tube:
@@ -136,7 +172,9 @@ def _draw_walls(axes: Axes, result: Result, camera: Camera) -> None:
         for line in lines:
             seen = camera.project(line)
             before = ((line[:-1] + line[1:] - low - high)[:, :2] @ camera.towards[:2]) > 0
-            for start, end, is_before in zip(seen[:-1] * _MILLI, seen[1:] * _MILLI, before, strict=True):
+            for start, end, is_before in zip(
+                seen[:-1] * _MILLI, seen[1:] * _MILLI, before, strict=True
+            ):
                 width, order = (0.4, 3) if is_before else (0.8, -1)
                 pair = zip(start[:2], end[:2], strict=True)
                 axes.plot(*pair, color=GREY, clip_on=False, linewidth=width, zorder=order)
@@ -169,7 +207,9 @@ def tube_lines(radius: float, top: float, bottom: float) -> Iterator[NDArray[np.
 def plane_lines(
     axis: int, coordinate: float, low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> NDArray[np.float64]:
-    """Return the edges of a plane across an axis (0, 1, 2) between the bounds of a packing: (5, 3), m."""
+    """Return the edges of a plane across an axis (0, 1, 2) between the bounds of a packing: (5, 3),
+    m.
+    """
     first, second = (other for other in range(3) if other != axis)
     corners = np.empty((4, 3))
     corners[:, axis] = coordinate

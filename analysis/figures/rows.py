@@ -1,4 +1,6 @@
-"""Figures of chains, rows and lines of grains: forces and velocities in place and time, peaks, transmission."""
+"""Figures of chains, rows and lines of grains: forces and velocities in place and time, peaks,
+transmission.
+"""
 
 from __future__ import annotations
 
@@ -11,16 +13,39 @@ from matplotlib.colors import LogNorm, Normalize, SymLogNorm
 from matplotlib.ticker import MaxNLocator, ScalarFormatter
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.series import COLOURS, against_time, energy_unit, label, panels, velocity_unit
-from granwave.analysis.figures.style import BLUE, BOTH_SIDES_MAP, FORCE_MAP, GREY, ORANGE, Drawing, legend_above
-from granwave.analysis.measures.driven import MULTIPLES, SteadyMotion, amplitude_sweep_of, transmission_of
+from granwave.analysis.figures.series import (
+    COLOURS,
+    against_time,
+    energy_unit,
+    label,
+    panels,
+    velocity_unit,
+)
+from granwave.analysis.figures.style import (
+    BLUE,
+    BOTH_SIDES_MAP,
+    FORCE_MAP,
+    GREY,
+    ORANGE,
+    Drawing,
+    legend_above,
+)
+from granwave.analysis.measures.driven import (
+    MULTIPLES,
+    SteadyMotion,
+    amplitude_sweep_of,
+    transmission_of,
+)
 from granwave.analysis.measures.lines import LineRecord, lines_of, sensor_forces
 from granwave.analysis.result.reader import Result
 
-_MICRO, _MILLI, _KILO = 1e6, 1e3, 1e-3
+_MICRO = 1e6
+_MILLI = 1e3
+_KILO = 1e-3
 _MOST_CURVES = 5
 _DECADES = 3.0  # of force that the map shows
-_LINEAR = 30.0  # largest force that waves add to a static one, over that up to which the scale of the map is linear
+# largest force that waves add to a static one, over that up to which the scale of the map is linear
+_LINEAR = 30.0
 _MOST_COLUMNS = 2000  # of a map
 _MOST_OF_A_LINE = 12  # curves
 _WIDE = 0.05  # smallest over largest ratio of amplitudes below which the axis is logarithmic
@@ -34,12 +59,18 @@ def force_map(result: Result) -> Drawing | None:
     parts = [("chain", result["chain/contact_position"], result["chain/contact_force"])]
     for bar in result.assembly.bars:
         nodes = result[f"bars/{bar.name}/position"]
-        part = (bar.name.replace("_", " "), 0.5 * (nodes[1:] + nodes[:-1]), np.abs(result[f"bars/{bar.name}/force"]))
+        part = (
+            bar.name.replace("_", " "),
+            0.5 * (nodes[1:] + nodes[:-1]),
+            np.abs(result[f"bars/{bar.name}/force"]),
+        )
         parts.insert(0 if bar.face == bar.last else len(parts), part)
     waves = result["chain/contact_force"]
     pressed = result.case.precompression is not None and np.any(waves[0] > 0)
     if small := pressed and np.abs(waves - waves[0]).max() < waves[0].max():
-        parts = [(name, place, force - force[0]) for name, place, force in parts]  # what the waves add
+        parts = [
+            (name, place, force - force[0]) for name, place, force in parts
+        ]  # what the waves add
     largest = max(float(np.abs(force).max()) for _, _, force in parts) or 1.0
     norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
     if small:
@@ -50,19 +81,33 @@ def force_map(result: Result) -> Drawing | None:
     figure, *row = panels(3.2, len(parts), width=width, sharey=True, width_ratios=widths)
     columns = {"time_s": time}
     for axes, (name, place, force) in zip(row, parts, strict=True):
-        step, every = max(1, len(place) // _MOST_COLUMNS), max(1, len(place) // 20)
-        shown = force[:, ::step] if small else np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
+        step = max(1, len(place) // _MOST_COLUMNS)
+        every = max(1, len(place) // 20)
+        shown = (
+            force[:, ::step]
+            if small
+            else np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
+        )
         image = space_time_map(axes, place[::step], time, shown, norm, colours)
         axes.set_title(name if len(parts) > 1 else "")
         slug = name.replace(" ", "_")
-        columns |= {f"{slug}_at_{1e3 * z:.4g}_mm_N": force[:, n] for n, z in list(enumerate(place))[::every]}
+        columns |= {
+            f"{slug}_at_{1e3 * z:.4g}_mm_N": force[:, n] for n, z in list(enumerate(place))[::every]
+        }
     label(row[0], y="Time (µs)")
-    figure.colorbar(image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)")
+    figure.colorbar(
+        image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)"
+    )
     return Drawing(figure, columns)
 
 
 def space_time_map(
-    axes: Axes, place: NDArray[np.float64], time: NDArray[np.float64], force: NDArray[np.float64], norm: Any, map: str
+    axes: Axes,
+    place: NDArray[np.float64],
+    time: NDArray[np.float64],
+    force: NDArray[np.float64],
+    norm: Any,
+    map: str,
 ) -> Any:
     """Draw forces (n_instants, n_places) by colour; return the image, for a colour bar."""
     axes.set_xlabel("Place (mm)")
@@ -74,18 +119,23 @@ def force_histories(result: Result) -> Drawing | None:
     """Draw the force history of some contacts, evenly spread over the loaded ones."""
     if "chain" not in result:
         return None
-    force, time = result["chain/contact_force"], result["chain/time"]
+    force = result["chain/contact_force"]
+    time = result["chain/time"]
     loaded = np.flatnonzero(force.max(axis=0, initial=0.0) > 0)
     if not len(loaded):
         return None
-    chosen = np.unique(np.linspace(0, loaded[-1], min(_MOST_CURVES, loaded[-1] + 1)).round().astype(int))
+    chosen = np.unique(
+        np.linspace(0, loaded[-1], min(_MOST_CURVES, loaded[-1] + 1)).round().astype(int)
+    )
     figure, axes = panels(2.9)
     scale, unit = _unit(force)
     for n in chosen:
         against_time(axes, time, force[:, n] * scale, label=_name(result, n), linewidth=0.9)
     label(axes, y=f"Contact force ({unit})")
     legend_above(axes, 3, title="Contact")
-    return Drawing(figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen})
+    return Drawing(
+        figure, {"time_s": time} | {f"contact_{_name(result, n)}_N": force[:, n] for n in chosen}
+    )
 
 
 def along_chain(result: Result) -> Drawing | None:
@@ -105,18 +155,25 @@ def along_chain(result: Result) -> Drawing | None:
         shown = values > 0
         axes.plot(number[shown], values[shown], ".", color=BLUE, markersize=3)
         wide = shown.any() and values[shown].max() > 30 * values[shown].min()
-        label(axes, y=quantity, **({"yscale": "log"} if wide else {"ylim": (0, 1.05 * float(values.max()))}))
+        label(
+            axes,
+            y=quantity,
+            **({"yscale": "log"} if wide else {"ylim": (0, 1.05 * float(values.max()))}),
+        )
     label(stack[-1], f"Contact, {_counted(result)}")
     stack[-1].xaxis.set_major_locator(MaxNLocator(integer=True))
     ids = {"i": result["chain/contact_i"], "j": result["chain/contact_j"]}
-    return Drawing(figure, {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost})
+    return Drawing(
+        figure, {"contact": number, **ids, "peak_force_N": peak, "dissipated_energy_J": lost}
+    )
 
 
 def bead_velocities(result: Result) -> Drawing | None:
     """Draw the velocity along the chain at four instants."""
     if "chain" not in result:
         return None
-    time, velocity = result["chain/time"], result["chain/velocity"]
+    time = result["chain/time"]
+    velocity = result["chain/velocity"]
     chosen = np.unique(np.linspace(0, len(time) - 1, 5).round().astype(int))[1:]
     figure, axes = panels(2.6)
     bead = np.arange(1, velocity.shape[1] + 1)
@@ -127,7 +184,9 @@ def bead_velocities(result: Result) -> Drawing | None:
     label(axes, f"Bead, {_counted(result)}", f"Velocity ({unit})")
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     legend_above(axes, 2)
-    return Drawing(figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen})
+    return Drawing(
+        figure, {"bead": bead} | {f"velocity_at_{time[n]:.6g}_s_m_s": velocity[n] for n in chosen}
+    )
 
 
 def bars(result: Result) -> Drawing | None:
@@ -138,11 +197,16 @@ def bars(result: Result) -> Drawing | None:
     figure, upper, lower = panels(3.4, rows=2, sharex=True)
     columns: dict[str, NDArray] = {"energy_time_s": result["energy/time"]}
     for bar in found:
-        time, force = result[f"walls/{bar.name}/time"], result[f"walls/{bar.name}/force"]
+        time = result[f"walls/{bar.name}/time"]
+        force = result[f"walls/{bar.name}/force"]
         energy = result[f"energy/{bar.name}"]
         against_time(upper, time, force * _KILO, linewidth=0.9)
         against_time(lower, result["energy/time"], energy, label=bar.name.replace("_", " "))
-        columns |= {f"{bar.name}_time_s": time, f"{bar.name}_contact_force_N": force, f"{bar.name}_energy_J": energy}
+        columns |= {
+            f"{bar.name}_time_s": time,
+            f"{bar.name}_contact_force_N": force,
+            f"{bar.name}_energy_J": energy,
+        }
     label(upper, y="Contact force\non the bar (kN)")
     label(lower, y="Energy in the bar (J)")
     lower.legend()
@@ -153,19 +217,25 @@ def sensors(result: Result) -> Drawing | None:
     """Draw the mean contact force of the beads with a sensor."""
     if "chain" not in result or not result.case.sensor:
         return None
-    time, forces = result["chain/time"], sensor_forces(result)
+    time = result["chain/time"]
+    forces = sensor_forces(result)
     scale, unit = _unit(np.stack(list(forces.values())))
     figure, axes = panels(2.2)
     for name, force in forces.items():
         against_time(axes, time, force * scale, label=name, linewidth=0.9)
     label(axes, y=f"Sensor force ({unit})")
     axes.legend()
-    return Drawing(figure, {"time_s": time} | {f"{name}_N": force for name, force in forces.items()})
+    return Drawing(
+        figure, {"time_s": time} | {f"{name}_N": force for name, force in forces.items()}
+    )
 
 
 def _name(result: Result, contact: int) -> str:
-    """Return the label of a contact from the numbers of its beads, S for strikers and "bar" for bars."""
-    n, spheres = result.assembly.lattice.n_spheres, result.assembly.n_spheres
+    """Return the label of a contact from the numbers of its beads, S for strikers and "bar" for
+    bars.
+    """
+    n = result.assembly.lattice.n_spheres
+    spheres = result.assembly.n_spheres
     ids = (int(result["chain/contact_i"][contact]), int(result["chain/contact_j"][contact]))
     words = [str(one) if one <= n else f"S{one - n}" if one <= spheres else "bar" for one in ids]
     return "-".join(words)
@@ -189,7 +259,8 @@ def line_speeds(result: Result) -> Drawing | None:
     columns = {"time_s": result[f"lines/{lines[0].name}/time"]}
     for axes, line in zip(stack, lines, strict=True):
         group = f"lines/{line.name}"
-        time, speed = result[f"{group}/time"], np.linalg.norm(result[f"{group}/velocity"], axis=2)
+        time = result[f"{group}/time"]
+        speed = np.linalg.norm(result[f"{group}/velocity"], axis=2)
         n = speed.shape[1]
         chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
         for one in chosen:
@@ -201,8 +272,14 @@ def line_speeds(result: Result) -> Drawing | None:
 
 
 def line_decay(result: Result) -> Drawing | None:
-    """Draw the peak speeds along each line against distance, with the broken line that is fitted to them."""
-    lines = [line for line in lines_of(result) if line.straight and np.isfinite(line.peak_speed).sum() > 1]
+    """Draw the peak speeds along each line against distance, with the broken line that is fitted to
+    them.
+    """
+    lines = [
+        line
+        for line in lines_of(result)
+        if line.straight and np.isfinite(line.peak_speed).sum() > 1
+    ]
     if not lines:
         return None
     figure, *stack = panels(0.7 + 1.9 * len(lines), rows=len(lines))
@@ -225,7 +302,8 @@ def line_decay(result: Result) -> Drawing | None:
 def _draw_decay(axes: Axes, line: LineRecord) -> None:
     kept = np.arange(len(line.distance)) < line.fitted.stop
     for chosen, colour, face in ((kept, BLUE, BLUE), (~kept, GREY, "white")):
-        place, speed = line.distance[chosen] * _MILLI, line.peak_speed[chosen]
+        place = line.distance[chosen] * _MILLI
+        speed = line.peak_speed[chosen]
         axes.plot(place, speed, "o", markersize=3, color=colour, markerfacecolor=face)
     decay = line.decay
     if decay is None:
@@ -242,7 +320,9 @@ def _draw_decay(axes: Axes, line: LineRecord) -> None:
 
 
 def transmission(result: Result) -> Drawing | None:
-    """Draw the amplitudes along a chain under a harmonic load, or the transmission of a burst, a sweep or noise."""
+    """Draw the amplitudes along a chain under a harmonic load, or the transmission of a burst, a
+    sweep or noise.
+    """
     found = transmission_of(result)
     if found is None:
         return None
@@ -250,22 +330,34 @@ def transmission(result: Result) -> Drawing | None:
     if isinstance(found, SteadyMotion):
         bead = np.arange(1, len(found.velocity) + 1)
         size = np.abs(found.velocity)
-        axes.semilogy(bead, np.where(size > 0, size, np.nan), ".-", color=BLUE, markersize=3, linewidth=0.8)
+        axes.semilogy(
+            bead, np.where(size > 0, size, np.nan), ".-", color=BLUE, markersize=3, linewidth=0.8
+        )
         if found.last < len(size):
             axes.axvspan(found.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
             place = (found.last + 0.5 + (len(size) - found.last) / 2, 0.04)
-            axes.text(*place, "absorbing", transform=axes.get_xaxis_transform(), ha="center", color=GREY)
+            axes.text(
+                *place, "absorbing", transform=axes.get_xaxis_transform(), ha="center", color=GREY
+            )
         label(axes, "Bead, from the loaded end", f"Velocity at {found.frequency:.4g} Hz (m/s)")
         axes.set_xlim(0.5, len(size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
-        columns = {"bead": bead, "velocity_amplitude_m_s": size, "phase_rad": np.angle(found.velocity)}
+        columns = {
+            "bead": bead,
+            "velocity_amplitude_m_s": size,
+            "phase_rad": np.angle(found.velocity),
+        }
         return Drawing(figure, columns | {"left_by_fit": found.left})
     ratio = np.abs(found.ratio)
     axes.plot(found.frequency * 1e-3, ratio, color=BLUE, linewidth=0.8)
     label(axes, "Frequency (kHz)", f"Velocity of bead {found.last} over that of {found.first}")
     axes.axhline(1.0, color=GREY, linewidth=0.6)
     axes.set(**({"yscale": "log"} if ratio.min() < _WIDE * ratio.max() else {"ylim": (0, None)}))
-    columns = {"frequency_Hz": found.frequency, "ratio": np.abs(found.ratio), "phase_rad": np.angle(found.ratio)}
+    columns = {
+        "frequency_Hz": found.frequency,
+        "ratio": np.abs(found.ratio),
+        "phase_rad": np.angle(found.ratio),
+    }
     return Drawing(figure, columns)
 
 
@@ -281,10 +373,17 @@ def amplitude_sweep(result: Result) -> Drawing | None:
     for number, name in enumerate(names):
         look: Any = {"color": COLOURS[number], "linewidth": 0.9}
         for chosen, line, called in ((found.rising, "-", name), (~found.rising, "--", None)):
-            axes.plot(found.load[chosen] * scale, found.last[number][chosen], line, label=called, **look)
+            axes.plot(
+                found.load[chosen] * scale, found.last[number][chosen], line, label=called, **look
+            )
         columns[f"last_at_{MULTIPLES[number]:g}_f_m_s"] = found.last[number]
         columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = found.first[number]
-    label(axes, f"Amplitude of the load ({unit}), dashed: falling", "Velocity of the last bead (m/s)", log="y")
+    label(
+        axes,
+        f"Amplitude of the load ({unit}), dashed: falling",
+        "Velocity of the last bead (m/s)",
+        log="y",
+    )
     axes.set_xlim(0, None)
     legend_above(axes, 2)
     return Drawing(figure, columns)

@@ -42,7 +42,9 @@ class RunFigure:
     look: str
 
     def draw(self, result: Result) -> Drawing | None:
-        """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it does not apply."""
+        """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it
+        does not apply.
+        """
         drawing = self.function(result)
         if drawing is not None:
             drawing.call_grains(result.assembly.grains_called)
@@ -115,7 +117,11 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("directions", dissipation.directions, "Energy and dissipation by direction from the impact point",
      "Peaks lie along rows of contacts; a level curve is a wave that goes everywhere alike."),
 )  # fmt: skip
-_PLANES = {"principal": "principal plane", "orthogonal": "plane orthogonal to it", "section": "plane of the case"}
+_PLANES = {
+    "principal": "principal plane",
+    "orthogonal": "plane orthogonal to it",
+    "section": "plane of the case",
+}
 
 
 def _figures() -> Iterator[tuple[str, RunFigure]]:
@@ -125,7 +131,10 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
             yield name, RunFigure(caption, function, look)
             continue
         for plane, where in _PLANES.items():
-            yield name.replace("*", plane), RunFigure(f"{caption}, {where}", partial(function, name=plane), look)
+            yield (
+                name.replace("*", plane),
+                RunFigure(f"{caption}, {where}", partial(function, name=plane), look),
+            )
 
 
 #: Figures by name, in the order of reports.
@@ -144,7 +153,8 @@ def draw_figures(
 ) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``.
 
-    Earlier figures that no longer apply are removed, and those that the case leaves out if all are drawn.
+    Earlier figures that no longer apply are removed, and those that the case leaves out if all are
+    drawn.
 
     Parameters
     ----------
@@ -153,7 +163,8 @@ def draw_figures(
     names
         Names of the figures to draw; by default those of ``only`` of the options, or all.
     helpers
-        Processes that draw beside this one, started before; by default as many as there are cores, up to four.
+        Processes that draw beside this one, started before; by default as many as there are cores,
+        up to four.
     options
         How they are drawn; by default as ``[figures]`` of the case.toml there says.
 
@@ -169,7 +180,8 @@ def draw_figures(
     KeyError
         There is no figure of that name.
     InputError
-        The environment does not give a number of processes, or ``[figures]`` of the case.toml there is wrong.
+        The environment does not give a number of processes, or ``[figures]`` of the case.toml there
+        is wrong.
     """
     if options is None:
         with Result(directory) as result:
@@ -190,16 +202,23 @@ def draw_figures(
 
 
 def _shares(names: Sequence[str]) -> list[list[int]]:
-    """Return the numbers of the figures that one process draws at a time, those that take long before the others."""
+    """Return the numbers of the figures that one process draws at a time, those that take long
+    before the others.
+    """
     numbers = {name: number for number, name in enumerate(names)}
     long = [[numbers[name] for name in share if name in numbers] for share in _LONG]
     taken = {number for share in long for number in share}
-    return [share for share in long if share] + [[number] for number in numbers.values() if number not in taken]
+    return [share for share in long if share] + [
+        [number] for number in numbers.values() if number not in taken
+    ]
 
 
 @contextmanager
-def painter(directory: str | Path, options: Figures) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
-    """Open a run; give a function that draws the figure of a name, as contents of its files by suffix.
+def painter(
+    directory: str | Path, options: Figures
+) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
+    """Open a run; give a function that draws the figure of a name, as contents of its files by
+    suffix.
 
     Parameters
     ----------
@@ -220,7 +239,9 @@ def painter(directory: str | Path, options: Figures) -> Iterator[Callable[[str],
         yield draw
 
 
-def work(requests: BinaryIO, outcomes: BinaryIO, directory: Path, names: Sequence[str], options: Figures) -> None:
+def work(
+    requests: BinaryIO, outcomes: BinaryIO, directory: Path, names: Sequence[str], options: Figures
+) -> None:
     """Draw figures for another process; see `granwave.analysis.figures.side_by_side`.
 
     Parameters
@@ -253,5 +274,6 @@ def work(requests: BinaryIO, outcomes: BinaryIO, directory: Path, names: Sequenc
 
 if __name__ == "__main__":
     gc.freeze()  # modules stay to the end; collections need not look at them
-    pipe, sys.stdout = sys.stdout.buffer, sys.stderr
+    pipe = sys.stdout.buffer
+    sys.stdout = sys.stderr
     work(sys.stdin.buffer, pipe, *pickle.load(sys.stdin.buffer))

@@ -19,7 +19,15 @@ from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
-from granwave.analysis.figures.style import BLANK, DENT_MAP, DISSIPATION_MAP, FORCE_MAP, WIDTH, Drawing, new_figure
+from granwave.analysis.figures.style import (
+    BLANK,
+    DENT_MAP,
+    DISSIPATION_MAP,
+    FORCE_MAP,
+    WIDTH,
+    Drawing,
+    new_figure,
+)
 from granwave.analysis.measures.geometry import Section, own_plane, planes, section
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
@@ -31,7 +39,8 @@ _TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
 _DISC = 0.96  # drawn over actual diameter
-_SEEN_ALONG = 0.1  # length of an axis in a section, over the radius: of a shorter one the end is seen
+# length of an axis in a section, over the radius: of a shorter one the end is seen
+_SEEN_ALONG = 0.1
 
 
 @dataclass(frozen=True, eq=False)
@@ -90,15 +99,21 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
     scale, label, column = force_scale(result)
     values = result["spheres/peak_force"] / scale
     options = result.figure_options
-    low, high = decades_up_to(float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None)
+    low, high = decades_up_to(
+        float(values.max(initial=0.0)), 1.0 if result.has_yield_force else None
+    )
     if decades is not None:
         low = high / 10**decades
     low, high = options.force_limits or (low, high)
-    return Colouring(values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high)
+    return Colouring(
+        values, f"Peak force {label}", f"peak_{column}", options.colour_map or FORCE_MAP, low, high
+    )
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation over input; ``part``: by yielding, friction or viscous losses only."""
+    """Return the colouring by dissipation over input; ``part``: by yielding, friction or viscous
+    losses only.
+    """
     values = result["spheres/dissipated_energy"]
     if part:
         values = result.yield_energy if part == "yielding" else result[f"spheres/{part}_energy"]
@@ -126,7 +141,9 @@ def dissipation_section(result: Result, name: str) -> Drawing | None:
 
 
 def dissipation_parts_section(result: Result, name: str) -> Drawing | None:
-    """Draw dissipation by yielding, friction and viscous losses separately, as far as there are several of them."""
+    """Draw dissipation by yielding, friction and viscous losses separately, as far as there are
+    several of them.
+    """
     parts = ["yielding"] if result.yields or result.yield_energy.any() else []
     parts += [part for part in ("friction", "viscous") if result.has(f"spheres/{part}_energy")]
     if len(parts) < 2:
@@ -138,9 +155,12 @@ def dents_section(result: Result, name: str) -> Drawing | None:
     """Draw the largest initial dent of each sphere on the principal or orthogonal plane."""
     if not result.has("contacts/initial_overlap"):
         return None
-    unit, label, column = 1e-6, "Dent before the run (µm)", "initial_overlap_um"
+    unit = 1e-6
+    label = "Dent before the run (µm)"
+    column = "initial_overlap_um"
     if result.has_yield_force:
-        unit, column = result.law.yield_overlap, "initial_over_alpha_y"
+        unit = result.law.yield_overlap
+        column = "initial_over_alpha_y"
         label = r"Dent before the run $\alpha/\alpha_\mathrm{y}$"
     values = np.zeros(result.n_spheres)
     np.maximum.at(values, result.ends, (result["contacts/initial_overlap"] / unit)[:, None])
@@ -150,7 +170,9 @@ def dents_section(result: Result, name: str) -> Drawing | None:
 
 
 def wave_front(result: Result) -> Drawing | None:
-    """Draw the forces on the spheres of the vertical plane at four times while the wave travels down."""
+    """Draw the forces on the spheres of the vertical plane at four times while the wave travels
+    down.
+    """
     cut = cut_of(result, "orthogonal") or cut_of(result, "principal")
     chosen = _snapshots(result)
     if cut is None or not chosen:
@@ -194,7 +216,8 @@ def wave_front(result: Result) -> Drawing | None:
 
 
 def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawing | None:
-    """Draw a plane through the packing, with a panel for each colouring, one above the other on a common scale.
+    """Draw a plane through the packing, with a panel for each colouring, one above the other on a
+    common scale.
 
     Return None if there is no such plane.
 
@@ -214,17 +237,23 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     window = window_around(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
     height = (WIDTH - 0.6) * aspect + (0.25 if len(colourings) > 1 else 0.0)
-    figure = new_figure(min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0))
+    figure = new_figure(
+        min(max(len(colourings) * height + 1.05, 1.9), 6.0 if len(colourings) == 1 else 8.0)
+    )
     panels = figure.subplots(len(colourings), 1, sharex=True, squeeze=False)[:, 0]
     for axes, colouring, shown in zip(panels, colourings, values, strict=True):
-        draw_discs(axes, cut, shown, colouring, disc_radii(result, cut), beyond, sticks_of(result, cut))
+        draw_discs(
+            axes, cut, shown, colouring, disc_radii(result, cut), beyond, sticks_of(result, cut)
+        )
         frame_axes(axes, window)
         axes.set_title(colouring.title, pad=2)
         if beyond.any():
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
             axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
-            axes.plot(0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4)  # where the impact is
+            axes.plot(
+                0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4
+            )  # where the impact is
     if len(panels) > 1:
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     else:
@@ -232,12 +261,16 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     panels[-1].set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
     colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
     columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
-    columns |= {colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)}
+    columns |= {
+        colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)
+    }
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
 
 
 def cut_of(result: Result, name: str) -> Section | None:
-    """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on it."""
+    """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on
+    it.
+    """
     diameter = result.case.packing.diameter
     found = list(planes(result.case.packing.kind))
     if (own := result.figure_options.plane) is not None:
@@ -246,33 +279,43 @@ def cut_of(result: Result, name: str) -> Section | None:
     for plane in found:
         if plane.name == name:
             cut = section(plane, result["spheres/position"], result.origin, diameter)
-            wide = len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
+            wide = (
+                len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
+            )
             return cut if wide else None
     return None
 
 
 def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:
-    """Return the radii of the discs of a section: those of the spheres on a plane of the lattice, else of the cuts.
+    """Return the radii of the discs of a section: those of the spheres on a plane of the lattice,
+    else of the cuts.
 
-    Centres of scattered spheres lie beside the planes of the lattice by less than the tolerance of the plane.
+    Centres of scattered spheres lie beside the planes of the lattice by less than the tolerance of
+    the plane.
     """
     radius = result["spheres/radius"][cut.index]
     if cut.plane.name != "section":
         return radius
-    of_cut, axes = np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0)), half_axes(result, cut.index)
+    of_cut = np.sqrt(np.maximum(radius**2 - cut.height**2, 0.0))
+    axes = half_axes(result, cut.index)
     return of_cut if axes is None else np.where(axes.any(axis=1), radius, of_cut)
 
 
 def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | None:
-    """Return vectors from the centres of cylinders to their ends, 0 for spheres: (n_rows, 3), m; None without any."""
+    """Return vectors from the centres of cylinders to their ends, 0 for spheres: (n_rows, 3), m;
+    None without any.
+    """
     if not result.assembly.has_cylinders:
         return None
     shapes = result.assembly.grain_shapes()
-    return np.array([one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(3) for row in rows])
+    return np.array(
+        [one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(3) for row in rows]
+    )
 
 
 def sticks_of(result: Result, cut: Section) -> NDArray[np.float64] | None:
-    """Return half the axis of each cylinder as seen in a section, 0 for spheres and cylinders seen along it: (n, 2), m.
+    """Return half the axis of each cylinder as seen in a section, 0 for spheres and cylinders seen
+    along it: (n, 2), m.
 
     None if there are only spheres.
     """
@@ -292,7 +335,9 @@ def draw_discs(
     ringed: NDArray[np.bool_] | None = None,
     sticks: NDArray[np.float64] | None = None,
 ) -> None:
-    """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as rectangles."""
+    """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as
+    rectangles.
+    """
     size = _DISC * 2 * radius * _MILLI
     mapped = colormaps[colouring.map]
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
@@ -302,24 +347,41 @@ def draw_discs(
         edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
     widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(size), 0.2)
     if sticks is not None and (long := sticks.any(axis=1)).any():
-        corners = _corners(np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2)
+        corners = _corners(
+            np.stack([cut.across, cut.down], axis=1)[long], sticks[long], size[long] / _MILLI / 2
+        )
         axes.add_collection(
             PolyCollection(
-                list(corners * _MILLI), facecolors=faces[long], edgecolors=edges[long], linewidths=widths[long]
+                list(corners * _MILLI),
+                facecolors=faces[long],
+                edgecolors=edges[long],
+                linewidths=widths[long],
             )
         )
         size = np.where(long, 0.0, size)
-    places = {"offsets": np.stack([cut.across, cut.down], axis=1) * _MILLI, "offset_transform": axes.transData}
+    places = {
+        "offsets": np.stack([cut.across, cut.down], axis=1) * _MILLI,
+        "offset_transform": axes.transData,
+    }
     look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
-    axes.add_collection(EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look))
+    axes.add_collection(
+        EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    )
 
 
 def _corners(
     centre: NDArray[np.float64], half: NDArray[np.float64], radius: NDArray[np.float64]
 ) -> NDArray[np.float64]:
     """Return the corners of rectangles from half their axes and half their widths: (n, 4, 2)."""
-    across = half[:, ::-1] * np.array([-1.0, 1.0]) / np.linalg.norm(half, axis=1, keepdims=True) * radius[:, None]
-    return np.stack([centre + a * half + b * across for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1)
+    across = (
+        half[:, ::-1]
+        * np.array([-1.0, 1.0])
+        / np.linalg.norm(half, axis=1, keepdims=True)
+        * radius[:, None]
+    )
+    return np.stack(
+        [centre + a * half + b * across for a, b in ((-1, -1), (1, -1), (1, 1), (-1, 1))], axis=1
+    )
 
 
 def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
@@ -331,22 +393,34 @@ def frame_axes(axes: Axes, window: tuple[float, float, float, float]) -> None:
 
 
 def colour_bar(
-    figure: Figure, axes: list[Axes], colouring: Colouring, values: NDArray[np.float64], location: str = "bottom"
+    figure: Figure,
+    axes: list[Axes],
+    colouring: Colouring,
+    values: NDArray[np.float64],
+    location: str = "bottom",
 ) -> None:
-    """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the scale."""
+    """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the
+    scale.
+    """
     below = bool(np.any((values > 0) & (values < colouring.low)))
     above = bool(np.any(values > colouring.high))
-    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get((below, above), "neither")
+    extend = {(True, True): "both", (True, False): "min", (False, True): "max"}.get(
+        (below, above), "neither"
+    )
     mappable = ScalarMappable(colouring.norm, colormaps[colouring.map])
     place: dict[str, Any] = {
         "ax": axes,
         "location": location,
         "fraction": 0.08 if location in ("top", "bottom") else 0.05,
     }
-    figure.colorbar(mappable, label=colouring.label, extend=extend, aspect=28, pad=0.03, shrink=0.9, **place)
+    figure.colorbar(
+        mappable, label=colouring.label, extend=extend, aspect=28, pad=0.03, shrink=0.9, **place
+    )
 
 
-def window_around(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tuple[float, float, float, float]:
+def window_around(
+    cut: Section, shown: NDArray[np.bool_], diameter: float
+) -> tuple[float, float, float, float]:
     """Return left, right, top and bottom around the spheres to show, mm."""
     margin = 2 * diameter
     if not shown.any():
@@ -355,12 +429,16 @@ def window_around(cut: Section, shown: NDArray[np.bool_], diameter: float) -> tu
     left = max(-half, float(cut.across.min()) - diameter)
     right = min(half, float(cut.across.max()) + diameter)
     top = min(float(cut.down[shown].min()), 0.0) - 1.6 * diameter
-    bottom = min(max(float(cut.down[shown].max()), 3 * diameter) + margin, float(cut.down.max()) + diameter)
+    bottom = min(
+        max(float(cut.down[shown].max()), 3 * diameter) + margin, float(cut.down.max()) + diameter
+    )
     return left * _MILLI, right * _MILLI, top * _MILLI, bottom * _MILLI
 
 
 def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:
-    """Return the ends of a logarithmic scale up to the largest value, at least one decade, by default three."""
+    """Return the ends of a logarithmic scale up to the largest value, at least one decade, by
+    default three.
+    """
     high = 10 ** (math.ceil(2 * math.log10(largest)) / 2) if largest > 0 else 1.0
     if low is None or high < 10 * low:
         low = high / 10**_LEAST_DECADES
@@ -374,7 +452,9 @@ def _snapshots(result: Result) -> list[int]:
     times = result.frame_times
     arrival = arrival[arrival > 0]  # contacts that bore a force from the start tell no arrival
     last = float(arrival.min()) if arrival.size else float(times[-1])
-    moving = np.flatnonzero((times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)])))
+    moving = np.flatnonzero(
+        (times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)]))
+    )
     if not moving.size:
         return []
     chosen = np.linspace(0, moving.size - 1, min(_SNAPSHOTS, moving.size))

@@ -1,4 +1,5 @@
-"""Parts that figures share: panels and their labels, curves against time, legends above, names of columns.
+"""Parts that figures share: panels and their labels, curves against time, legends above, names of
+columns.
 
 Figures are handed over to pyplot, to be changed and shown by the user.
 """
@@ -43,13 +44,19 @@ _LEAST_VELOCITY = 0.01  # in m/s: tenths are usual there
 
 
 def energy_unit(largest: float) -> tuple[float, str]:
-    """Return the unit in which energies up to ``largest`` (J) are shown: how many are a joule, and its name."""
+    """Return the unit in which energies up to ``largest`` (J) are shown: how many are a joule, and
+    its name.
+    """
     return next((one for one in _ENERGIES if largest * one[0] >= 1), _ENERGIES[-1])
 
 
 def velocity_unit(largest: float) -> tuple[float, str]:
-    """Return the unit in which velocities up to ``largest`` (m/s) are shown: how many are 1 m/s, and its name."""
-    return next((one for one in _VELOCITIES if largest * one[0] >= _LEAST_VELOCITY), _VELOCITIES[-1])
+    """Return the unit in which velocities up to ``largest`` (m/s) are shown: how many are 1 m/s,
+    and its name.
+    """
+    return next(
+        (one for one in _VELOCITIES if largest * one[0] >= _LEAST_VELOCITY), _VELOCITIES[-1]
+    )
 
 
 def against_time(
@@ -57,14 +64,19 @@ def against_time(
 ) -> None:
     """Draw a record against time, and label that axis.
 
-    Of long records the lowest and the highest value of every bin are drawn, which give the same curve.
+    Of long records the lowest and the highest value of every bin are drawn, which give the same
+    curve.
     """
     if len(values) > _MOST_POINTS:
         n_bins = _MOST_POINTS // 2
         size = len(values) // n_bins
-        bins, starts = values[: n_bins * size].reshape(n_bins, size), np.arange(n_bins) * size
-        rows = np.unique([*(starts + bins.argmin(axis=1)), *(starts + bins.argmax(axis=1)), len(values) - 1])
-        time, values = time[rows], values[rows]
+        bins = values[: n_bins * size].reshape(n_bins, size)
+        starts = np.arange(n_bins) * size
+        rows = np.unique(
+            [*(starts + bins.argmin(axis=1)), *(starts + bins.argmax(axis=1)), len(values) - 1]
+        )
+        time = time[rows]
+        values = values[rows]
     axes.plot(time * _MICRO, values, line, **look)
     time_axis(axes, time)
 
@@ -77,13 +89,17 @@ def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
 
 
 def one_panel(height: float, xlabel: str, ylabel: str, **settings: Any) -> tuple[Figure, Axes]:
-    """Make a figure, of a height in inches, with one panel and its labels; ``settings``: of ``Axes.set``."""
+    """Make a figure, of a height in inches, with one panel and its labels; ``settings``: of
+    ``Axes.set``.
+    """
     figure, axes = panels(height)
     axes.set(xlabel=xlabel, ylabel=ylabel, **settings)
     return figure, axes
 
 
-def panels(height: float, columns: int = 1, rows: int = 1, *, width: float = 0.0, **options: Any) -> tuple[Any, ...]:
+def panels(
+    height: float, columns: int = 1, rows: int = 1, *, width: float = 0.0, **options: Any
+) -> tuple[Any, ...]:
     """A new figure and its axes, row by row; curves take the `COLOURS` in turn.
 
     Parameters
@@ -115,13 +131,23 @@ def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: An
 
 
 def legend_outside(figure: Figure, ncols: int, **options: Any) -> None:
-    """Put the legend of the first panel above all panels; ``options``: of a legend, such as ``title``."""
-    figure.legend(*figure.axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=ncols, **options)
+    """Put the legend of the first panel above all panels; ``options``: of a legend, such as
+    ``title``.
+    """
+    figure.legend(
+        *figure.axes[0].get_legend_handles_labels(),
+        loc="outside upper center",
+        ncols=ncols,
+        **options,
+    )
 
 
 def column_name(words: str) -> str:
     """Convert text to the name of a column or a file: ``FCC, 314 µs`` becomes ``FCC_314_us``."""
-    kept = "".join(letter if letter.isalnum() and letter.isascii() else "_" for letter in words.replace("µ", "u"))
+    kept = "".join(
+        letter if letter.isalnum() and letter.isascii() else "_"
+        for letter in words.replace("µ", "u")
+    )
     return "_".join(filter(None, kept.split("_")))
 
 
@@ -129,7 +155,9 @@ _HEIGHT = 2.6  # inches, of a figure that pyplot makes
 _COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
-def draw_axes(draw: Callable[[], Drawing | NotDrawn | None], width: float | None = None) -> Axes | list[Axes] | None:
+def draw_axes(
+    draw: Callable[[], Drawing | NotDrawn | None], width: float | None = None
+) -> Axes | list[Axes] | None:
     """Draw a figure and hand it to pyplot, without saving it.
 
     Parameters
@@ -159,7 +187,9 @@ def draw_axes(draw: Callable[[], Drawing | NotDrawn | None], width: float | None
 
 @contextlib.contextmanager
 def own_style() -> Iterator[None]:
-    """Apply `granwave.analysis.figures.style.STYLE`, with its colours in turn, to figures that pyplot makes."""
+    """Apply `granwave.analysis.figures.style.STYLE`, with its colours in turn, to figures that
+    pyplot makes.
+    """
     usual: dict[Any, Any] = {
         "axes.prop_cycle": cycler(color=COLOURS),
         "figure.constrained_layout.use": True,
@@ -174,4 +204,6 @@ def no_figure(owner: str, name: str, names: Iterable[str]) -> MissingDataError:
     names = list(names)
     near = did_you_mean(str(name), names)
     hint = f"{near} " if near else ""
-    return MissingDataError(f"{owner}: has no figure {name}; {hint}figures are {', '.join(names) or 'none'}")
+    return MissingDataError(
+        f"{owner}: has no figure {name}; {hint}figures are {', '.join(names) or 'none'}"
+    )

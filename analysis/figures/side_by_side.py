@@ -1,10 +1,11 @@
 """Drawing of the figures of a run in several processes.
 
-Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open files. They load the
-drawing library, which takes most of a second, while the run is analysed. Then they and this process take shares of the
-figures, the longest first, so that all end at about the same time: a thread for each helper hands it one share after
-the other. This process alone writes files, in the order of the figures, from what the helpers send. A figure that fails
-in a helper, or gives a warning there, is drawn again here, so that errors and warnings are those of drawing in one
+Helpers are programs of their own, not copies of this process, which may hold threads, MPI and open
+files. They load the drawing library, which takes most of a second, while the run is analysed. Then
+they and this process take shares of the figures, the longest first, so that all end at about the
+same time: a thread for each helper hands it one share after the other. This process alone writes
+files, in the order of the figures, from what the helpers send. A figure that fails in a helper, or
+gives a warning there, is drawn again here, so that errors and warnings are those of drawing in one
 process.
 """
 
@@ -23,7 +24,8 @@ from typing import Any
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import available_memory
 
-PROCESSES = "GRANWAVE_FIGURE_PROCESSES"  # environment variable: largest number of processes that draw
+# environment variable: largest number of processes that draw
+PROCESSES = "GRANWAVE_FIGURE_PROCESSES"
 USUAL_FIGURES = 18  # of a packing; a chain has ten
 _MOST_PROCESSES = 4  # with more, loading the drawing library costs more than they gain
 _LEAST_FIGURES = 4  # for each process
@@ -57,7 +59,9 @@ def _processes(n_figures: int) -> int:
     """Return the number of processes that draw, this one included."""
     asked = os.environ.get(PROCESSES, str(_MOST_PROCESSES))
     if not asked.isdecimal():
-        raise InputError(f"{PROCESSES}: found {asked!r} in the environment, expected a number of processes")
+        raise InputError(
+            f"{PROCESSES}: found {asked!r} in the environment, expected a number of processes"
+        )
     room = 1 + int(available_memory() / _MEMORY)
     return max(1, min(int(asked), len(os.sched_getaffinity(0)), n_figures // _LEAST_FIGURES, room))
 
@@ -71,7 +75,11 @@ class Helpers:
 
     def start(self) -> None:
         """Start a helper."""
-        pipes: dict[str, Any] = {"stdin": subprocess.PIPE, "stdout": subprocess.PIPE, "stderr": subprocess.DEVNULL}
+        pipes: dict[str, Any] = {
+            "stdin": subprocess.PIPE,
+            "stdout": subprocess.PIPE,
+            "stderr": subprocess.DEVNULL,
+        }
         command = [sys.executable, "-P", "-m", _HELPER]
         # a new session: Ctrl-C reaches this process alone, which then ends its helpers
         self._processes.append(subprocess.Popen(command, start_new_session=True, **pipes))
@@ -101,10 +109,11 @@ class Helpers:
         draw
             Function that draws a figure in this process.
         request
-            Arguments of `granwave.analysis.figures.run_figures.work` after its pipes, to be pickled.
+            Arguments of `granwave.analysis.figures.run_figures.work` after its pipes, to be
+            pickled.
         shares
-            Numbers of the figures that one process takes at a time, in the order in which they are taken. By default
-            each figure alone, in their order.
+            Numbers of the figures that one process takes at a time, in the order in which they are
+            taken. By default each figure alone, in their order.
         """
         if self._threads is not None:
             raise ValueError("these helpers have drawn; start others")
@@ -122,7 +131,9 @@ class Helpers:
         place = {number: future for future, share in waiting.items() for number in share}
         drawn: dict[int, tuple[bool, Outcome]] = {}
         for number, name in enumerate(names):
-            while number not in drawn and not place[number].done() and (share := self._take(waiting)):
+            while (
+                number not in drawn and not place[number].done() and (share := self._take(waiting))
+            ):
                 drawn |= {one: _attempt(draw, names[one]) for one in share}
             if number not in drawn:
                 drawn |= place[number].result()
@@ -134,8 +145,12 @@ class Helpers:
         return next((waiting.pop(future) for future in list(waiting) if future.cancel()), ())
 
 
-def _drawn_beside(idle: SimpleQueue[subprocess.Popen[bytes]], share: Sequence[int]) -> dict[int, tuple[bool, Outcome]]:
-    """Let an idle helper draw a share; return success and outcome of each figure by number, none if the helper died."""
+def _drawn_beside(
+    idle: SimpleQueue[subprocess.Popen[bytes]], share: Sequence[int]
+) -> dict[int, tuple[bool, Outcome]]:
+    """Let an idle helper draw a share; return success and outcome of each figure by number, none if
+    the helper died.
+    """
     process = idle.get()
     assert process.stdin is not None and process.stdout is not None
     try:

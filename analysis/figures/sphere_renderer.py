@@ -1,10 +1,11 @@
 """Orthographic rendering of many spheres, and of cylinders among them, with shading.
 
-Equal spheres that do not overlap hide one another in the order of the distances of their centres (the plane midway
-between two of them separates them), so that drawing the farthest first is exact. Cylinders are then drawn where they
-lie before what is drawn already, pixel by pixel. A first pass at low
-resolution finds the visible grains; only these are drawn at full resolution. The light comes from above the viewer's
-left shoulder, and gaps that lie deeper than their surroundings are darkened.
+Equal spheres that do not overlap hide one another in the order of the distances of their centres
+(the plane midway between two of them separates them), so that drawing the farthest first is exact.
+Cylinders are then drawn where they lie before what is drawn already, pixel by pixel. A first pass
+at low resolution finds the visible grains; only these are drawn at full resolution. The light comes
+from above the viewer's left shoulder, and gaps that lie deeper than their surroundings are
+darkened.
 """
 
 from __future__ import annotations
@@ -21,7 +22,9 @@ from scipy.ndimage import gaussian_filter, map_coordinates
 _OVERSAMPLING = 2  # rendered pixels along each side of a pixel of the picture
 _COARSE = 7.0  # pixels across a sphere in the first pass
 _LIGHT = np.array([-0.45, 0.65, 0.62])  # right, up, towards the viewer
-_AMBIENT, _DIFFUSE, _GLOSS = 0.42, 0.62, 0.16
+_AMBIENT = 0.42
+_DIFFUSE = 0.62
+_GLOSS = 0.16
 _OCCLUSION = 0.5  # darkening of points one diameter deeper than their surroundings
 _SHARPNESS = 32  # exponent of the gloss
 _BLUR = 4  # pixels to a radius when averaging the surroundings
@@ -45,14 +48,16 @@ class Camera:
 
     @classmethod
     def looking(cls, azimuth: float, elevation: float, vertical: NDArray[np.float64]) -> Camera:
-        """Make a camera at an azimuth about the vertical and an elevation above the horizon, degrees.
+        """Make a camera at an azimuth about the vertical and an elevation above the horizon,
+        degrees.
 
         Parameters
         ----------
         vertical
             Unit vector upwards in the picture: (3,), along +z or -z.
         """
-        turn, rise = math.radians(azimuth), math.radians(elevation)
+        turn = math.radians(azimuth)
+        rise = math.radians(elevation)
         level = np.array([math.cos(turn), math.sin(turn), 0.0])
         towards = math.cos(rise) * level + math.sin(rise) * vertical
         right = np.cross(vertical, level)
@@ -65,15 +70,17 @@ class Camera:
 
 @dataclass(frozen=True, eq=False)
 class Surface:
-    """Spheres as they are seen and lit, without colours: most of the work, and the same for all quantities.
+    """Spheres as they are seen and lit, without colours: most of the work, and the same for all
+    quantities.
 
     Attributes
     ----------
     front
-        Row in ``visible`` of the sphere that each rendered pixel shows, -1 for none: (n_rows, n_columns), from the
-        bottom up.
+        Row in ``visible`` of the sphere that each rendered pixel shows, -1 for none: (n_rows,
+        n_columns), from the bottom up.
     brightness, gloss
-        Factor of the colour of each rendered pixel, and what is added to it, 0 for none: (n_rows, n_columns).
+        Factor of the colour of each rendered pixel, and what is added to it, 0 for none: (n_rows,
+        n_columns).
     visible
         Rows of the spheres that can be seen, rising: (n_visible,).
     extent
@@ -107,7 +114,8 @@ def lit_surface(
     width
         Width of the picture, pixels.
     axes
-        From the centres to the ends of the cylinders, 0 for spheres: (n_spheres, 3), m. By default all are spheres.
+        From the centres to the ends of the cylinders, 0 for spheres: (n_spheres, 3), m. By default
+        all are spheres.
     """
     seen = camera.project(centres)
     radii = np.broadcast_to(np.asarray(radius, dtype=float), len(seen))
@@ -131,16 +139,20 @@ def lit_surface(
 def painted(surface: Surface, colours: NDArray[np.float64]) -> NDArray[np.float32]:
     """Colour a surface.
 
-    Returns red, green, blue and alpha from 0 to 1: (n_rows, n_columns, 4), the first row at the top. ``colours``: red,
-    green, blue of all spheres from 0 to 1, (n_spheres, 3).
+    Returns red, green, blue and alpha from 0 to 1: (n_rows, n_columns, 4), the first row at the
+    top. ``colours``: red, green, blue of all spheres from 0 to 1, (n_spheres, 3).
     """
     n_rows, n_columns = (size // _OVERSAMPLING for size in surface.front.shape)
-    shown = np.concatenate([colours[surface.visible], np.zeros((1, 3))]).astype(np.float32)  # the last one: blank, -1
+    shown = np.concatenate([colours[surface.visible], np.zeros((1, 3))]).astype(
+        np.float32
+    )  # the last one: blank, -1
     pixels = np.empty((n_rows, n_columns, 4), dtype=np.float32)  # premultiplied by alpha
     for first in range(0, n_rows, _LINES):
         lines = slice(first, first + _LINES)
         rendered = slice(_OVERSAMPLING * first, _OVERSAMPLING * (first + _LINES))
-        front, brightness, gloss = surface.front[rendered], surface.brightness[rendered], surface.gloss[rendered]
+        front = surface.front[rendered]
+        brightness = surface.brightness[rendered]
+        gloss = surface.gloss[rendered]
         for channel in range(3):
             lit = np.take(shown[:, channel], front, mode="wrap")  # -1 is the last one
             lit *= brightness
@@ -154,7 +166,9 @@ def painted(surface: Surface, colours: NDArray[np.float64]) -> NDArray[np.float3
 def _mean_of_squares(values: NDArray[np.float32]) -> NDArray[np.float32]:
     """Return the means over the rendered pixels of each pixel of the picture."""
     rows = sum((values[n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), values[::_OVERSAMPLING])
-    both = sum((rows[:, n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), rows[:, ::_OVERSAMPLING])
+    both = sum(
+        (rows[:, n::_OVERSAMPLING] for n in range(1, _OVERSAMPLING)), rows[:, ::_OVERSAMPLING]
+    )
     return np.asarray(both / np.float32(_OVERSAMPLING**2))
 
 
@@ -165,8 +179,8 @@ class _Grains:
     Attributes
     ----------
     seen, radius, halves
-        Centres, radii, and vectors from the centres to the ends of cylinders, 0 for spheres: to the right, up and
-        towards the viewer; (n, 3), (n,) and (n, 3), m.
+        Centres, radii, and vectors from the centres to the ends of cylinders, 0 for spheres: to the
+        right, up and towards the viewer; (n, 3), (n,) and (n, 3), m.
     low, high
         Corners of the picture, m.
     """
@@ -178,12 +192,21 @@ class _Grains:
     high: NDArray[np.float64]
 
     def front(self, pitch: float) -> NDArray[np.int32]:
-        """Return the row of the grain that each pixel shows, -1 for none: (n_rows, n_columns), from the bottom up."""
-        shape = tuple(math.ceil(extent) + 1 for extent in (self.high[::-1] - self.low[::-1]) / pitch)
-        front, lying = np.full(shape, -1, dtype=np.int32), self.halves.any(axis=1)
+        """Return the row of the grain that each pixel shows, -1 for none: (n_rows, n_columns), from
+        the bottom up.
+        """
+        shape = tuple(
+            math.ceil(extent) + 1 for extent in (self.high[::-1] - self.low[::-1]) / pitch
+        )
+        front = np.full(shape, -1, dtype=np.int32)
+        lying = self.halves.any(axis=1)
         spheres = np.flatnonzero(~lying)
-        order = spheres[np.argsort(self.seen[spheres, 2], kind="stable")].astype(np.int32)  # the farthest first
-        place = (self.seen[order, :2] - self.low) / pitch - 0.5  # in pixels; integers are centres of pixels
+        order = spheres[np.argsort(self.seen[spheres, 2], kind="stable")].astype(
+            np.int32
+        )  # the farthest first
+        place = (
+            self.seen[order, :2] - self.low
+        ) / pitch - 0.5  # in pixels; integers are centres of pixels
         reach = self.radius[order] / pitch
         if len(order):
             paint = _paint_by_sphere if len(order) < 4 * np.median(reach) ** 2 else _paint_by_pixel
@@ -195,7 +218,9 @@ class _Grains:
             depth[rows, columns] = self.surface(front, rows, columns, pitch)[0]
         for grain in np.flatnonzero(lying):
             reach = self.radius[grain] + np.abs(self.halves[grain, :2])
-            first = np.maximum(np.floor((self.seen[grain, :2] - reach - self.low) / pitch).astype(int), 0)
+            first = np.maximum(
+                np.floor((self.seen[grain, :2] - reach - self.low) / pitch).astype(int), 0
+            )
             last = np.ceil((self.seen[grain, :2] + reach - self.low) / pitch).astype(int) + 1
             box = slice(first[1], last[1]), slice(first[0], last[0])
             rows, columns = np.mgrid[
@@ -209,11 +234,16 @@ class _Grains:
     def surface(
         self, front: NDArray[np.int32], rows: NDArray[Any], columns: NDArray[Any], pitch: float
     ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
-        """Return the place towards the viewer and the normal of what is seen in pixels: (n,), m, and (n, 3)."""
+        """Return the place towards the viewer and the normal of what is seen in pixels: (n,), m,
+        and (n, 3).
+        """
         grain = front[rows, columns]
-        radius, normal = self.radius[grain], np.empty((len(grain), 3), dtype=np.float32)
+        radius = self.radius[grain]
+        normal = np.empty((len(grain), 3), dtype=np.float32)
         for axis, pixels in enumerate((columns, rows)):
-            normal[:, axis] = (self.low[axis] + (pixels + 0.5) * pitch - self.seen[grain, axis]) / radius
+            normal[:, axis] = (
+                self.low[axis] + (pixels + 0.5) * pitch - self.seen[grain, axis]
+            ) / radius
         normal[:, 2] = np.sqrt(np.clip(1 - normal[:, 0] ** 2 - normal[:, 1] ** 2, 0.0, 1.0))
         depth = (self.seen[grain, 2] + radius * normal[:, 2]).astype(np.float32)
         for one in set(grain.tolist()) & set(np.flatnonzero(self.halves.any(axis=1)).tolist()):
@@ -224,11 +254,15 @@ class _Grains:
     def _of_cylinder(
         self, grain: int, rows: NDArray[Any], columns: NDArray[Any], pitch: float
     ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        x, y = (self.low[axis] + (pixels + 0.5) * pitch for axis, pixels in enumerate((columns, rows)))
+        x, y = (
+            self.low[axis] + (pixels + 0.5) * pitch for axis, pixels in enumerate((columns, rows))
+        )
         return surface_of_cylinder(self.seen[grain], self.halves[grain], self.radius[grain], x, y)
 
 
-def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
+def _paint_by_sphere(
+    front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]
+) -> None:
     """Write the number of each sphere into its pixels, sphere by sphere: fast for few large ones."""
     corner = np.maximum(np.floor(place - reach[:, None]).astype(int), 0)
     beyond = np.ceil(place + reach[:, None]).astype(int) + 1
@@ -239,7 +273,9 @@ def _paint_by_sphere(front: NDArray[np.int32], place: NDArray[np.float64], reach
         block[rows[:, None] + columns < reach[n] ** 2] = n
 
 
-def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]) -> None:
+def _paint_by_pixel(
+    front: NDArray[np.int32], place: NDArray[np.float64], reach: NDArray[np.float64]
+) -> None:
     """Draw one pixel of all spheres at a time: fast for many small ones."""
     flat = front.ravel()
     base = np.floor(place).astype(np.int64)
@@ -253,14 +289,18 @@ def _paint_by_pixel(front: NDArray[np.int32], place: NDArray[np.float64], reach:
         flat[pixel] = np.maximum(flat[pixel], number[inside])
 
 
-def _light(grains: _Grains, front: NDArray[np.int32], pitch: float) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
+def _light(
+    grains: _Grains, front: NDArray[np.int32], pitch: float
+) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return brightness and gloss of all pixels: (n_rows, n_columns) each."""
     rows, columns = (place.astype(np.int32) for place in np.nonzero(front >= 0))
     blocks = [slice(start, start + _BLOCK) for start in range(0, len(rows), _BLOCK)]
     normal = np.empty((len(rows), 3), dtype=np.float32)
     depth = np.full(front.shape, float(grains.seen[:, 2].min()), dtype=np.float32)
     for block in blocks:
-        depth[rows[block], columns[block]], normal[block] = grains.surface(front, rows[block], columns[block], pitch)
+        depth[rows[block], columns[block]], normal[block] = grains.surface(
+            front, rows[block], columns[block], pitch
+        )
     light = (_LIGHT / np.linalg.norm(_LIGHT)).astype(np.float32)
     half = light + np.array([0.0, 0.0, 1.0], dtype=np.float32)
     half /= np.linalg.norm(half)
@@ -269,7 +309,9 @@ def _light(grains: _Grains, front: NDArray[np.int32], pitch: float) -> tuple[NDA
     around = gaussian_filter(depth[::step, ::step], usual / pitch / step, mode="nearest")
     brightness, gloss = np.zeros((2, *front.shape), dtype=np.float32)
     for block in blocks:
-        row, column, one = rows[block], columns[block], normal[block]
+        row = rows[block]
+        column = columns[block]
+        one = normal[block]
         bright = _AMBIENT + _DIFFUSE * np.clip(one @ light, 0.0, None)
         mean = map_coordinates(around, [row / step, column / step], order=1, mode="nearest")
         bright *= 1 - _OCCLUSION * np.clip((mean - depth[row, column]) / (2 * usual), 0.0, 1.0)
@@ -290,13 +332,14 @@ def surface_of_cylinder(
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
     """Find what can be seen of a cylinder with flat ends.
 
-    A point of the mantle lies at the distance of the radius from the axis, a quadratic equation for its depth; of the
-    two ends only that towards the viewer can be seen.
+    A point of the mantle lies at the distance of the radius from the axis, a quadratic equation for
+    its depth; of the two ends only that towards the viewer can be seen.
 
     Parameters
     ----------
     centre, half
-        Centre, and the vector from it to one end, not 0: (3,), m; to the right, up and towards the viewer.
+        Centre, and the vector from it to one end, not 0: (3,), m; to the right, up and towards the
+        viewer.
     radius
         Radius, m.
     x, y
@@ -305,12 +348,15 @@ def surface_of_cylinder(
     Returns
     -------
     depth, normal
-        Place towards the viewer, minus infinity beside the cylinder, m; and unit vectors off the surface, with a last
-        axis of 3.
+        Place towards the viewer, minus infinity beside the cylinder, m; and unit vectors off the
+        surface, with a last axis of 3.
     """
     length = float(np.linalg.norm(half))
-    axis = half / length if half[2] >= 0 else -half / length  # from the centre to the end that can be seen
-    across, up = x - centre[0], y - centre[1]
+    axis = (
+        half / length if half[2] >= 0 else -half / length
+    )  # from the centre to the end that can be seen
+    across = x - centre[0]
+    up = y - centre[1]
     depth = np.full(across.shape, -np.inf)
     normal = np.zeros((*across.shape, 3))
     along = across * axis[0] + up * axis[1]  # at the depth of the centre

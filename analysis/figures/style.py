@@ -29,24 +29,37 @@ from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
-from granwave.lammps_inputs.run_directory import FIGURE_SUFFIXES, FIGURES_DIRECTORY, NOT_DRAWN_SUFFIX
+from granwave.lammps_inputs.run_directory import (
+    FIGURE_SUFFIXES,
+    FIGURES_DIRECTORY,
+    NOT_DRAWN_SUFFIX,
+)
 
 logger = logging.getLogger(__name__)
 
 WIDTH = 3.4  # inches, one column of a journal
 _INCH = 0.0254  # m
 RESOLUTION = 300  # dots per inch
-# of PNG files: finds runs of equal pixels, which figures are full of; the usual settings take twice as long
+# of PNG files: finds runs of equal pixels, which figures are full of; the usual settings take twice
+# as long
 _COMPRESSION: dict[str, Any] = {"compress_level": 3, "compress_type": zlib.Z_RLE}
 _MAKER = "granwave"  # program name in the metadata of pictures
 _METADATA: dict[str, dict[str, Any]] = {
     "pdf": {"CreationDate": None, "Creator": _MAKER},
     "svg": {"Date": None, "Creator": _MAKER},
 }
-_OWN = {".png": rb"tEXtSoftware\x00granwave", ".pdf": rb"/Creator \(granwave\)"}  # its form in the files
+_OWN = {
+    ".png": rb"tEXtSoftware\x00granwave",
+    ".pdf": rb"/Creator \(granwave\)",
+}  # its form in the files
 
 # Okabe and Ito's colours, which colour-blind readers can distinguish
-BLUE, ORANGE, GREEN, PURPLE, SKY, GREY = "#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9", "#767676"
+BLUE = "#0072B2"
+ORANGE = "#D55E00"
+GREEN = "#009E73"
+PURPLE = "#CC79A7"
+SKY = "#56B4E9"
+GREY = "#767676"
 YELLOW = "#F0C000"  # for areas, too pale for lines
 FORCE_MAP = "viridis"
 BOTH_SIDES_MAP = "RdBu_r"  # of values above and below zero
@@ -74,7 +87,8 @@ STYLE: dict[Any, Any] = {
     "axes.formatter.limits": (-4, 5),
     "savefig.dpi": RESOLUTION,
     "pdf.fonttype": 42,
-    "ps.fonttype": 42,  # read for PDF too: else characters such as powers of ten come as a second font
+    # read for PDF too: else characters such as powers of ten come as a second font
+    "ps.fonttype": 42,
     "svg.fonttype": "none",
     "svg.hashsalt": "granwave",  # the same file for the same figure
 }
@@ -92,7 +106,8 @@ class Drawing:
     figure
         Figure of matplotlib.
     columns
-        Data: arrays by name, with the unit at the end of the name; shorter ones are padded with blanks.
+        Data: arrays by name, with the unit at the end of the name; shorter ones are padded with
+        blanks.
     """
 
     figure: Figure
@@ -117,7 +132,9 @@ class NotDrawn:
 
 
 def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
-    """Draw a figure; if that fails, warn and return the reason, so that the others are drawn all the same."""
+    """Draw a figure; if that fails, warn and return the reason, so that the others are drawn all
+    the same.
+    """
     try:
         return draw()
     except Exception as error:
@@ -145,7 +162,8 @@ _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of f
 def style(width: float | None = None) -> Iterator[None]:
     """Apply `STYLE` within a ``with`` block, without changing global settings.
 
-    All else is as matplotlib brings it: settings files of the user or the working directory change no figure.
+    All else is as matplotlib brings it: settings files of the user or the working directory change
+    no figure.
 
     Parameters
     ----------
@@ -172,7 +190,11 @@ def new_figure(height: float, width: float = WIDTH) -> Figure:
 
 def legend_above(axes: Axes, ncols: int, **options: Any) -> None:
     """Put the legend above the axes."""
-    place: dict[str, Any] = {"loc": "lower center", "bbox_to_anchor": (0.5, 1.0), "columnspacing": 1.0}
+    place: dict[str, Any] = {
+        "loc": "lower center",
+        "bbox_to_anchor": (0.5, 1.0),
+        "columnspacing": 1.0,
+    }
     axes.legend(ncols=ncols, **(place | options))
 
 
@@ -200,7 +222,9 @@ def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, b
     """
     lay_out(drawing.figure, RESOLUTION)
     png = io.BytesIO()
-    drawing.figure.savefig(png, format="png", metadata={"Software": _MAKER}, pil_kwargs=_COMPRESSION)
+    drawing.figure.savefig(
+        png, format="png", metadata={"Software": _MAKER}, pil_kwargs=_COMPRESSION
+    )
     found = {".png": png.getvalue()}
     for name in formats:
         stream = io.BytesIO()
@@ -211,14 +235,18 @@ def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, b
 
 
 # tables of an embedded TrueType font (ISO 32000-1, 9.9), and the order of its glyphs
-_NEEDED = frozenset({"GlyphOrder", "glyf", "head", "hhea", "hmtx", "loca", "maxp", "cvt ", "fpgm", "prep"})
+_NEEDED = frozenset(
+    {"GlyphOrder", "glyf", "head", "hhea", "hmtx", "loca", "maxp", "cvt ", "fpgm", "prep"}
+)
 
 
 @contextmanager
 def _needed_tables_only() -> Iterator[None]:
-    """Embed fonts without tables for shaping and naming text: no reader of a PDF needs them, and they take longest.
+    """Embed fonts without tables for shaping and naming text: no reader of a PDF needs them, and
+    they take longest.
 
-    matplotlib has no setting for it; so the function by which fontTools loads a font is replaced meanwhile.
+    matplotlib has no setting for it; so the function by which fontTools loads a font is replaced
+    meanwhile.
     """
     from fontTools import subset  # takes longer to load than a figure to draw
 
@@ -241,18 +269,23 @@ def _needed_tables_only() -> Iterator[None]:
 def files_of(
     draw: Callable[[], Drawing | NotDrawn | None], name: str, formats: Sequence[str] = ("pdf",)
 ) -> dict[str, bytes] | None:
-    """Draw a figure; return the contents of its files as `contents`, or the reason why it could not be drawn."""
+    """Draw a figure; return the contents of its files as `contents`, or the reason why it could not
+    be drawn.
+    """
 
     def made() -> dict[str, bytes] | NotDrawn | None:
         drawing = draw()
         return contents(drawing, formats) if isinstance(drawing, Drawing) else drawing
 
     found = attempt(f"figure {name}", made)
-    return {NOT_DRAWN_SUFFIX: f"{found.reason}\n".encode()} if isinstance(found, NotDrawn) else found
+    return (
+        {NOT_DRAWN_SUFFIX: f"{found.reason}\n".encode()} if isinstance(found, NotDrawn) else found
+    )
 
 
 def lay_out(figure: Figure, resolution: float) -> None:
-    """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout engine draws twice.
+    """Compute the layout, once and for all, at a resolution, dots per inch; saving with a layout
+    engine draws twice.
 
     Powers of ten on logarithmic axes become plain text.
     """
@@ -262,21 +295,28 @@ def lay_out(figure: Figure, resolution: float) -> None:
         plain_powers(figure)
         for axes in figure.axes:
             for artist in (axes.patch, *axes.spines.values()):
-                artist.set_in_layout(False)  # they lie within the axes, which the layout asks for anyway
+                artist.set_in_layout(
+                    False
+                )  # they lie within the axes, which the layout asks for anyway
         figure.dpi = resolution
         engine.execute(figure)
         figure.set_layout_engine(None)
 
 
 def save_as(path: Path, columns: Columns, draw: Callable[[], Drawing]) -> None:
-    """Save a table (.csv), or a figure with its table (.png or .pdf; both are written), under a name given by the user.
+    """Save a table (.csv), or a figure with its table (.png or .pdf; both are written), under a
+    name given by the user.
 
     Raises
     ------
     InputError
         A file of such a name exists, and granwave did not write it.
     """
-    files = [path] if path.suffix == ".csv" else [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
+    files = (
+        [path]
+        if path.suffix == ".csv"
+        else [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
+    )
     own = {**_OWN, ".csv": rb"\A" + re.escape(",".join(columns).encode()) + rb"\n"}
     for file in files:
         refuse_other_file(file, own[file.suffix])
@@ -306,16 +346,22 @@ class FigureFolder:
         self.directory = Path(directory)
         self.written: list[Path] = []
 
-    def save(self, drawing: Drawing | NotDrawn | None, name: str, *, formats: Sequence[str] = ("pdf",)) -> None:
+    def save(
+        self, drawing: Drawing | NotDrawn | None, name: str, *, formats: Sequence[str] = ("pdf",)
+    ) -> None:
         """Save a drawing as `save` does; if it is None, remove the earlier one of this name.
 
-        If granwave did not write an existing file of this name, warn and do not save. In place of a figure that could
-        not be drawn its reason is saved.
+        If granwave did not write an existing file of this name, warn and do not save. In place of a
+        figure that could not be drawn its reason is saved.
         """
         self.draw(lambda: drawing, name, formats=formats)
 
     def draw(
-        self, draw: Callable[[], Drawing | NotDrawn | None], name: str, *, formats: Sequence[str] = ("pdf",)
+        self,
+        draw: Callable[[], Drawing | NotDrawn | None],
+        name: str,
+        *,
+        formats: Sequence[str] = ("pdf",),
     ) -> None:
         """Draw a figure and save it."""
         self.place(files_of(draw, name, formats), name)
@@ -349,7 +395,11 @@ class FigureFolder:
     def not_drawn(self) -> dict[str, NotDrawn]:
         """Return the figures that could not be drawn, by name."""
         paths = [self.directory / path for path in self._files() if path.suffix == NOT_DRAWN_SUFFIX]
-        reasons = {path.stem: path.read_text("utf-8", "replace").strip() for path in paths if path.is_file()}
+        reasons = {
+            path.stem: path.read_text("utf-8", "replace").strip()
+            for path in paths
+            if path.is_file()
+        }
         return {name: NotDrawn(f"figure {name}", reason) for name, reason in reasons.items()}
 
     def _files(self) -> list[PurePosixPath]:
@@ -378,5 +428,8 @@ def _csv(columns: Columns, *, exact: bool = False) -> bytes:
 def _texts(values: ArrayLike, exact: bool) -> list[str]:
     array = np.asarray(values)
     if array.dtype.kind == "f":
-        return ["" if value != value else repr(value) if exact else f"{value:.10g}" for value in array.tolist()]
+        return [
+            "" if value != value else repr(value) if exact else f"{value:.10g}"
+            for value in array.tolist()
+        ]
     return [str(value) for value in array.tolist()]

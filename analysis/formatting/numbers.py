@@ -6,7 +6,9 @@ import math
 
 from granwave.analysis.statistics import Estimate
 
-_FEW, _MANY = -4, 6  # powers of ten outside of which a mean has an exponent
+# powers of ten outside of which a mean has an exponent
+_FEW = -4
+_MANY = 6
 _MOST = 8  # largest number of digits of a mean
 
 
@@ -17,13 +19,15 @@ def number(value: float) -> str:
 
 def with_interval(value: Estimate, scale: float = 1.0, unit: str = "") -> str:
     """Format a mean with its interval, both to the second digit of the interval: ``213 ± 18 N``."""
-    mean, half = value.mean / scale, value.half_width / scale
+    mean = value.mean / scale
+    half = value.half_width / scale
     text = interval(mean, half) if math.isfinite(half) and half > 0 else number(mean)
     return f"{text} {unit}".rstrip()
 
 
 def interval(mean: float, half_width: float) -> str:
-    """Format a mean and its half-width: ``213 ± 18``, or with a common exponent ``(4.623 ± 0.076)e-4``.
+    """Format a mean and its half-width: ``213 ± 18``, or with a common exponent ``(4.623 ±
+    0.076)e-4``.
 
     Parameters
     ----------
@@ -36,7 +40,8 @@ def interval(mean: float, half_width: float) -> str:
         return f"{plain(f'{mean:.{_MOST}g}')} ± {plain(f'{half_width:.1e}')}"
     if _FEW < power < _MANY:
         return f"{_to_digit(mean, last)} ± {_to_digit(half_width, last)}"
-    unit, decimals = 10.0**power, power - last
+    unit = 10.0**power
+    decimals = power - last
     return f"({mean / unit:.{decimals}f} ± {half_width / unit:.{decimals}f})e{power}"
 
 

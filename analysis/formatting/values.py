@@ -1,7 +1,7 @@
 """Values of a case for readers: labels of values that are tables, units of keys, names of grains.
 
-A label is as ``plate mass=5 stiffness=5e9, steel``. The label of a scan's point may hold such a value as JSON; it is
-empty if the case of the point lacks the key.
+A label is as ``plate mass=5 stiffness=5e9, steel``. The label of a scan's point may hold such a
+value as JSON; it is empty if the case of the point lacks the key.
 """
 
 from __future__ import annotations
@@ -28,7 +28,8 @@ CONTINUUM_UNITS = {
     "run.frame_interval": "s",
 }
 #: Key whose unit follows from the kind of the load, and the key of that.
-AMPLITUDE, LOAD_KIND = "load.amplitude", "load.kind"
+AMPLITUDE = "load.amplitude"
+LOAD_KIND = "load.kind"
 _OF_AMPLITUDES = {"force": "N", "displacement": "m"}
 
 
@@ -37,15 +38,21 @@ def as_label(value: Any) -> str:
     if isinstance(value, str):
         value = _parsed(value)
     if isinstance(value, Mapping):
-        parts = value if set(value) != {"material"} else {"wall": {}, **value}  # a table with a material only is a wall
-        return _material(value) or ", ".join(_part(name, part) for name, part in parts.items()) or NONE
+        parts = (
+            value if set(value) != {"material"} else {"wall": {}, **value}
+        )  # a table with a material only is a wall
+        return (
+            _material(value) or ", ".join(_part(name, part) for name, part in parts.items()) or NONE
+        )
     if isinstance(value, list | tuple) and any(isinstance(part, Mapping) for part in value):
         return "; ".join(map(as_label, value))
     return _text(value) or NONE
 
 
 def unique_labels(values: Sequence[Any]) -> list[str]:
-    """Return a label for each value; different values get different labels, by a number if necessary."""
+    """Return a label for each value; different values get different labels, by a number if
+    necessary.
+    """
     labels: dict[str, str] = {}
     keys = [json.dumps(value, sort_keys=True, default=str) for value in values]
     for key, value in zip(keys, values, strict=True):
@@ -79,7 +86,9 @@ def _part(name: str, value: Any) -> str:
 def _material(table: Mapping[str, Any]) -> str:
     """Return the label of a material: its name and the changes of a preset; empty for other tables."""
     name = next((str(table[key]) for key in _NAMES if table.get(key)), "")
-    changed = {key: part for key, part in table.items() if key not in _NAMES} if "preset" in table else {}
+    changed = (
+        {key: part for key, part in table.items() if key not in _NAMES} if "preset" in table else {}
+    )
     return " ".join([name, *(_part(key, part) for key, part in changed.items())]) if name else ""
 
 
@@ -90,7 +99,8 @@ def _text(value: Any) -> str:
 
 
 def unit_of(key: str) -> str:
-    """Return the unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty if it has none.
+    """Return the unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty if it has
+    none.
 
     That of `AMPLITUDE` follows from the kind of the load: `amplitude_unit`.
     """
@@ -100,7 +110,9 @@ def unit_of(key: str) -> str:
 
 
 def amplitude_unit(kinds: Iterable[str]) -> str:
-    """Return the unit of `AMPLITUDE` for loads of these kinds; empty if they differ, or none has an amplitude."""
+    """Return the unit of `AMPLITUDE` for loads of these kinds; empty if they differ, or none has an
+    amplitude.
+    """
     units = {_OF_AMPLITUDES.get(kind, "") for kind in kinds}
     return units.pop() if len(units) == 1 else ""
 

@@ -31,11 +31,19 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.files import read_toml
 
 _WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
-GIVEN, FIND = "given", "find"
+GIVEN = "given"
+FIND = "find"
 #: Axis and sign of the normal of walls by name, by dimension; a number is their place along the axis.
 NAMED_WALLS: dict[int, dict[str, tuple[int, int]]] = {
     2: {"left": (0, 1), "right": (0, -1), "floor": (1, 1), "top": (1, -1)},
-    3: {"left": (0, 1), "right": (0, -1), "front": (1, 1), "back": (1, -1), "floor": (2, 1), "top": (2, -1)},
+    3: {
+        "left": (0, 1),
+        "right": (0, -1),
+        "front": (1, 1),
+        "back": (1, -1),
+        "floor": (2, 1),
+        "top": (2, -1),
+    },
 }
 _WALL_FORM = (
     "walls by name: the place (m) of left, right, floor, top (in space also front, back), or "
@@ -50,7 +58,9 @@ NOISE = {
     "angular_acceleration": (1e-12, 1e15),
 }
 
-Place = float | tuple[tuple[float, ...], tuple[float, ...]]  # along the axis of its name; or point and normal
+Place = (
+    float | tuple[tuple[float, ...], tuple[float, ...]]
+)  # along the axis of its name; or point and normal
 
 
 def _parse_walls(value: Any) -> tuple[tuple[str, Place], ...]:
@@ -73,7 +83,9 @@ def _parse_walls(value: Any) -> tuple[tuple[str, Place], ...]:
         point, normal = (_vector(place[key], _WALL_FORM) for key in ("point", "normal"))
         size = math.hypot(*normal)
         if len(point) != len(normal) or not size:
-            raise ValidationError(f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero")
+            raise ValidationError(
+                f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero"
+            )
         found[name] = point, tuple(one / size for one in normal)
     return tuple(found.items())
 
@@ -111,7 +123,9 @@ class GrainMaterial:
     """``[material]``: density and elastic constants of the grains."""
 
     density: float = number("mass density", DENSITY, above=0)
-    poisson_ratio: float = number("Poisson's ratio; of no use with measured stresses", above=-1, below=0.5, default=0.0)
+    poisson_ratio: float = number(
+        "Poisson's ratio; of no use with measured stresses", above=-1, below=0.5, default=0.0
+    )
     youngs_modulus: float | None = number(
         "Young's modulus; may be left out with measured stresses, and if infer.modulus finds it",
         YOUNGS_MODULUS,
@@ -131,7 +145,10 @@ class Infer:
         default="plane-stress",
     )
     friction: float = number(
-        "coefficient of friction between grains; rather too large than too small", FRICTION, at_least=0, at_most=1e4
+        "coefficient of friction between grains; rather too large than too small",
+        FRICTION,
+        at_least=0,
+        at_most=1e4,
     )
     wall_friction: float | None = number(
         "coefficient of friction of the walls; that of the grains by default",
@@ -149,18 +166,29 @@ class Infer:
         at_most=0.5,
         default=1e-3,
     )
-    walls: tuple[tuple[str, Place], ...] = custom("straight walls", _parse_walls, unit="m", default=())
-    gravity: tuple[float, ...] = custom("acceleration of gravity", _parse_gravity, unit="m/s^2", default=())
-    noise: Noise | None = custom("standard deviations of what was measured", _parse_noise, default=None)
+    walls: tuple[tuple[str, Place], ...] = custom(
+        "straight walls", _parse_walls, unit="m", default=()
+    )
+    gravity: tuple[float, ...] = custom(
+        "acceleration of gravity", _parse_gravity, unit="m/s^2", default=()
+    )
+    noise: Noise | None = custom(
+        "standard deviations of what was measured", _parse_noise, default=None
+    )
     weights: Weights | None = choice(  # noqa: RUF009
         "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
         "stress components that strains give (correlated); by default white if noise is given, else equal",
         WEIGHTS,
         default=None,
     )
-    modulus: str = choice("Young's modulus: given, or found from the accelerations", (GIVEN, FIND), default=GIVEN)
+    modulus: str = choice(
+        "Young's modulus: given, or found from the accelerations", (GIVEN, FIND), default=GIVEN
+    )
     repetitions: int = count(
-        "repetitions with noise, for standard errors; 0: none", at_least=0, at_most=100_000, default=30
+        "repetitions with noise, for standard errors; 0: none",
+        at_least=0,
+        at_most=100_000,
+        default=30,
     )
     ridge: float = number(
         "weight of small forces over that of the equations, where these leave forces undetermined",
@@ -169,14 +197,19 @@ class Infer:
         default=0.0,
     )
     frame_rate: float | None = number(
-        "frames per second of a series whose rows have a frame in place of a time", "Hz", above=0, default=None
+        "frames per second of a series whose rows have a frame in place of a time",
+        "Hz",
+        above=0,
+        default=None,
     )
     window: int = custom(
         "frames that a parabola is fitted to for accelerations of a series; 3: second differences",
         _parse_window,
         default=3,
     )
-    time: float | None = number("instant of a series, the frame nearest to it; by default all", TIME, default=None)
+    time: float | None = number(
+        "instant of a series, the frame nearest to it; by default all", TIME, default=None
+    )
     seed: int = count("seed of the noise of repetitions", at_least=0, default=1)
 
     @property
@@ -259,7 +292,9 @@ def read_infer_case(path: str | Path, *, of_run: bool = False) -> InferCase:
     if "material" in tables:
         material = _material(tables["material"], errors)
     elif not of_run:
-        errors.add("material", "missing; expected [material] with density and poisson_ratio, or a preset")
+        errors.add(
+            "material", "missing; expected [material] with density and poisson_ratio, or a preset"
+        )
     infer = read_table(Infer, tables.get("infer", {}), "infer", errors)
     if infer is not None:
         _check(infer, errors)
@@ -269,14 +304,24 @@ def read_infer_case(path: str | Path, *, of_run: bool = False) -> InferCase:
 
 
 def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
-    """Read the material: a name, a table with a preset, or density and constants of which some may be left out."""
+    """Read the material: a name, a table with a preset, or density and constants of which some may
+    be left out.
+    """
     if isinstance(table, Mapping) and "preset" not in table:
-        own = {name: value for name, value in table.items() if name not in ("name", "source", "yield_strength")}
+        own = {
+            name: value
+            for name, value in table.items()
+            if name not in ("name", "source", "yield_strength")
+        }
         return read_table(GrainMaterial, own, "material", errors)
     found: Material | None = read_material(table, errors)
     if found is None:
         return None
-    return GrainMaterial(density=found.density, poisson_ratio=found.poisson_ratio, youngs_modulus=found.youngs_modulus)
+    return GrainMaterial(
+        density=found.density,
+        poisson_ratio=found.poisson_ratio,
+        youngs_modulus=found.youngs_modulus,
+    )
 
 
 def _check(infer: Infer, errors: ErrorList) -> None:
@@ -285,14 +330,24 @@ def _check(infer: Infer, errors: ErrorList) -> None:
     walls = dict(infer.walls)
     for name, place in walls.items():
         if isinstance(place, tuple) and len(place[0]) != dimension:
-            errors.add(f"infer.walls.{name}", f"found {len(place[0])} numbers, expected {dimension} for {infer.state}")
+            errors.add(
+                f"infer.walls.{name}",
+                f"found {len(place[0])} numbers, expected {dimension} for {infer.state}",
+            )
         elif not isinstance(place, tuple) and name not in NAMED_WALLS[dimension]:
-            errors.add(f"infer.walls.{name}", f'found it in {infer.state}, expected it with state = "space" alone')
+            errors.add(
+                f"infer.walls.{name}",
+                f'found it in {infer.state}, expected it with state = "space" alone',
+            )
     for first, second in (("left", "right"), ("floor", "top"), ("front", "back")):
-        low, high = walls.get(first), walls.get(second)
+        low = walls.get(first)
+        high = walls.get(second)
         if isinstance(low, float) and isinstance(high, float) and low >= high:
-            errors.add(f"infer.walls.{first}", f"found {low:g} m, expected it below {second}, {high:g} m")
+            errors.add(
+                f"infer.walls.{first}", f"found {low:g} m, expected it below {second}, {high:g} m"
+            )
     if infer.gravity and len(infer.gravity) != dimension:
         errors.add(
-            "infer.gravity", f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}"
+            "infer.gravity",
+            f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}",
         )

@@ -6,9 +6,10 @@ For each grain, with r from its centre to a contact and f the force there,
     sum r x f            = I alpha
     sum sym(r f)         = V stress + m R^2/4 (w w - w^2 1)        (spheres: m R^2/5)
 
-The last two are divided by R, and shear components are multiplied by sqrt(2): all rows are in newtons, and the sum of
-their squares does not depend on the axes. Their weights follow from the standard deviations of what was measured;
-forces that they leave undetermined are refused, or made small by a ridge.
+The last two are divided by R, and shear components are multiplied by sqrt(2): all rows are in
+newtons, and the sum of their squares does not depend on the axes. Their weights follow from the
+standard deviations of what was measured; forces that they leave undetermined are refused, or made
+small by a ridge.
 """
 
 from __future__ import annotations
@@ -37,8 +38,8 @@ class Equations:
     Attributes
     ----------
     motion, stress
-        Matrices of the equations of motion and of the average stress: rows by grain, columns by contact and component
-        (normal first). Sparse.
+        Matrices of the equations of motion and of the average stress: rows by grain, columns by
+        contact and component (normal first). Sparse.
     motion_data
         Right-hand side of the first, N.
     stress_data
@@ -74,7 +75,9 @@ class Equations:
 
 def make_equations(grains: Grains, contacts: Contacts) -> Equations:
     """Set up the equations of all grains whose motion or stress was measured."""
-    d, n, pairs = grains.dimension, len(grains), PAIRS[grains.dimension]
+    d = grains.dimension
+    n = len(grains)
+    pairs = PAIRS[grains.dimension]
     turns = grains.spin.shape[1]
     both = contacts.second >= 0
     of = np.concatenate([contacts.first, contacts.second[both]])
@@ -88,12 +91,16 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
         rows = of[:, None] * n_rows + np.arange(n_rows)
         places = np.broadcast_arrays(rows[:, :, None], columns[:, None, :])
         shape = (n * n_rows, len(contacts) * d)
-        return sparse.csr_array((values.ravel(), (places[0].ravel(), places[1].ravel())), shape=shape)
+        return sparse.csr_array(
+            (values.ravel(), (places[0].ravel(), places[1].ravel())), shape=shape
+        )
 
     moment = np.cross(arm[:, :, None], force, axis=1) if d == 3 else (
         arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0]
     )[:, None]  # fmt: skip
-    dyads = [0.5 * (arm[:, a, None] * force[:, b] + arm[:, b, None] * force[:, a]) for a, b in pairs]
+    dyads = [
+        0.5 * (arm[:, a, None] * force[:, b] + arm[:, b, None] * force[:, a]) for a, b in pairs
+    ]
     motion = matrix(np.concatenate([force, moment], axis=1), d + turns)
     stress = matrix(SCALES[d][:, None] * np.stack(dyads, axis=1), len(pairs))
     forces = grains.mass[:, None] * grains.acceleration - grains.known_force
@@ -101,8 +108,10 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
     per_length = SCALES[d] / grains.radius[:, None]
     stress_data = per_length * grains.volume[:, None] * grains.stress
     spin_data = per_length * grains.spin_stress
-    moving, strained = grains.has_motion, grains.has_stress
-    rows_moving, rows_strained = np.repeat(moving, d + turns), np.repeat(strained, len(pairs))
+    moving = grains.has_motion
+    strained = grains.has_stress
+    rows_moving = np.repeat(moving, d + turns)
+    rows_strained = np.repeat(strained, len(pairs))
     return Equations(
         motion[np.flatnonzero(rows_moving)],
         stress[np.flatnonzero(rows_strained)],
@@ -115,7 +124,9 @@ def make_equations(grains: Grains, contacts: Contacts) -> Equations:
 
 
 def unknown_columns(friction: Array, dimension: int) -> NDArray[np.int64]:
-    """Return the columns of the unknowns: normal components, and tangential ones of contacts with friction."""
+    """Return the columns of the unknowns: normal components, and tangential ones of contacts with
+    friction.
+    """
     columns = np.arange(len(friction) * dimension).reshape(len(friction), dimension)
     return np.sort(np.concatenate([columns[:, 0], columns[friction > 0, 1:].ravel()]))
 
@@ -133,7 +144,8 @@ class Noise:
     acceleration
         m/s^2.
     angular_acceleration
-        rad/s^2; by default twice that of the acceleration over the radius, so that both count alike.
+        rad/s^2; by default twice that of the acceleration over the radius, so that both count
+        alike.
     """
 
     strain: float | None = None
@@ -166,8 +178,8 @@ class Covariance:
     motion
         Standard deviations of the equations of motion: (n_rows,), N.
     stress
-        Roots L of the covariances L L^T of the equations of stress, by grain, for strains at moduli that are multiplied
-        by 1: (n_grains, k, k), N.
+        Roots L of the covariances L L^T of the equations of stress, by grain, for strains at moduli
+        that are multiplied by 1: (n_grains, k, k), N.
     of_strain
         True if strains were measured, so that ``stress`` grows with the moduli.
     """
@@ -180,12 +192,16 @@ class Covariance:
         """Draw errors of both right-hand sides, N."""
         scale = factor if self.of_strain else 1.0
         errors = np.einsum("gij,gj->gi", self.stress, rng.normal(size=self.stress.shape[:2]))
-        return np.concatenate([self.motion * rng.normal(size=len(self.motion)), scale * errors.ravel()])
+        return np.concatenate(
+            [self.motion * rng.normal(size=len(self.motion)), scale * errors.ravel()]
+        )
 
     def weighting(self, kind: Weights) -> Callable[[float], sparse.csr_array]:
-        """Return a function of the factor of the moduli that gives the weights: a matrix to multiply all equations by.
+        """Return a function of the factor of the moduli that gives the weights: a matrix to
+        multiply all equations by.
 
-        They are 1 (equal), each row over its standard deviation (white), or whiten the rows (correlated).
+        They are 1 (equal), each row over its standard deviation (white), or whiten the rows
+        (correlated).
         """
         n, k = self.stress.shape[:2]
         motion = np.ones(len(self.motion)) if kind == "equal" else 1 / self.motion
@@ -199,7 +215,9 @@ class Covariance:
 
         def weights(factor: float) -> sparse.csr_array:
             blocks = stress / (factor if self.of_strain and kind != "equal" else 1.0)
-            of_stress = sparse.bsr_array((blocks, np.arange(n), np.arange(n + 1)), shape=(n * k, n * k))
+            of_stress = sparse.bsr_array(
+                (blocks, np.arange(n), np.arange(n + 1)), shape=(n * k, n * k)
+            )
             return sparse.csr_array(sparse.block_diag([sparse.diags_array(motion), of_stress]))
 
         return weights
@@ -207,13 +225,23 @@ class Covariance:
 
 def covariance(grains: Grains, noise: Noise) -> Covariance:
     """Return the covariance of the right-hand sides that follows from the noise of the measurement."""
-    pairs, moving, strained = PAIRS[grains.dimension], grains.has_motion, grains.has_stress
+    pairs = PAIRS[grains.dimension]
+    moving = grains.has_motion
+    strained = grains.has_stress
     of_motion = noise.acceleration or 0.0
     turning = noise.angular_acceleration
     of_turning = 2 * of_motion / grains.radius if turning is None else np.full(len(grains), turning)
     parts = [np.repeat((grains.mass * of_motion)[:, None], grains.dimension, axis=1)]
-    parts.append(np.repeat((grains.inertia / grains.radius * of_turning)[:, None], grains.spin.shape[1], axis=1))
-    per_length = (grains.volume / grains.radius)[:, None] * SCALES[grains.dimension] * (noise.of_tensor(grains) or 0.0)
+    parts.append(
+        np.repeat(
+            (grains.inertia / grains.radius * of_turning)[:, None], grains.spin.shape[1], axis=1
+        )
+    )
+    per_length = (
+        (grains.volume / grains.radius)[:, None]
+        * SCALES[grains.dimension]
+        * (noise.of_tensor(grains) or 0.0)
+    )
     roots: NDArray = np.broadcast_to(np.eye(len(pairs)), (len(grains), len(pairs), len(pairs)))
     if grains.compliance is not None:
         roots = np.linalg.inv(grains.compliance)
@@ -234,15 +262,25 @@ def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> 
     """
     n_contacts = len(friction)
     keep = unknown_columns(friction, equations.motion.shape[1] // n_contacts)
-    unknown, given = len(keep), equations.n_equations
+    unknown = len(keep)
+    given = equations.n_equations
     if unknown > _DENSE:
-        rank, condition = min(unknown, given), None
+        rank = min(unknown, given)
+        condition = None
     else:
-        values = np.linalg.svd(equations.matrix[:, keep].toarray(), compute_uv=False) if given else np.zeros(1)
+        values = (
+            np.linalg.svd(equations.matrix[:, keep].toarray(), compute_uv=False)
+            if given
+            else np.zeros(1)
+        )
         rank = int(np.count_nonzero(values > _SINGULAR * values[0])) if values[0] > 0 else 0
         condition = float(values[0] / values[-1]) if rank == unknown else None
     if rank < unknown and not ridge:
-        few = "fewer equations than unknowns: " if given < unknown else "equations that do not determine the forces: "
+        few = (
+            "fewer equations than unknowns: "
+            if given < unknown
+            else "equations that do not determine the forces: "
+        )
         raise InputError(
             f"{few}{given} equations of rank {rank} for {unknown} components of the forces of {n_contacts} contacts; "
             "measure strains and accelerations of more grains, lower infer.contact_tolerance, take infer.friction = 0 "
@@ -251,7 +289,9 @@ def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> 
     return condition
 
 
-def add_ridge(matrix: sparse.csr_array, data: Array, ridge: float) -> tuple[sparse.csr_array, Array]:
+def add_ridge(
+    matrix: sparse.csr_array, data: Array, ridge: float
+) -> tuple[sparse.csr_array, Array]:
     """Add rows that keep all forces small, with ``ridge`` times the mean weight of the other rows."""
     if not ridge:
         return sparse.csr_array(matrix), data

@@ -1,9 +1,11 @@
-"""Grains at one instant as they are measured (places, motion, average strain or stress), and their possible contacts.
+"""Grains at one instant as they are measured (places, motion, average strain or stress), and their
+possible contacts.
 
-In the plane (cylinders) vectors have two components, in space (spheres) three. Symmetric tensors are rows of their
-components: xx, yy, xy in the plane; xx, yy, zz, yz, xz, xy in space. Strains are those of the tensor, so that exy is
-half the shear angle; stretching and tension are positive, as displacement fields of a camera give them. Rotations about
-z have one component in the plane. Possible contacts are pairs, and grains at walls, within a tolerance.
+In the plane (cylinders) vectors have two components, in space (spheres) three. Symmetric tensors
+are rows of their components: xx, yy, xy in the plane; xx, yy, zz, yz, xz, xy in space. Strains are
+those of the tensor, so that exy is half the shear angle; stretching and tension are positive, as
+displacement fields of a camera give them. Rotations about z have one component in the plane.
+Possible contacts are pairs, and grains at walls, within a tolerance.
 """
 
 from __future__ import annotations
@@ -27,11 +29,15 @@ PAIRS: dict[int, tuple[tuple[int, int], ...]] = {
 }
 #: Names of the components, by dimension.
 TENSOR = {
-    dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs) for dimension, pairs in PAIRS.items()
+    dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs)
+    for dimension, pairs in PAIRS.items()
 }
 
 #: Factors of the components, by dimension: sums of squares do not depend on the axes then.
-SCALES = {dimension: np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs]) for dimension, pairs in PAIRS.items()}
+SCALES = {
+    dimension: np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs])
+    for dimension, pairs in PAIRS.items()
+}
 #: Number of components of rotations, by dimension.
 TURNS = {2: 1, 3: 3}
 
@@ -67,7 +73,8 @@ class Grains:
     modulus
         Young's moduli: (n,), Pa; None if stresses were measured.
     passes_walls
-        True for grains that walls do not act on, such as strikers from outside: (n,); None if there are none.
+        True for grains that walls do not act on, such as strikers from outside: (n,); None if there
+        are none.
     """
 
     ids: NDArray[np.int64]
@@ -90,7 +97,9 @@ class Grains:
     def take(self, rows: NDArray[np.bool_]) -> Grains:
         """Return some of the grains."""
         values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
-        taken: dict[str, Any] = {name: None if value is None else value[rows] for name, value in values.items()}
+        taken: dict[str, Any] = {
+            name: None if value is None else value[rows] for name, value in values.items()
+        }
         return Grains(**taken)
 
     @property
@@ -106,7 +115,9 @@ class Grains:
     @property
     def has_motion(self) -> NDArray[np.bool_]:
         """True for grains whose accelerations are known: (n,)."""
-        known = np.isfinite(self.acceleration).all(axis=1) & np.isfinite(self.angular_acceleration).all(axis=1)
+        known = np.isfinite(self.acceleration).all(axis=1) & np.isfinite(
+            self.angular_acceleration
+        ).all(axis=1)
         return np.asarray(known, dtype=bool)
 
     @property
@@ -129,15 +140,18 @@ class Grains:
     def spin_stress(self) -> Array:
         """Part of the moments of the contact forces that the spin takes up: (n, k), N m.
 
-        With w the angular velocity it is m R^2/4 (w w - w^2 1) of cylinders, and m R^2/5 (w w - w^2 1) of spheres.
-        Volume times stress and this are the moments of the contact forces.
+        With w the angular velocity it is m R^2/4 (w w - w^2 1) of cylinders, and m R^2/5 (w w - w^2
+        1) of spheres. Volume times stress and this are the moments of the contact forces.
         """
         share = self.mass * self.radius**2 / (4 if self.dimension == 2 else 5)
         spin = np.where(np.isfinite(self.spin), self.spin, 0.0)
         vector = np.zeros((len(self), 3))
         vector[:, 3 - spin.shape[1] :] = spin
         square = (vector**2).sum(axis=1)
-        parts = [vector[:, a] * vector[:, b] - (square if a == b else 0.0) for a, b in PAIRS[self.dimension]]
+        parts = [
+            vector[:, a] * vector[:, b] - (square if a == b else 0.0)
+            for a, b in PAIRS[self.dimension]
+        ]
         return share[:, None] * np.stack(parts, axis=1)
 
 
@@ -157,7 +171,9 @@ def stiffness(modulus: Array, poisson_ratio: Array, state: State) -> Array:
     else:
         first = modulus * poisson_ratio / ((1 + poisson_ratio) * (1 - 2 * poisson_ratio))
     diagonal = np.array([float(a == b) for a, b in PAIRS[3 if state == "space" else 2]])
-    return first[:, None, None] * np.outer(diagonal, diagonal) + twice_shear[:, None, None] * np.eye(len(diagonal))
+    return first[:, None, None] * np.outer(diagonal, diagonal) + twice_shear[
+        :, None, None
+    ] * np.eye(len(diagonal))
 
 
 def volume_of(radius: Array, state: State, length: float) -> Array:
@@ -196,7 +212,8 @@ class Contacts:
     basis
         Unit vectors as columns, the normal first, then the tangents: (m, d, d).
     arm, partner_arm
-        Vectors from the centres of the two grains to the contact: (m, d), m; the second is of no use at walls.
+        Vectors from the centres of the two grains to the contact: (m, d), m; the second is of no
+        use at walls.
     walls
         Names of the walls.
     """
@@ -230,7 +247,9 @@ class Contacts:
         return [str(ids[j]) if j >= 0 else self.walls[wall] for j, wall in pairs]
 
     def vectors(self, force: Array) -> Array:
-        """Return forces on the first grains as vectors, from normal and tangential components: (m, d), N."""
+        """Return forces on the first grains as vectors, from normal and tangential components: (m,
+        d), N.
+        """
         return np.einsum("mij,mj->mi", self.basis, force)
 
     def components(self, vectors: Array) -> Array:
@@ -241,12 +260,17 @@ class Contacts:
 def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -> Contacts:
     """Return the pairs of grains, and of grains and walls, that may touch.
 
-    Pairs count up to a distance (R_i + R_j)(1 + tolerance), walls up to R (1 + 2 tolerance), but not of
-    grains that pass walls.
+    Pairs count up to a distance (R_i + R_j)(1 + tolerance), walls up to R (1 + 2 tolerance), but
+    not of grains that pass walls.
     """
-    x, radius = grains.position, grains.radius
+    x = grains.position
+    radius = grains.radius
     reach = 2 * float(radius.max(initial=0.0)) * (1 + tolerance)
-    pairs = cKDTree(x).query_pairs(reach, output_type="ndarray") if len(x) > 1 else np.empty((0, 2), dtype=np.int64)
+    pairs = (
+        cKDTree(x).query_pairs(reach, output_type="ndarray")
+        if len(x) > 1
+        else np.empty((0, 2), dtype=np.int64)
+    )
     i, j = pairs.astype(np.int64).T
     apart = x[i] - x[j]
     distance = np.linalg.norm(apart, axis=1)
@@ -255,15 +279,35 @@ def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -
     i, j, apart, distance = (values[near][order] for values in (i, j, apart, distance))
     normal = apart / distance[:, None]
     lever = (distance + radius[i] - radius[j]) / 2
-    found = [(i, j, np.full(len(i), -1), normal, -lever[:, None] * normal, (distance - lever)[:, None] * normal)]
+    found = [
+        (
+            i,
+            j,
+            np.full(len(i), -1),
+            normal,
+            -lever[:, None] * normal,
+            (distance - lever)[:, None] * normal,
+        )
+    ]
     for number, wall in enumerate(walls.values()):
         n = np.array(wall.normal)
         away = (x - np.array(wall.point)) @ n
         rows = np.flatnonzero((away <= radius * (1 + 2 * tolerance)) & grains.at_walls)
         arm = -away[rows, None] * n
         full = np.full(len(rows), -1)
-        found.append((rows, full, np.full(len(rows), number), np.tile(n, (len(rows), 1)), arm, np.zeros_like(arm)))
-    first, second, wall_of, normals, arms, partner_arms = (np.concatenate(parts) for parts in zip(*found, strict=True))
+        found.append(
+            (
+                rows,
+                full,
+                np.full(len(rows), number),
+                np.tile(n, (len(rows), 1)),
+                arm,
+                np.zeros_like(arm),
+            )
+        )
+    first, second, wall_of, normals, arms, partner_arms = (
+        np.concatenate(parts) for parts in zip(*found, strict=True)
+    )
     if grains.dimension == 2:
         basis = np.stack([normals, np.stack([-normals[:, 1], normals[:, 0]], axis=1)], axis=2)
     else:

@@ -1,4 +1,6 @@
-"""Inference of contact forces: candidates, equations, weights, solution, residuals, modulus and errors."""
+"""Inference of contact forces: candidates, equations, weights, solution, residuals, modulus and
+errors.
+"""
 
 from __future__ import annotations
 
@@ -78,7 +80,9 @@ class Inference:
 
     @property
     def errors(self) -> tuple[Array, Array]:
-        """Standard errors of the normal forces, and of each component of the tangential ones: (m,) each, N."""
+        """Standard errors of the normal forces, and of each component of the tangential ones: (m,)
+        each, N.
+        """
         assert self.spread is not None
         shear = np.linalg.norm(self.spread[:, 1:], axis=1) / math.sqrt(self.spread.shape[1] - 1)
         return self.spread[:, 0], np.asarray(shear)
@@ -89,16 +93,22 @@ class Inference:
         return self.equations.n_equations - int(np.count_nonzero(self.force))
 
     def residual_of_grains(self) -> tuple[Array, Array]:
-        """Return the sizes of the residuals of motion and of stress by grain; NaN where not measured: (n,), N."""
+        """Return the sizes of the residuals of motion and of stress by grain; NaN where not
+        measured: (n,), N.
+        """
         rows = self.equations.motion_grain, self.equations.stress_grain
         found = []
         for own, values in zip(rows, np.split(self.residual, [len(rows[0])]), strict=True):
-            squares, known = (np.bincount(own, one, minlength=len(self.grains)) for one in (values**2, None))
+            squares, known = (
+                np.bincount(own, one, minlength=len(self.grains)) for one in (values**2, None)
+            )
             found.append(np.where(known > 0, np.sqrt(squares), np.nan))
         return found[0], found[1]
 
 
-def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progress: bool = False) -> Inference:
+def infer(
+    grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progress: bool = False
+) -> Inference:
     """Infer the contact forces of grains at one instant.
 
     Parameters
@@ -109,15 +119,18 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
     Raises
     ------
     InputError
-        A grain touches nothing, the equations do not determine the forces, or nothing tells the modulus.
+        A grain touches nothing, the equations do not determine the forces, or nothing tells the
+        modulus.
     """
     contacts = find_contacts(grains, walls, settings.contact_tolerance)
     _refuse_misplaced(grains, walls, contacts, settings.contact_tolerance)
     equations = eq.make_equations(grains, contacts)
     if settings.finds_modulus:
         refuse_unknowable(grains, equations)
-    friction, noise = settings.friction_of(contacts), settings.deviations
-    kept, known = eq.unknown_columns(friction, grains.dimension), noise.complete(grains)
+    friction = settings.friction_of(contacts)
+    noise = settings.deviations
+    kept = eq.unknown_columns(friction, grains.dimension)
+    known = noise.complete(grains)
     condition = eq.refuse_undetermined(equations, friction, settings.ridge)
     if settings.weights in ("white", "correlated") and not known and not settings.finds_modulus:
         raise InputError(
@@ -125,7 +138,9 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
             "infer.noise of all that was measured"
         )
     kind: Weights = settings.weights or ("white" if known or settings.finds_modulus else "equal")
-    spread = eq.covariance(grains, noise if known else relative_noise(grains, 1.0))  # unknown: a share of the data
+    spread = eq.covariance(
+        grains, noise if known else relative_noise(grains, 1.0)
+    )  # unknown: a share of the data
     weighed = spread.weighting(kind)
     exact = spread.weighting("correlated") if settings.finds_modulus else weighed
 
@@ -140,7 +155,8 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
             return solution(data, rows)[1]
         return free_misfit((rows @ equations.matrix)[:, kept], rows @ data)
 
-    search, factor = None, 1.0
+    search = None
+    factor = 1.0
     if settings.finds_modulus:
         n_more = None if known else equations.n_equations - len(kept)
         search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)), n_more)
@@ -150,34 +166,46 @@ def infer(grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progres
 
     def repeated(rng: np.random.Generator) -> Array:
         """Return the forces of the fitted data with new noise."""
-        data, n_motion = fitted + spread.draw(rng, factor), len(equations.motion_data)
+        data = fitted + spread.draw(rng, factor)
+        n_motion = len(equations.motion_data)
         if search is None or not search.error:
             return solution(data, weighed(factor))[0]
         fixed = np.concatenate([data[:n_motion], equations.spin_data])
         strained = (data - fixed) / factor
-        best = search_near(lambda trial: misfit(trial, fixed + trial * strained), factor, NEAR * search.error)
+        best = search_near(
+            lambda trial: misfit(trial, fixed + trial * strained), factor, NEAR * search.error
+        )
         return solution(fixed + best * strained, weighed(best))[0]
 
     errors = None
     if settings.repetitions > 1 and known:
-        rng, n = np.random.default_rng(settings.seed), settings.repetitions
+        rng = np.random.default_rng(settings.seed)
+        n = settings.repetitions
         bar = progress_bar(progress, iterable=range(n), desc="repetitions with noise", leave=False)
-        errors = np.sqrt((np.array([repeated(rng) - force for _ in bar]) ** 2).sum(axis=0) / (n - 1))
+        errors = np.sqrt(
+            (np.array([repeated(rng) - force for _ in bar]) ** 2).sum(axis=0) / (n - 1)
+        )
     return Inference(
         grains, contacts, equations, settings, force, errors, fitted - equations.data(factor), len(kept), factor, kind,
         chi2, search, condition,
     )  # fmt: skip
 
 
-def _refuse_misplaced(grains: Grains, walls: Mapping[str, Wall], contacts: Contacts, tolerance: float) -> None:
-    """Raise InputError if centres of grains lie behind walls that they do not pass, or a grain touches nothing."""
+def _refuse_misplaced(
+    grains: Grains, walls: Mapping[str, Wall], contacts: Contacts, tolerance: float
+) -> None:
+    """Raise InputError if centres of grains lie behind walls that they do not pass, or a grain
+    touches nothing.
+    """
 
     def few(ids: NDArray[np.int64]) -> str:
         return ", ".join(map(str, ids[:_SHOWN].tolist())) + (", ..." if len(ids) > _SHOWN else "")
 
     errors = []
     for name, wall in walls.items():
-        behind = ((grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0) & grains.at_walls
+        behind = (
+            (grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0
+        ) & grains.at_walls
         if behind.any():
             errors.append(
                 f"grain {few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "
@@ -194,13 +222,16 @@ def _refuse_misplaced(grains: Grains, walls: Mapping[str, Wall], contacts: Conta
 
 
 def relative_noise(grains: Grains, share: float) -> Noise:
-    """Return noise that is a share of the root mean squares of strains (or stresses) and of accelerations."""
+    """Return noise that is a share of the root mean squares of strains (or stresses) and of
+    accelerations.
+    """
 
     def size(values: Array) -> float | None:
         found = values[np.isfinite(values)]
         return share * float(np.sqrt(np.mean(found**2))) or None if len(found) else None
 
-    turning, motion = size(grains.angular_acceleration), size(grains.acceleration)
+    turning = size(grains.angular_acceleration)
+    motion = size(grains.acceleration)
     if turning and motion and turning * float(grains.radius.mean()) < _ROUNDING * motion:
         turning = None  # grains that do not turn: what is left is rounding
     if grains.compliance is None:

@@ -24,7 +24,13 @@ from granwave.lammps_inputs.files import read_csv_rows
 
 _UNIT = re.compile("_(m_s2|rad_s2|rad_s|rad|kg_m3|Pa|m|s|N)$")
 _SHOWN = 10  # largest number of faults in a message
-UNMEASURED = ("acceleration", "spin", "angular_acceleration", "strain", "stress")  # whose cells may be empty
+UNMEASURED = (
+    "acceleration",
+    "spin",
+    "angular_acceleration",
+    "strain",
+    "stress",
+)  # whose cells may be empty
 LARGEST_STRAIN = 1.0
 _INSIDE = 0.5  # distance over the sum of the radii below which two rows cannot be two grains
 _EVEN = 0.01  # of the interval: frames farther off their time are not evenly spaced
@@ -71,9 +77,13 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
     """Return the columns of numbers, NaN where a cell is empty; the index has the line of each row."""
     rows = read_csv_rows(Path(path))
     if not rows:
-        raise InputError(f"{path}: found nothing, expected a line of names and a row for each grain")
+        raise InputError(
+            f"{path}: found nothing, expected a line of names and a row for each grain"
+        )
     number, header = rows[0]
-    where, known, short = f"{path}: line {number}", groups(dimension), aliases(dimension)
+    where = f"{path}: line {number}"
+    known = groups(dimension)
+    short = aliases(dimension)
     given = [name.strip() for name in header]
     names = [short.get(name, name) for name in given]
     everything = [name for group in known.values() for name in group]
@@ -83,13 +93,19 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
         if name not in everything
     ]
     for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-        errors.append(f"{where}: found the column {name} {names.count(name)} times, expected it once")
+        errors.append(
+            f"{where}: found the column {name} {names.count(name)} times, expected it once"
+        )
     if missing := [name for name in (*known["position"], "radius_m") if name not in names]:
-        errors.append(f"{where}: lacks {', '.join(missing)}; expected {', '.join(known['position'])}, radius_m")
+        errors.append(
+            f"{where}: lacks {', '.join(missing)}; expected {', '.join(known['position'])}, radius_m"
+        )
     for group, columns in known.items():
         there = [name for name in columns if name in names]
         if there and len(there) < len(columns) and group not in ("material", "other", "position"):
-            errors.append(f"{where}: found {', '.join(there)}, expected all of {', '.join(columns)}, or none")
+            errors.append(
+                f"{where}: found {', '.join(there)}, expected all of {', '.join(columns)}, or none"
+            )
     strains, stresses = ({*known[group]} & {*names} for group in ("strain", "stress"))
     if len(strains) == len(stresses) == len(known["strain"]):
         errors.append(f"{where}: found strains and stresses, expected one of them")
@@ -110,24 +126,31 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
     _raise(path, errors)
     if not lines:
         raise InputError(f"{path}: found no grain, expected a row for each below the line of names")
-    texts = pd.DataFrame([cells for _, cells in rows[1:]], lines, names, dtype=str).apply(lambda one: one.str.strip())
+    texts = pd.DataFrame([cells for _, cells in rows[1:]], lines, names, dtype=str).apply(
+        lambda one: one.str.strip()
+    )
     values = texts.apply(pd.to_numeric, errors="coerce").astype(np.float64)
     may_be_empty = texts.columns.isin([name for group in UNMEASURED for name in known[group]])
     for row, column in np.argwhere(~np.isfinite(values) & ~((texts == "") & may_be_empty)):
         empty = "; leave cells empty where nothing was measured" if may_be_empty[column] else ""
         text = show(texts.iloc[row, column])
-        errors.append(f"{path}: line {lines[row]}: {names[column]}: found {text}, expected a finite number{empty}")
+        errors.append(
+            f"{path}: line {lines[row]}: {names[column]}: found {text}, expected a finite number{empty}"
+        )
     _raise(path, errors)
     return values
 
 
-def read_measurement(path: str | Path, case: InferCase) -> tuple[list[float], list[Grains], list[str]]:
+def read_measurement(
+    path: str | Path, case: InferCase
+) -> tuple[list[float], list[Grains], list[str]]:
     """Read measured grains.
 
     Returns
     -------
     times, grains, notes
-        Instants, s, NaN for a table without times; the grains at each; assumptions where something was not measured.
+        Instants, s, NaN for a table without times; the grains at each; assumptions where something
+        was not measured.
 
     Raises
     ------
@@ -135,7 +158,11 @@ def read_measurement(path: str | Path, case: InferCase) -> tuple[list[float], li
         The table cannot be read or is wrong (with the lines), or the case lacks what it needs.
     """
     table = _Table(path, case)
-    motion = table.differences() if len(table.rows) > 1 and not table.has("acceleration") else table.given_motion()
+    motion = (
+        table.differences()
+        if len(table.rows) > 1 and not table.has("acceleration")
+        else table.given_motion()
+    )
     times = list(motion)
     if case.infer.time is not None:
         if not any(map(math.isfinite, times)):
@@ -153,12 +180,15 @@ def read_measurement(path: str | Path, case: InferCase) -> tuple[list[float], li
                 "is positive in your table, change the sign of all components"
             )
         if mean.sum() > 0:
-            table.notes.append(f"most of the {what}{_at(time)} stretch the grains: {words}; are the signs right?")
+            table.notes.append(
+                f"most of the {what}{_at(time)} stretch the grains: {words}; are the signs right?"
+            )
     return times, found, table.notes
 
 
 class _Table:
-    """Table of grains, its rows by instant in the order of the ids; see `read_measurement` for its errors.
+    """Table of grains, its rows by instant in the order of the ids; see `read_measurement` for its
+    errors.
 
     Attributes
     ----------
@@ -171,30 +201,46 @@ class _Table:
     """
 
     def __init__(self, path: str | Path, case: InferCase) -> None:
-        self.path, self.case, self.notes, self.turns = path, case, list[str](), TURNS[case.dimension]
-        self.columns, self.groups = _read_columns(path, case.dimension), groups(case.dimension)
+        self.path = path
+        self.case = case
+        self.notes = list[str]()
+        self.turns = TURNS[case.dimension]
+        self.columns = _read_columns(path, case.dimension)
+        self.groups = groups(case.dimension)
         self._check_values()
         self._check_modulus()
         times = self.each("time_s")
         if "frame" in self.columns:
             if case.infer.frame_rate is None:
-                raise InputError(f"{case.source}: infer.frame_rate: missing; the column frame of {path} needs it")
+                raise InputError(
+                    f"{case.source}: infer.frame_rate: missing; the column frame of {path} needs it"
+                )
             times = self.each("frame") / case.infer.frame_rate
-        ids, lines = self.each("id"), self.columns.index
+        ids = self.each("id")
+        lines = self.columns.index
         if "id" not in self.columns:
             ids = np.arange(1.0, len(lines) + 1)
         instants = pd.DataFrame({"time": times, "id": ids}).groupby("time", dropna=False)
         if len(instants) > 1 and "id" not in self.columns:
-            raise InputError(f"{path}: line {lines[0]}: lacks id, which tells the grains of a series apart")
+            raise InputError(
+                f"{path}: line {lines[0]}: lacks id, which tells the grains of a series apart"
+            )
         errors: list[str] = []
         self.rows: dict[float, NDArray[np.int64]] = {}
         for time, part in instants["id"]:
             self.rows[time] = rows = part.sort_values(kind="stable").index.to_numpy()
             again = rows[1:][np.diff(ids[rows]) == 0]
             words = f"again{_at(time)}, expected each grain once"
-            errors += [f"{path}: line {lines[row]}: id: found {ids[row]:g} {words}" for row in np.sort(again)]
-            x, radius, own = self.take("position")[rows], self.each("radius_m")[rows], lines[rows]
-            i, j = cKDTree(x).query_pairs(2 * _INSIDE * float(radius.max()), output_type="ndarray").T
+            errors += [
+                f"{path}: line {lines[row]}: id: found {ids[row]:g} {words}"
+                for row in np.sort(again)
+            ]
+            x = self.take("position")[rows]
+            radius = self.each("radius_m")[rows]
+            own = lines[rows]
+            i, j = (
+                cKDTree(x).query_pairs(2 * _INSIDE * float(radius.max()), output_type="ndarray").T
+            )
             apart = np.linalg.norm(x[i] - x[j], axis=1)
             deep = apart < _INSIDE * (radius[i] + radius[j])
             errors += [
@@ -215,19 +261,32 @@ class _Table:
 
     def each(self, name: str, default: float = math.nan) -> Array:
         """Return a column, or the default value in each row: (n_rows,)."""
-        return self.columns[name].to_numpy() if name in self.columns else np.full(len(self.columns), default)
+        return (
+            self.columns[name].to_numpy()
+            if name in self.columns
+            else np.full(len(self.columns), default)
+        )
 
     def _check_values(self) -> None:
         """Raise InputError for values that cannot be, and for partly empty groups of cells."""
         strains = tuple(f"e{pair}" for pair in TENSOR[self.case.dimension])
         allowed: list[tuple[tuple[str, ...], Callable[[Array], NDArray[np.bool_]], str]] = [
-            (("radius_m", "density_kg_m3", "youngs_modulus_Pa"), lambda x: x > 0, "a number above 0"),
+            (
+                ("radius_m", "density_kg_m3", "youngs_modulus_Pa"),
+                lambda x: x > 0,
+                "a number above 0",
+            ),
             (("poisson_ratio",), lambda x: (x > -1) & (x < 0.5), "a number above -1 and below 0.5"),
             (("id",), lambda x: (x == np.floor(x)) & (x >= 0), "a whole number from 0 up"),
             (("passes_walls",), lambda x: np.isin(x, (0, 1)), "0, or 1 for a striker"),
-            (strains, lambda x: ~(np.abs(x) > LARGEST_STRAIN), f"a strain below {LARGEST_STRAIN:g}; 1 % is 0.01"),
+            (
+                strains,
+                lambda x: ~(np.abs(x) > LARGEST_STRAIN),
+                f"a strain below {LARGEST_STRAIN:g}; 1 % is 0.01",
+            ),
         ]
-        errors, lines = [], self.columns.index
+        errors = []
+        lines = self.columns.index
         for names, right, expected in allowed:
             for name in self.columns.columns.intersection(names):
                 values = self.each(name)
@@ -237,7 +296,9 @@ class _Table:
                 ]
         for group in filter(self.has, UNMEASURED):
             empty = np.isnan(self.take(group))
-            words = f"found some of {', '.join(self.groups[group])} empty, expected all of them or none"
+            words = (
+                f"found some of {', '.join(self.groups[group])} empty, expected all of them or none"
+            )
             partly = np.flatnonzero(empty.any(axis=1) & ~empty.all(axis=1))
             errors += [f"{self.path}: line {lines[row]}: {words}" for row in partly]
         _raise(self.path, errors)
@@ -246,7 +307,11 @@ class _Table:
         """Raise InputError for strains without a modulus."""
         case = self.case
         assert case.material is not None
-        known = case.material.youngs_modulus or "youngs_modulus_Pa" in self.columns or case.infer.modulus == FIND
+        known = (
+            case.material.youngs_modulus
+            or "youngs_modulus_Pa" in self.columns
+            or case.infer.modulus == FIND
+        )
         if self.has("strain") and not known:
             moving = self.has("acceleration") or not {"time_s", "frame"}.isdisjoint(self.columns)
             way = "since without accelerations nothing tells it"
@@ -258,22 +323,37 @@ class _Table:
             )
 
     def given_motion(self) -> dict[float, tuple[Array, ...]]:
-        """Return accelerations, spins and angular accelerations by time; what was not measured is zero, with a note."""
+        """Return accelerations, spins and angular accelerations by time; what was not measured is
+        zero, with a note.
+        """
         moving = self.has("acceleration")
-        acceleration = self.take("acceleration") if moving else np.zeros((len(self.columns), self.case.dimension))
+        acceleration = (
+            self.take("acceleration")
+            if moving
+            else np.zeros((len(self.columns), self.case.dimension))
+        )
         if not moving:
             self.notes.append("no accelerations were measured: the grains are taken to be at rest")
-        still = np.where(np.isnan(acceleration).any(axis=1), math.nan, 0.0)[:, None].repeat(self.turns, axis=1)
+        still = np.where(np.isnan(acceleration).any(axis=1), math.nan, 0.0)[:, None].repeat(
+            self.turns, axis=1
+        )
         found = [acceleration]
-        for group, word in (("spin", "angular velocities"), ("angular_acceleration", "angular accelerations")):
+        for group, word in (
+            ("spin", "angular velocities"),
+            ("angular_acceleration", "angular accelerations"),
+        ):
             found.append(self.take(group) if self.has(group) else still)
             if moving and not self.has(group):
                 self.notes.append(f"no {word} were measured: they are taken to be zero")
         return {time: tuple(values[rows] for values in found) for time, rows in self.rows.items()}
 
     def differences(self) -> dict[float, tuple[Array, ...]]:
-        """Return the motions by parabolas through the frames around each instant that has enough of them."""
-        window, times, path = self.case.infer.window, np.array(list(self.rows)), self.path
+        """Return the motions by parabolas through the frames around each instant that has enough of
+        them.
+        """
+        window = self.case.infer.window
+        times = np.array(list(self.rows))
+        path = self.path
         steps = np.diff(times)
         step = float(np.median(steps))
         worst = int(np.abs(steps - step).argmax())
@@ -297,15 +377,19 @@ class _Table:
             return np.stack([self.take(group)[rows] for rows in self.rows.values()])
 
         def slope(values: Array, order: int) -> Array:
-            return np.asarray(savgol_filter(values, window, 2, deriv=order, delta=step, axis=0)[inner])
+            return np.asarray(
+                savgol_filter(values, window, 2, deriv=order, delta=step, axis=0)[inner]
+            )
 
         acceleration = slope(frames("position"), 2)
         rates = turning = np.zeros((*acceleration.shape[:2], self.turns))
         if self.has("angle"):
             angle = np.unwrap(frames("angle"), axis=0)
-            rates, turning = slope(angle, 1), slope(angle, 2)
+            rates = slope(angle, 1)
+            turning = slope(angle, 2)
         elif self.has("spin"):
-            rates, turning = frames("spin")[inner], slope(frames("spin"), 1)
+            rates = frames("spin")[inner]
+            turning = slope(frames("spin"), 1)
         else:
             self.notes.append("no rotations were measured: they are taken to be zero")
         motions = zip(acceleration, rates, turning, strict=True)
@@ -313,7 +397,9 @@ class _Table:
 
     def grains(self, time: float, acceleration: Array, spin: Array, turning: Array) -> Grains:
         """Make the grains of an instant from their motions."""
-        infer, material, rows = self.case.infer, self.case.material, self.rows[time]
+        infer = self.case.infer
+        material = self.case.material
+        rows = self.rows[time]
         assert material is not None
         radius = self.each("radius_m")[rows]
         volume = volume_of(radius, infer.state, infer.thickness)
@@ -324,13 +410,21 @@ class _Table:
         compliance = modulus = None
         if self.has("strain"):
             modulus = self.each("youngs_modulus_Pa", material.youngs_modulus or 1.0)[rows]
-            elastic = stiffness(modulus, self.each("poisson_ratio", material.poisson_ratio)[rows], infer.state)
+            elastic = stiffness(
+                modulus, self.each("poisson_ratio", material.poisson_ratio)[rows], infer.state
+            )
             stress = np.einsum("nij,nj->ni", elastic, self.take("strain")[rows])
             compliance = np.linalg.inv(elastic).astype(np.float64)
         else:
             stress = self.take("stress")[rows]
-        ids = self.each("id")[rows].astype(np.int64) if "id" in self.columns else np.arange(1, len(rows) + 1)
-        passes_walls = self.each("passes_walls")[rows] == 1 if "passes_walls" in self.columns else None
+        ids = (
+            self.each("id")[rows].astype(np.int64)
+            if "id" in self.columns
+            else np.arange(1, len(rows) + 1)
+        )
+        passes_walls = (
+            self.each("passes_walls")[rows] == 1 if "passes_walls" in self.columns else None
+        )
         return Grains(
             ids, self.take("position")[rows], radius, mass, volume, acceleration, spin, turning, force, stress,
             compliance, modulus, passes_walls,

@@ -54,22 +54,24 @@ _DEPTH = 2  # axis along which depth is measured, as everywhere
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Inferred:
-    """Forces inferred from a table of grains, or from measurements made of a run, before they are written.
+    """Forces inferred from a table of grains, or from measurements made of a run, before they are
+    written.
 
     Attributes
     ----------
     found, times
-        Inference at each instant, s; NaN for a table without times. Of a run only one, from the first measurement with
-        the largest noise.
+        Inference at each instant, s; NaN for a table without times. Of a run only one, from the
+        first measurement with the largest noise.
     summary
         Content of summary.json.
     measurement, case
-        Columns of measurement.csv, of that measurement, and tables of the case that it is inferred with; None for a
-        table.
+        Columns of measurement.csv, of that measurement, and tables of the case that it is inferred
+        with; None for a table.
     true
         True forces of a run, components as in `Inference.force`: (m, d), N.
     noise
-        Noise, and mean and standard deviation of the error of the forces over the repetitions: (3, n).
+        Noise, and mean and standard deviation of the error of the forces over the repetitions: (3,
+        n).
     """
 
     found: Sequence[Inference]
@@ -84,34 +86,51 @@ class Inferred:
     def forces(self) -> pd.DataFrame:
         """Columns of forces.csv, of a run with the true forces: a row for each candidate contact.
 
-        ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the name of a wall. In
-        the plane a tangential force is positive along (-ny, nx); in space its vector is given. Forces act on ``i``.
+        ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the
+        name of a wall. In the plane a tangential force is positive along (-ny, nx); in space its
+        vector is given. Forces act on ``i``.
         """
         tables = []
         for one in self.found:
-            contacts, ids, axes = one.contacts, one.grains.ids, list("xyz"[: one.grains.dimension])
+            contacts = one.contacts
+            ids = one.grains.ids
+            axes = list("xyz"[: one.grains.dimension])
             table = pd.DataFrame({"i": ids[contacts.first], "j": contacts.partners(ids)})
             table[[f"n{axis}" for axis in axes]] = contacts.normal
-            table["normal_force_N"], table["tangential_force_N"] = one.force[:, 0], _tangential(one.force)
+            table["normal_force_N"], table["tangential_force_N"] = (
+                one.force[:, 0],
+                _tangential(one.force),
+            )
             if one.spread is not None:
                 table["normal_error_N"], table["tangential_error_N"] = one.errors
             table[[f"f{axis}_N" for axis in axes]] = contacts.vectors(one.force)
-            table[[f"{axis}_m" for axis in axes]] = one.grains.position[contacts.first] + contacts.arm
+            table[[f"{axis}_m" for axis in axes]] = (
+                one.grains.position[contacts.first] + contacts.arm
+            )
             tables.append(table)
         table = self._joined(tables)
         if self.true is not None:
-            table["true_normal_force_N"], table["true_tangential_force_N"] = self.true[:, 0], _tangential(self.true)
+            table["true_normal_force_N"], table["true_tangential_force_N"] = (
+                self.true[:, 0],
+                _tangential(self.true),
+            )
         return table
 
     @property
     def grains(self) -> pd.DataFrame:
-        """Columns of grains.csv: residuals of the equations of each grain, NaN where nothing was measured."""
+        """Columns of grains.csv: residuals of the equations of each grain, NaN where nothing was
+        measured.
+        """
         names = ("id", "residual_motion_N", "residual_stress_N")
         columns = [(one.grains.ids, *one.residual_of_grains()) for one in self.found]
-        return self._joined([pd.DataFrame(dict(zip(names, values, strict=True))) for values in columns])
+        return self._joined(
+            [pd.DataFrame(dict(zip(names, values, strict=True))) for values in columns]
+        )
 
     def _joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
-        """Put the tables of the instants below each other, after a column of times if these are known."""
+        """Put the tables of the instants below each other, after a column of times if these are
+        known.
+        """
         for table, time in zip(tables, self.times, strict=True):
             if not math.isnan(time):
                 table.insert(0, "time_s", time)
@@ -129,10 +148,15 @@ class Inferred:
         """
         directory.mkdir(parents=True, exist_ok=True)
         clear(directory, WRITTEN)
-        written: dict[str, Columns] = {INFERRED_FORCES: dict(self.forces), INFERRED_GRAINS: dict(self.grains)}
+        written: dict[str, Columns] = {
+            INFERRED_FORCES: dict(self.forces),
+            INFERRED_GRAINS: dict(self.grains),
+        }
         if self.measurement is not None:
             written[MADE_MEASUREMENT] = self.measurement
-        texts = {SUMMARY_FILE: json.dumps(plain(dict(self.summary)), indent=2, allow_nan=False) + "\n"}
+        texts = {
+            SUMMARY_FILE: json.dumps(plain(dict(self.summary)), indent=2, allow_nan=False) + "\n"
+        }
         if self.case is not None:
             texts[MADE_CASE] = tomli_w.dumps(plain(dict(self.case)))
         claim(directory, [*written, *texts], kind=INFERENCE)
@@ -159,7 +183,9 @@ def _tangential(force: Array) -> Array:
 
 def network(found: Inference) -> Drawing:
     """Draw the grains and the forces between them; lines are as wide as the force is large."""
-    contacts, ids, position = found.contacts, found.grains.ids, found.grains.position
+    contacts = found.contacts
+    ids = found.grains.ids
+    position = found.grains.position
     size = np.linalg.norm(found.force, axis=1)
     figure, axes, shown, _ = _map(found, facecolors="#f4f4f4")
     ends = position[contacts.first] + contacts.arm
@@ -169,11 +195,20 @@ def network(found: Inference) -> Drawing:
     lines = 1e3 * np.stack([position[contacts.first], ends], axis=1)[order][:, :, shown]
     widths = _WIDEST * size[order] / (float(size.max(initial=0.0)) or 1.0)
     drawn = LineCollection(
-        list(lines), linewidths=widths, array=size[order], cmap=FORCE_MAP, capstyle="round", zorder=2
+        list(lines),
+        linewidths=widths,
+        array=size[order],
+        cmap=FORCE_MAP,
+        capstyle="round",
+        zorder=2,
     )
     axes.add_collection(drawn)
     figure.colorbar(drawn, ax=axes, label="Contact force (N)", shrink=0.8, pad=0.02)
-    columns = {"i": ids[contacts.first], "j": np.array(contacts.partners(ids), dtype=np.str_), "force_N": size}
+    columns = {
+        "i": ids[contacts.first],
+        "j": np.array(contacts.partners(ids), dtype=np.str_),
+        "force_N": size,
+    }
     return Drawing(figure, columns)
 
 
@@ -185,11 +220,15 @@ def residuals(found: Inference) -> Drawing:
     scale = float(np.sqrt(np.mean(found.force[:, 0] ** 2))) or 1.0
     figure, axes, _, discs = _map(found, cmap="cividis", array=total / scale)
     figure.colorbar(discs, ax=axes, label="Residual / rms normal force", shrink=0.8, pad=0.02)
-    return Drawing(figure, {"id": found.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress})
+    return Drawing(
+        figure, {"id": found.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress}
+    )
 
 
 def errors(found: Inference) -> Drawing | None:
-    """Draw the standard errors of normal and tangential forces against the force; None if there are none."""
+    """Draw the standard errors of normal and tangential forces against the force; None if there are
+    none.
+    """
     if found.spread is None:
         return None
     size = np.linalg.norm(found.force, axis=1)
@@ -198,7 +237,9 @@ def errors(found: Inference) -> Drawing | None:
     axes.plot(size, normal, ".", color=BLUE, ms=4, label="normal force")
     if found.settings.friction > 0:
         axes.plot(size, shear, "+", color=ORANGE, ms=4, mew=0.7, label="tangential force")
-    axes.plot([0, size.max()], [0, 0.1 * size.max()], "--", color=GREY, lw=0.8, label="10 % of the force")
+    axes.plot(
+        [0, size.max()], [0, 0.1 * size.max()], "--", color=GREY, lw=0.8, label="10 % of the force"
+    )
     axes.set(xlim=(0, None), ylim=(0, 1.25 * max(float(normal.max()), float(shear.max()), 1e-30)))
     axes.legend(loc="upper right")
     return Drawing(figure, {"force_N": size, "normal_error_N": normal, "tangential_error_N": shear})
@@ -226,10 +267,15 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
     noise
         Noise over the root mean square: (n,).
     error, spread
-        Errors of the forces over the forces, means of the repetitions, and their standard deviations: (n,).
+        Errors of the forces over the forces, means of the repetitions, and their standard
+        deviations: (n,).
     """
-    figure, axes = one_panel(2.4, "Noise of strains and accelerations (%)", "Error of the forces (%)")
-    axes.errorbar(100 * noise, 100 * error, yerr=100 * spread, fmt="o-", color=BLUE, ms=3, lw=0.8, capsize=2)
+    figure, axes = one_panel(
+        2.4, "Noise of strains and accelerations (%)", "Error of the forces (%)"
+    )
+    axes.errorbar(
+        100 * noise, 100 * error, yerr=100 * spread, fmt="o-", color=BLUE, ms=3, lw=0.8, capsize=2
+    )
     axes.set(xlim=(0, None), ylim=(0, None))
     return Drawing(figure, {"noise": noise, "error": error, "standard_deviation": spread})
 
@@ -240,14 +286,17 @@ def _map(found: Inference, **options: Any) -> tuple[Figure, Axes, list[int], Ell
     Returns
     -------
     figure, axes, shown, discs
-        ``shown`` are the axes of the view: in space those along which forces are largest, in their order.
+        ``shown`` are the axes of the view: in space those along which forces are largest, in their
+        order.
     """
     shown = [0, 1]
     if found.grains.dimension == 3:
         along = np.abs(found.contacts.vectors(found.force)).sum(axis=0)
         shown = sorted(np.argsort(-along, kind="stable")[:2].tolist())
-    x, radius = 1e3 * found.grains.position[:, shown], 1e3 * found.grains.radius
-    low, high = (x - radius[:, None]).min(axis=0), (x + radius[:, None]).max(axis=0)
+    x = 1e3 * found.grains.position[:, shown]
+    radius = 1e3 * found.grains.radius
+    low = (x - radius[:, None]).min(axis=0)
+    high = (x + radius[:, None]).max(axis=0)
     width, height = high - low
     margin = 0.03 * max(width, height)
     vertical = "Depth $z$ (mm)" if shown[1] == _DEPTH else f"${'xyz'[shown[1]]}$ (mm)"

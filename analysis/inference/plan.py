@@ -1,4 +1,6 @@
-"""Plan of an experiment: measurements made of a finished run, and how far the forces inferred from them are off."""
+"""Plan of an experiment: measurements made of a finished run, and how far the forces inferred from
+them are off.
+"""
 
 from __future__ import annotations
 
@@ -46,9 +48,11 @@ def plan_experiment(
     case
         Case of the inference; None: those of the run (friction, material).
     noise
-        Errors of strains (and of accelerations, where these are not from frames) over their root mean squares.
+        Errors of strains (and of accelerations, where these are not from frames) over their root
+        mean squares.
     frame_rate
-        Frames per second from which accelerations are differentiated; None: accelerations are measured.
+        Frames per second from which accelerations are differentiated; None: accelerations are
+        measured.
     position_noise
         Standard deviation of each coordinate in a frame, m.
     time
@@ -64,66 +68,92 @@ def plan_experiment(
         The run cannot be measured, or its forces are not determined.
     """
     if position_noise and frame_rate is None:
-        raise InputError("--position-noise: found it without --frame-rate, which tells the frames that it falls on")
+        raise InputError(
+            "--position-noise: found it without --frame-rate, which tells the frames that it falls on"
+        )
     with Result(source) as result:
-        run, name = Snapshots(result), result.case.name
+        run = Snapshots(result)
+        name = result.case.name
     state, settings = _settings(run, case)
     if time is None:
         number = run.largest_snapshot(0.0 if frame_rate is None else 1 / frame_rate)
     elif run.times[0] <= time <= run.times[-1]:
         number = int(np.argmin(np.abs(run.times - time)))
     else:
-        raise InputError(f"--time {time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s")
+        raise InputError(
+            f"--time {time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s"
+        )
     exact, true = run.state(number, settings.contact_tolerance)
     if not true.any():
-        raise InputError(f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time")
+        raise InputError(
+            f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time"
+        )
     material = None if case is None else case.material
     poisson = run.poisson_ratio if material is None else np.full(len(exact), material.poisson_ratio)
     compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state)).astype(np.float64)
     exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
     walls = run.walls(number)
     rows = find_contacts(exact, walls, settings.contact_tolerance).touched(len(exact))
-    exact, lonely = exact.take(rows), int(np.count_nonzero(~rows))
+    exact = exact.take(rows)
+    lonely = int(np.count_nonzero(~rows))
     notes = [f"{lonely} of {len(rows)} grains touch nothing and are left out"] if lonely else []
-    rng, levels = np.random.default_rng(seed), sorted(noise)
+    rng = np.random.default_rng(seed)
+    levels = sorted(noise)
 
     def measure(level: float) -> tuple[Grains, Noise]:
-        """Return grains with errors, and the standard deviations of these as an experimenter would know them."""
+        """Return grains with errors, and the standard deviations of these as an experimenter would
+        know them.
+        """
         errors = relative_noise(exact, level) if level else Noise()
 
         def off(values: Array, size: float | None) -> Array:
             return values + size * rng.normal(size=values.shape) if size else values
 
         strain = off(exact.strain, errors.strain)
-        stress = np.asarray(np.linalg.solve(compliance[rows], strain[:, :, None])[:, :, 0], dtype=np.float64)
+        stress = np.asarray(
+            np.linalg.solve(compliance[rows], strain[:, :, None])[:, :, 0], dtype=np.float64
+        )
         if frame_rate is None:
             acceleration = off(exact.acceleration, errors.acceleration)
             turning = off(exact.angular_acceleration, errors.angular_acceleration)
         else:
             seen = seen_by_camera(run, number, frame_rate, position_noise, rng)
-            acceleration, turning = (np.where(exact.has_motion[:, None], one[rows], np.nan) for one in seen)
-            # an experimenter knows the error of places, and sees the strains'; differences over too long frames stay
-            # unknown
+            acceleration, turning = (
+                np.where(exact.has_motion[:, None], one[rows], np.nan) for one in seen
+            )
+            # an experimenter knows the error of places, and sees the strains'; differences over too
+            # long frames stay unknown
             size = math.sqrt(6) * position_noise * frame_rate**2
             errors = Noise(strain=errors.strain, acceleration=size or None)
-        measured = dataclasses.replace(exact, stress=stress, acceleration=acceleration, angular_acceleration=turning)
+        measured = dataclasses.replace(
+            exact, stress=stress, acceleration=acceleration, angular_acceleration=turning
+        )
         return measured, errors
 
     turns = {level: repetitions if level or position_noise else 1 for level in levels}
     errors: dict[float, list[float]] = {level: [] for level in levels}
     off = []
     with progress_bar(progress, total=sum(turns.values()), desc="measurements", leave=False) as bar:
-        for level, repetition in ((level, n) for level, n_turns in turns.items() for n in range(n_turns)):
+        for level, repetition in (
+            (level, n) for level, n_turns in turns.items() for n in range(n_turns)
+        ):
             measured, spread = measure(level)
             if repetition == 0:
-                kept, known = measured, spread
+                kept = measured
+                known = spread
             one = infer(measured, walls, dataclasses.replace(settings, noise=spread, repetitions=0))
             off.append(_relative(measured.acceleration, exact.acceleration))
             errors[level].append(_relative(one.force, true))
             bar.update()
-    found = infer(kept, walls, dataclasses.replace(settings, noise=known, repetitions=repetitions), progress=progress)
+    found = infer(
+        kept,
+        walls,
+        dataclasses.replace(settings, noise=known, repetitions=repetitions),
+        progress=progress,
+    )
     means, deviations = ([float(of(errors[level])) for level in levels] for of in (np.mean, np.std))
-    instant, several = float(run.times[number]), len(levels) > 1
+    instant = float(run.times[number])
+    several = len(levels) > 1
     summary = summary_of(name, str(source), state, [found], [instant], notes) | {
         "true_force_error": means if several else means[0],
         "noise": levels if several else levels[0],
@@ -142,21 +172,38 @@ def plan_experiment(
     )
 
 
-def _case(run: Snapshots, state: State, settings: Infer, walls: Mapping[str, Wall]) -> dict[str, Any]:
-    """Return the tables of a case with which `granwave infer` reads the measurement; materials are in its columns."""
-    same = ("friction", "wall_friction", "contact_tolerance", "modulus", "repetitions", "ridge", "weights")
+def _case(
+    run: Snapshots, state: State, settings: Infer, walls: Mapping[str, Wall]
+) -> dict[str, Any]:
+    """Return the tables of a case with which `granwave infer` reads the measurement; materials are
+    in its columns.
+    """
+    same = (
+        "friction",
+        "wall_friction",
+        "contact_tolerance",
+        "modulus",
+        "repetitions",
+        "ridge",
+        "weights",
+    )
     wanted: dict[str, Any] = {
         "state": state,
         "thickness": run.length,
         **{name: getattr(settings, name) for name in same},
     }
-    wanted["walls"] = {name: {"point": list(one.point), "normal": list(one.normal)} for name, one in walls.items()}
+    wanted["walls"] = {
+        name: {"point": list(one.point), "normal": list(one.normal)} for name, one in walls.items()
+    }
     noise = {name: size for name, size in dataclasses.asdict(settings.deviations).items() if size}
     if noise:
         wanted["noise"] = noise
     names = ("density", "youngs_modulus", "poisson_ratio")
     material = {name: float(getattr(run, name)[0]) for name in names}
-    return {"material": material, "infer": {name: value for name, value in wanted.items() if value is not None}}
+    return {
+        "material": material,
+        "infer": {name: value for name, value in wanted.items() if value is not None},
+    }
 
 
 def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
@@ -184,7 +231,9 @@ def _relative(found: Array, true: Array) -> float:
 
 
 def _columns(grains: Grains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:
-    """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer` reads them."""
+    """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer`
+    reads them.
+    """
     names = groups(grains.dimension)
     values = {
         "position": grains.position,

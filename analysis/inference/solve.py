@@ -1,12 +1,14 @@
-"""Forces that push, within the cone of friction, and fit the equations best; Young's modulus from the motion.
+"""Forces that push, within the cone of friction, and fit the equations best; Young's modulus from
+the motion.
 
 Strains tell forces up to a factor, accelerations tell them without.
 
-The right-hand side of the stress is proportional to the moduli, that of the motion is not. The factor of the moduli is
-the minimum of chi^2, the sum of squares of the errors of strains and accelerations over their standard deviations, with
-the forces that are best for each factor. These forces are not held within the cone of friction here: noise could push
-those on its border inwards only, which biases the modulus upwards by as much as its standard error. An additional
-column of the least squares, in place of the search, would be biased low: it takes the strains as free of errors.
+The right-hand side of the stress is proportional to the moduli, that of the motion is not. The
+factor of the moduli is the minimum of chi^2, the sum of squares of the errors of strains and
+accelerations over their standard deviations, with the forces that are best for each factor. These
+forces are not held within the cone of friction here: noise could push those on its border inwards
+only, which biases the modulus upwards by as much as its standard error. An additional column of the
+least squares, in place of the search, would be biased low: it takes the strains as free of errors.
 """
 
 from __future__ import annotations
@@ -27,7 +29,11 @@ DENSE_UNKNOWNS = 1500
 _ROUNDING = 1e-11  # of the largest force: what lies outside the cone by less is on it
 _SINGULAR = 1e-12  # ratio of diagonal elements below which forces are not unique
 _ACCURACY = 1e-12  # of the conic solver, relative
-_SOLVED = ("Solved", "AlmostSolved", "InsufficientProgress")  # the last: as near as rounding lets it
+_SOLVED = (
+    "Solved",
+    "AlmostSolved",
+    "InsufficientProgress",
+)  # the last: as near as rounding lets it
 _WIDTH = math.log(30.0)  # of the first scan about the first guess, each way
 _SCANNED = 9
 _WIDENED = 4  # times that a scan is moved if the minimum lies at its end
@@ -54,12 +60,17 @@ def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
     """
     if matrix.shape[1] > DENSE_UNKNOWNS or (dimension == 3 and friction.any()):
         return solve_conic(matrix, data, friction, dimension)
-    # a force is a sum of pushes along the two edges of its cone in the plane; in space, without friction, a push
+    # a force is a sum of pushes along the two edges of its cone in the plane; in space, without
+    # friction, a push
     rough = friction > 0
-    edges, tangent = matrix[:, ::dimension].toarray(), matrix[:, 1::dimension].toarray()
-    edges = np.concatenate([edges + friction * tangent, (edges - friction * tangent)[:, rough]], axis=1)
+    edges = matrix[:, ::dimension].toarray()
+    tangent = matrix[:, 1::dimension].toarray()
+    edges = np.concatenate(
+        [edges + friction * tangent, (edges - friction * tangent)[:, rough]], axis=1
+    )
     factors, _ = optimize.nnls(edges, data, maxiter=20 * edges.shape[1])
-    upper, lower = factors[: len(friction)], np.zeros(len(friction))
+    upper = factors[: len(friction)]
+    lower = np.zeros(len(friction))
     lower[rough] = factors[len(friction) :]
     force = np.zeros((len(friction), dimension))
     force[:, 0], force[:, 1] = upper + lower, friction * (upper - lower)
@@ -67,7 +78,9 @@ def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
 
 
 def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
-    """Solve by second-order cones (Clarabel), unless the solution without cones lies within; see `solve`."""
+    """Solve by second-order cones (Clarabel), unless the solution without cones lies within; see
+    `solve`.
+    """
     force = _free(matrix, data, friction, dimension)
     if force is not None:
         slack = _ROUNDING * float(np.abs(force).max(initial=0.0))
@@ -80,8 +93,8 @@ def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimensio
 def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array | None:
     """Return the solution without cones; None if it is not unique.
 
-    By orthogonal columns, whose error grows with the condition and not with its square; of a large problem by the
-    normal equations. It is corrected once, or twice.
+    By orthogonal columns, whose error grows with the condition and not with its square; of a large
+    problem by the normal equations. It is corrected once, or twice.
     """
     kept = unknown_columns(friction, dimension)
     matrix = sparse.csr_array(matrix[:, kept])
@@ -113,12 +126,15 @@ def _onto(force: Array, friction: Array) -> Array:
     """Move forces that rounding put outside their cones onto them."""
     normal = np.maximum(force[:, 0], 0.0)
     size = np.linalg.norm(force[:, 1:], axis=1)
-    shrink = np.minimum(1.0, np.divide(friction * normal, size, out=np.ones_like(size), where=size > 0))
+    shrink = np.minimum(
+        1.0, np.divide(friction * normal, size, out=np.ones_like(size), where=size > 0)
+    )
     return np.concatenate([normal[:, None], shrink[:, None] * force[:, 1:]], axis=1)
 
 
 def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
-    """Minimise 1/2 |r|^2 with r = matrix f - data, in units in which forces and equations are near one.
+    """Minimise 1/2 |r|^2 with r = matrix f - data, in units in which forces and equations are near
+    one.
 
     Raises
     ------
@@ -128,15 +144,18 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
     import clarabel
 
     kept = unknown_columns(friction, dimension)
-    n_rows, n_columns = matrix.shape[0], len(kept)
+    n_rows = matrix.shape[0]
+    n_columns = len(kept)
     matrix = sparse.csr_array(matrix[:, kept])
     weight = float(np.sqrt((matrix**2).sum() / n_columns)) or 1.0
-    matrix, data = matrix / weight, data / weight
+    matrix = matrix / weight
+    data = data / weight
     size = float(np.sqrt(np.sum(data**2) / n_columns)) or 1.0
     place = np.full(len(friction) * dimension, -1)
     place[kept] = np.arange(n_columns)
     columns = place.reshape(len(friction), dimension)
-    rough, smooth = np.flatnonzero(friction > 0), np.flatnonzero(friction == 0)
+    rough = np.flatnonzero(friction > 0)
+    smooth = np.flatnonzero(friction == 0)
     # s = b - A x: zero for the equations, and in the cones (friction f_n, f_t)
     scale = np.ones((len(rough), dimension))
     scale[:, 0] = friction[rough]
@@ -148,12 +167,19 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
     right = np.concatenate([data / size, np.zeros(constraints.shape[0] - n_rows)])
     cones = [clarabel.ZeroConeT(n_rows), clarabel.NonnegativeConeT(len(smooth))]
     cones += [clarabel.SecondOrderConeT(dimension)] * len(rough)
-    squares = sparse.csc_array(sparse.diags_array(np.concatenate([np.zeros(n_columns), np.ones(n_rows)])))
+    squares = sparse.csc_array(
+        sparse.diags_array(np.concatenate([np.zeros(n_columns), np.ones(n_rows)]))
+    )
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = _ACCURACY
     solver = clarabel.DefaultSolver(
-        sparse.csc_matrix(squares), np.zeros(n_columns + n_rows), sparse.csc_matrix(constraints), right, cones, settings
+        sparse.csc_matrix(squares),
+        np.zeros(n_columns + n_rows),
+        sparse.csc_matrix(constraints),
+        right,
+        cones,
+        settings,
     )
     found = solver.solve()
     if str(found.status) not in _SOLVED:
@@ -174,7 +200,8 @@ class ModulusSearch:
     factor
         The best.
     error
-        Standard error of the logarithm of the factor: chi^2 grows by ``scale`` there (1 for known noise).
+        Standard error of the logarithm of the factor: chi^2 grows by ``scale`` there (1 for known
+        noise).
     """
 
     factors: Array
@@ -193,7 +220,9 @@ def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
 def refuse_unknowable(grains: Grains, equations: Equations) -> None:
     """Raise InputError if stresses were measured, or no acceleration or weight tells the modulus."""
     if grains.compliance is None:
-        raise InputError('infer.modulus: found "find" with measured stresses, which need no modulus; expected strains')
+        raise InputError(
+            'infer.modulus: found "find" with measured stresses, which need no modulus; expected strains'
+        )
     if not np.any(equations.motion_data):
         raise InputError(
             'infer.modulus: found "find", but nothing to find it from: strains tell forces up to a factor; expected '
@@ -201,14 +230,16 @@ def refuse_unknowable(grains: Grains, equations: Equations) -> None:
         )
 
 
-def find_modulus(equations: Equations, chi2: Callable[[float], float], n_more: int | None) -> ModulusSearch:
+def find_modulus(
+    equations: Equations, chi2: Callable[[float], float], n_more: int | None
+) -> ModulusSearch:
     """Find the factor of the moduli with the least chi^2.
 
     Parameters
     ----------
     n_more
-        Number of equations minus that of unknowns, by which the least chi^2 tells a noise that is not known; None if
-        it is.
+        Number of equations minus that of unknowns, by which the least chi^2 tells a noise that is
+        not known; None if it is.
 
     Raises
     ------
@@ -236,8 +267,11 @@ def find_modulus(equations: Equations, chi2: Callable[[float], float], n_more: i
             'infer.modulus: found "find", but chi^2 falls to the end of the search: motion and strains do not belong '
             "together; check the units of strains, accelerations and density, or give material.youngs_modulus"
         )
-    low, high = centre + float(grid[best - 1]), centre + float(grid[best + 1])
-    found = optimize.minimize_scalar(at, bounds=(low, high), method="bounded", options={"xatol": _OF_FACTOR})
+    low = centre + float(grid[best - 1])
+    high = centre + float(grid[best + 1])
+    found = optimize.minimize_scalar(
+        at, bounds=(low, high), method="bounded", options={"xatol": _OF_FACTOR}
+    )
     logarithm = float(found.x)
     curvature = (at(logarithm + _STEP) - 2 * at(logarithm) + at(logarithm - _STEP)) / _STEP**2
     factors, least = np.array(sorted(tried.items())).T
@@ -248,9 +282,13 @@ def find_modulus(equations: Equations, chi2: Callable[[float], float], n_more: i
 
 def search_near(chi2: Callable[[float], float], factor: float, width: float) -> float:
     """Return the best factor near another, within ``width`` of its logarithm each way."""
-    centre, width = math.log(factor), min(width, _WIDTH)
+    centre = math.log(factor)
+    width = min(width, _WIDTH)
     bounds = (centre - width, centre + width)
     found = optimize.minimize_scalar(
-        lambda logarithm: chi2(math.exp(logarithm)), bounds=bounds, method="bounded", options={"xatol": 0.01 * width}
+        lambda logarithm: chi2(math.exp(logarithm)),
+        bounds=bounds,
+        method="bounded",
+        options={"xatol": 0.01 * width},
     )
     return math.exp(float(found.x))

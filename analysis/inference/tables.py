@@ -80,7 +80,9 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "n_grains": len(one.grains),
         "n_contacts": len(one.contacts),
         "n_loaded_contacts": int(np.count_nonzero(loaded)),
-        "n_significant_contacts": None if one.spread is None else int(np.count_nonzero(loaded & clear)),
+        "n_significant_contacts": None
+        if one.spread is None
+        else int(np.count_nonzero(loaded & clear)),
         "n_equations": one.equations.n_equations,
         "n_unknowns": one.n_unknowns,
         "condition_number": one.condition,
@@ -88,9 +90,13 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
         "mean_normal_force_N": float(one.force[loaded, 0].mean()) if loaded.any() else 0.0,
         "n_sliding_contacts": int(np.count_nonzero(sliding)),
         "residual_fraction": one.relative_residual,
-        "chi2_per_equation": one.chi2 / one.n_free if known and one.weights != "equal" and one.n_free > 0 else None,
+        "chi2_per_equation": one.chi2 / one.n_free
+        if known and one.weights != "equal" and one.n_free > 0
+        else None,
         "standard_error_fraction": (
-            float(np.linalg.norm(one.spread)) / total if one.spread is not None and total > 0 else None
+            float(np.linalg.norm(one.spread)) / total
+            if one.spread is not None and total > 0
+            else None
         ),
         "youngs_modulus_Pa": modulus,
         "youngs_modulus_error_Pa": (
@@ -100,11 +106,18 @@ def instant_summary(one: Inference, time: float) -> dict[str, Any]:
 
 
 def summary_of(
-    name: str, measurement: str, state: str, found: Sequence[Inference], times: Sequence[float], notes: Sequence[str]
+    name: str,
+    measurement: str,
+    state: str,
+    found: Sequence[Inference],
+    times: Sequence[float],
+    notes: Sequence[str],
 ) -> dict[str, Any]:
     """Return the content of summary.json; values of several instants are lists."""
     each = [instant_summary(one, time) for one, time in zip(found, times, strict=True)]
-    values = {key: each[0][key] if len(each) == 1 else [one[key] for one in each] for key in each[0]}
+    values = {
+        key: each[0][key] if len(each) == 1 else [one[key] for one in each] for key in each[0]
+    }
     settings = found[0].settings
     summary = values | {
         "name": name,
@@ -128,10 +141,15 @@ def in_words(summary: Mapping[str, Any]) -> str:
         values = summary.get(key)
         if not isinstance(values, list):
             values = [values]
-        numbers = [value if factor == 1 else factor * value for value in values if isinstance(value, int | float)]
+        numbers = [
+            value if factor == 1 else factor * value
+            for value in values
+            if isinstance(value, int | float)
+        ]
         if not numbers:
             return ""
-        low, high = format(min(numbers), form), format(max(numbers), form)
+        low = format(min(numbers), form)
+        high = format(max(numbers), form)
         return low if low == high else f"{low} to {high}"
 
     significant = shown("n_significant_contacts", "d")
@@ -152,7 +170,13 @@ def in_words(summary: Mapping[str, Any]) -> str:
     modulus = shown("youngs_modulus_Pa", ".4g", 1e-6)
     for label, key, form, factor, words in (
         ("chi^2", "chi2_per_equation", ".3g", 1, "{} for each free equation (1: as the noise)"),
-        ("standard error", "standard_error_fraction", ".2g", 100, "{} % of the forces, from {repetitions} repetitions"),
+        (
+            "standard error",
+            "standard_error_fraction",
+            ".2g",
+            100,
+            "{} % of the forces, from {repetitions} repetitions",
+        ),
         ("Young's modulus", "youngs_modulus_error_Pa", ".2g", 1e-6, "{modulus} +- {} MPa"),
         ("accelerations", "acceleration_error", ".2g", 100, "off by {} %"),
         ("forces", "true_force_error", ".2g", 100, "off by {} % of the true ones"),

@@ -1,4 +1,6 @@
-"""States of a finished run with the forces at all contacts, from snapshots that were recorded with them."""
+"""States of a finished run with the forces at all contacts, from snapshots that were recorded with
+them.
+"""
 
 from __future__ import annotations
 
@@ -30,12 +32,17 @@ from granwave.lammps_inputs.packing.walls import walls
 
 _OF_SPHERE = 0.4  # moment of inertia over m R^2
 #: Components of vectors of a run that are x and y of its measurement, by the axis of cylinders.
-_TURNS = {"y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]), "z": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]])}
-_REST = 1e-6  # of the largest contact force: a force beside those of contacts that is smaller is rounding
+_TURNS = {
+    "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
+    "z": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
+}
+# of the largest contact force: a force beside those of contacts that is smaller is rounding
+_REST = 1e-6
 
 
 class Snapshots:
-    """Snapshots of a run, in the coordinates of a measurement: packings of cylinders have y upwards.
+    """Snapshots of a run, in the coordinates of a measurement: packings of cylinders have y
+    upwards.
 
     Attributes
     ----------
@@ -56,7 +63,8 @@ class Snapshots:
     frames, forces
         Snapshots of grains and of contacts.
     turn
-        Components of vectors of the run that those of the measurement are made of, with their signs: (d, 3).
+        Components of vectors of the run that those of the measurement are made of, with their
+        signs: (d, 3).
     friction
         Largest coefficient of friction of grains and of walls.
     strikers
@@ -69,7 +77,8 @@ class Snapshots:
     """
 
     def __init__(self, result: Result) -> None:
-        case, assembly = result.case, result.assembly
+        case = result.case
+        assembly = result.assembly
         self.directory = str(result.path.parent)
         if not case.output.contact_forces:
             raise InputError(
@@ -89,10 +98,14 @@ class Snapshots:
                 f"{self.directory}: has cylinders of several lengths or axes, or spheres too; expected spheres, or "
                 "cylinders of one length along y or z"
             )
-        axis, self.turn, about = "", np.eye(3), np.eye(3)
+        axis = ""
+        self.turn = np.eye(3)
+        about = np.eye(3)
         if cylinder is not None:
             axis = "y" if cylinder.axis[1] else "z"
-            self.turn, about = _TURNS[axis], np.eye(3)[["xyz".index(axis)]]  # about the axis of rotation
+            # about the axis of rotation
+            self.turn = _TURNS[axis]
+            about = np.eye(3)[["xyz".index(axis)]]
         self.dimension = 3 if cylinder is None else 2
         self.length = 1.0 if cylinder is None else cylinder.length
         self.ids = result["particles/spheres/id"].astype(np.int64)
@@ -105,7 +118,10 @@ class Snapshots:
         self.poisson_ratio = np.array([material.poisson_ratio for material in materials])
         by_step = {frame.step: frame for frame in read_frame_forces(Path(self.directory))}
         frames = [frame for frame in read_frames(Path(self.directory)) if frame.step in by_step]
-        number = {float(step): k for k, step in enumerate(result["particles/spheres/position/step"].tolist())}
+        number = {
+            float(step): k
+            for k, step in enumerate(result["particles/spheres/position/step"].tolist())
+        }
         rows = [number[frame.step] for frame in frames]
         self.frames = [frame.up_to(int(self.ids[-1])) for frame in frames]
         self.forces = [by_step[frame.step] for frame in frames]
@@ -113,8 +129,11 @@ class Snapshots:
         self.position = np.stack([result.frame(row, "position") @ self.turn.T for row in rows])
         self.velocity = np.stack([result.frame(row, "velocity") @ self.turn.T for row in rows])
         n = len(self.ids)
-        self.spin = np.stack([frame.vector("omegax", "omegay", "omegaz")[:n] @ about.T for frame in frames])
-        # torques of cylinders are recorded as the integration of spheres takes them (fix gran/cylinder)
+        self.spin = np.stack(
+            [frame.vector("omegax", "omegay", "omegaz")[:n] @ about.T for frame in frames]
+        )
+        # torques of cylinders are recorded as the integration of spheres takes them (fix
+        # gran/cylinder)
         inertia = _OF_SPHERE * self.density * self.volume * self.radius**2
         torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in self.frames])
         self.angular_acceleration = torque / inertia[:, None]
@@ -124,7 +143,9 @@ class Snapshots:
             if not wall.held_layer and "xyz"[wall.axis] != axis
         }
         self.moved = {
-            name: np.interp(self.times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"])
+            name: np.interp(
+                self.times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"]
+            )
             if f"walls/{name}/displacement" in result
             else np.zeros(len(self.times))
             for name in self.wall_fixes
@@ -136,19 +157,27 @@ class Snapshots:
     @property
     def volume(self) -> Array:
         """Volumes: (n,), m^3."""
-        return volume_of(self.radius, "space" if self.dimension == 3 else "plane-stress", self.length)
+        return volume_of(
+            self.radius, "space" if self.dimension == 3 else "plane-stress", self.length
+        )
 
     def walls(self, number: int) -> dict[str, Wall]:
         """Return the walls at a snapshot, by name."""
         found = {}
         for name, (wall, _) in self.wall_fixes.items():
-            along = self.turn[:, wall.axis]  # the axis of the run in the coordinates of the measurement
+            along = self.turn[
+                :, wall.axis
+            ]  # the axis of the run in the coordinates of the measurement
             level = wall.coordinate + wall.outward * float(self.moved[name][number])
-            found[name] = Wall(*(tuple((size * along + 0.0).tolist()) for size in (level, -wall.outward)))
+            found[name] = Wall(
+                *(tuple((size * along + 0.0).tolist()) for size in (level, -wall.outward))
+            )
         return found
 
     def largest_snapshot(self, spare: float = 0.0) -> int:
-        """Return the number of the snapshot with the largest sum of forces, ``spare`` seconds away from both ends."""
+        """Return the number of the snapshot with the largest sum of forces, ``spare`` seconds away
+        from both ends.
+        """
         inside = (self.times >= self.times[0] + spare) & (self.times <= self.times[-1] - spare)
         if not inside.any():
             raise InputError(
@@ -159,16 +188,21 @@ class Snapshots:
         return int(np.argmax(np.where(inside, totals, -1.0)))
 
     def state(self, number: int, tolerance: float) -> tuple[Grains, Array]:
-        """Return grains and the true forces of the candidate contacts at a snapshot; stresses are exact averages.
+        """Return grains and the true forces of the candidate contacts at a snapshot; stresses are
+        exact averages.
 
         Returns
         -------
         Grains, ndarray
             The second: normal and tangential components, (n_contacts, d), N.
         """
-        frame, forces = self.frames[number], self.forces[number]
-        n, d, mass = len(self.radius), self.dimension, self.density * self.volume
-        total, still = frame.vector("fx", "fy", "fz"), np.zeros((n, d))
+        frame = self.frames[number]
+        forces = self.forces[number]
+        n = len(self.radius)
+        d = self.dimension
+        mass = self.density * self.volume
+        total = frame.vector("fx", "fy", "fz")
+        still = np.zeros((n, d))
         grains = Grains(
             self.ids, self.position[number], self.radius, mass, self.volume,
             still, self.spin[number], np.zeros((n, TURNS[d])), still, np.zeros((n, len(PAIRS[d]))),
@@ -189,13 +223,19 @@ class Snapshots:
         sums = (equations.motion @ true.ravel()).reshape(n, -1)
         turning = sums[:, d:] * (self.radius / grains.inertia)[:, None]
         exact = (sums[:, :d] + known) / mass[:, None]
-        moments = (equations.stress @ true.ravel() - equations.spin_data).reshape(n, -1) * self.radius[:, None]
+        moments = (equations.stress @ true.ravel() - equations.spin_data).reshape(
+            n, -1
+        ) * self.radius[:, None]
         stress = moments / SCALES[d] / self.volume[:, None]
         for values in (exact, turning, stress):
             values[held] = np.nan
         known[held] = 0.0
         measured = dataclasses.replace(
-            grains, acceleration=exact, angular_acceleration=turning, known_force=known, stress=stress
+            grains,
+            acceleration=exact,
+            angular_acceleration=turning,
+            known_force=known,
+            stress=stress,
         )
         return measured, true
 
@@ -224,12 +264,20 @@ class Snapshots:
         return sums
 
     def _walls(
-        self, grains: Grains, contacts: Contacts, frame: Frame, rest: Array, torque: Array, true: Array
+        self,
+        grains: Grains,
+        contacts: Contacts,
+        frame: Frame,
+        rest: Array,
+        torque: Array,
+        true: Array,
     ) -> Array:
-        """Enter the forces of walls into ``true``; return what is left of the forces on each grain: (n, d), N.
+        """Enter the forces of walls into ``true``; return what is left of the forces on each grain:
+        (n, d), N.
 
-        The normal forces were recorded. Tangential forces follow from the rest of a grain's force and torque, in which
-        LAMMPS counts them with a lever of radius minus half the overlap, of cylinders minus the overlap.
+        The normal forces were recorded. Tangential forces follow from the rest of a grain's force
+        and torque, in which LAMMPS counts them with a lever of radius minus half the overlap, of
+        cylinders minus the overlap.
         """
         recorded = [sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
                     for _, fixes in self.wall_fixes.values()]  # fmt: skip
@@ -269,7 +317,8 @@ class Snapshots:
 def seen_by_camera(
     run: Snapshots, number: int, rate: float, noise: float, rng: np.random.Generator
 ) -> tuple[Array, Array]:
-    """Return accelerations and angular accelerations by second differences of three frames around a snapshot.
+    """Return accelerations and angular accelerations by second differences of three frames around a
+    snapshot.
 
     Places between snapshots follow from places and velocities, angles from spins and their rates.
 
@@ -285,7 +334,8 @@ def seen_by_camera(
     InputError
         The snapshots are farther apart than the frames.
     """
-    interval, time = 1 / rate, run.times[number]
+    interval = 1 / rate
+    time = run.times[number]
     apart = float(np.diff(run.times).max(initial=0.0))
     if apart > (1 + 1e-9) * interval:
         needed = int(np.ceil((run.times[-1] - run.times[0]) * rate)) + 2

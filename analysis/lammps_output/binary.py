@@ -1,7 +1,7 @@
 """Snapshots of a binary dump of LAMMPS.
 
-A snapshot (``dump custom`` to a file that ends in .bin, in its second form) is a header of integers and the box, the
-names of the columns, and a block of float64 from each rank.
+A snapshot (``dump custom`` to a file that ends in .bin, in its second form) is a header of integers
+and the box, the names of the columns, and a block of float64 from each rank.
 """
 
 from __future__ import annotations
@@ -20,7 +20,8 @@ from granwave.analysis.lammps_output.frame import AGAIN, DAMAGED, WHOLE, CutShor
 
 BINARY = ".bin"  # suffix by which LAMMPS is told to write a binary dump
 _MAGIC = b"DUMPCUSTOM"
-_ENDIAN, _REVISION = 1, 2
+_ENDIAN = 1
+_REVISION = 2
 _LONGEST_TEXT = 1 << 20  # bytes of the names of columns, far more than any dump has
 _AHEAD = 4096  # bytes that are read at once of a header
 
@@ -28,18 +29,26 @@ _AHEAD = 4096  # bytes that are read at once of a header
 class _Bytes:
     """Bytes of a binary dump, from ``place`` on in snapshot ``number``.
 
-    The file is open only while some are read, so that the dumps of thousands of ranks can be read side by side.
+    The file is open only while some are read, so that the dumps of thousands of ranks can be read
+    side by side.
     """
 
     def __init__(self, path: Path) -> None:
-        self.path, self.size, self.place, self.number = path, path.stat().st_size, 0, 0
-        self._ahead, self._from = np.empty(0, np.uint8), 0
+        self.path = path
+        self.size = path.stat().st_size
+        self.place = 0
+        self.number = 0
+        self._ahead = np.empty(0, np.uint8)
+        self._from = 0
 
     def take(self, form: str) -> tuple[Any, ...]:
         """Read values of a header, as `struct` names them."""
         n = self.check_room(struct.calcsize(f"={form}"))
         if not 0 <= self.place - self._from <= len(self._ahead) - n:
-            self._ahead, self._from = np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place), self.place
+            self._ahead, self._from = (
+                np.fromfile(self.path, np.uint8, max(n, _AHEAD), offset=self.place),
+                self.place,
+            )
         values = struct.unpack_from(f"={form}", self._ahead.data, self.place - self._from)
         self.place += n
         return values
@@ -88,10 +97,13 @@ class BinaryRows:
     def __getitem__(self, rows: slice) -> BinaryRows:
         """Return some of the rows."""
         start, stop, _ = rows.indices(len(self))
-        begin, end, at = start * self.width, stop * self.width, 0
+        begin = start * self.width
+        end = stop * self.width
+        at = 0
         pieces = []
         for place, n in self.pieces:
-            low, high = max(begin - at, 0), min(end - at, n)
+            low = max(begin - at, 0)
+            high = min(end - at, n)
             if low < high:
                 pieces.append((place + 8 * low, high - low))
             at += n
@@ -105,7 +117,10 @@ class BinaryRows:
         whole = np.isin(columns, WHOLE)
         strange = np.zeros(table.shape, dtype=bool)
         strange[:, whole] = table[:, whole] != np.rint(table[:, whole])
-        for faults, expected in ((~np.isfinite(table), "a finite number"), (strange, "a whole number")):
+        for faults, expected in (
+            (~np.isfinite(table), "a finite number"),
+            (strange, "a whole number"),
+        ):
             for row, column in np.argwhere(faults)[:1].tolist():
                 raise OutputFormatError(
                     f"{self.path}: byte {self.pieces[-1][0] + 8 * self.pieces[-1][1]} (snapshot {self.number}): row "
@@ -118,13 +133,14 @@ class BinaryRows:
 def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the snapshots of a binary dump, in the order of the file, their rows unread.
 
-    Parameters and errors are those of `text_frames`. Dumps of a machine with another order of bytes, or of a LAMMPS
-    before 2021, are errors too.
+    Parameters and errors are those of `text_frames`. Dumps of a machine with another order of
+    bytes, or of a LAMMPS before 2021, are errors too.
     """
     data = _Bytes(path)
     while data.place < data.size:
         like, n_rows, n_blocks = _header(data)
-        width, pieces = max(1, len(like.columns)), []
+        width = max(1, len(like.columns))
+        pieces = []
         for _ in range(n_blocks):
             (n,) = data.take("i")
             if n < 0:
@@ -143,7 +159,9 @@ def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
 
 
 def _header(data: _Bytes) -> tuple[Frame, int, int]:
-    """Read all that comes before the rows: the frame without rows, and their number and that of the blocks."""
+    """Read all that comes before the rows: the frame without rows, and their number and that of the
+    blocks.
+    """
     (length,) = data.take("q")
     if length != -len(_MAGIC) or data.take(f"{len(_MAGIC)}s")[0] != _MAGIC:
         raise data.damaged("expected the header of a binary dump of LAMMPS")
@@ -164,7 +182,9 @@ def _header(data: _Bytes) -> tuple[Frame, int, int]:
     columns = tuple(data.text().split())
     (n_blocks,) = data.take("i")
     if min(step, n_rows, n_blocks) < 0 or n_columns != len(columns):
-        raise data.damaged(f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})")
+        raise data.damaged(
+            f"found step {step}, {n_rows} rows, {n_columns} columns ({' '.join(columns)})"
+        )
     if not np.all(np.isfinite(box)):
         raise data.damaged("the box is not finite")
     data.check_room(8 * n_rows * len(columns))

@@ -1,8 +1,9 @@
-"""Readers of the dumps of LAMMPS: snapshots of spheres, contacts, wall contacts; and of the data file.
+"""Readers of the dumps of LAMMPS: snapshots of spheres, contacts, wall contacts; and of the data
+file.
 
-A dump is one file of all ranks or one of each, and those of resumed runs. All values are float64: overlaps of
-micrometres in a packing of a metre exceed single precision. Snapshots are read one at a time; with ``at_once`` in
-frames of at most so many rows. All readers raise
+A dump is one file of all ranks or one of each, and those of resumed runs. All values are float64:
+overlaps of micrometres in a packing of a metre exceed single precision. Snapshots are read one at a
+time; with ``at_once`` in frames of at most so many rows. All readers raise
 
 MissingOutputError
     There is no such file, or that of a rank is missing.
@@ -48,7 +49,8 @@ from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
 
-# Columns that the readers require; others are optional, see `Frame.get`. Early versions did not write "elastic".
+# Columns that the readers require; others are optional, see `Frame.get`. Early versions did not
+# write "elastic".
 SPHERE_COLUMNS = tuple(name for name in columns.names(columns.SNAPSHOT) if name != "elastic")
 CONTACT_COLUMNS = columns.names(columns.CONTACTS)
 WALL_COLUMNS = columns.names(columns.WALL_CONTACTS)
@@ -63,34 +65,50 @@ log = logging.getLogger(__name__)
 def read_frames(
     directory: Path, at_once: int | None = None, *, partial: bool = True, unread: bool = False
 ) -> Iterator[Frame]:
-    """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`, rows sorted by id.
+    """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`,
+    rows sorted by id.
 
-    Where each rank wrote a file of its own, their rows are joined. The snapshots of resumed runs follow in files of
-    their own. If a step was written twice (resumed run), the first is used. With ``at_once`` only the rows of a frame
-    are sorted; those of a snapshot are, as LAMMPS writes them.
+    Where each rank wrote a file of its own, their rows are joined. The snapshots of resumed runs
+    follow in files of their own. If a step was written twice (resumed run), the first is used. With
+    ``at_once`` only the rows of a frame are sorted; those of a snapshot are, as LAMMPS writes them.
 
     Parameters
     ----------
     partial
-        True to skip a truncated last snapshot, of a killed run for instance, with a warning; else it is an error.
+        True to skip a truncated last snapshot, of a killed run for instance, with a warning; else
+        it is an error.
     unread
-        True to leave reading and sorting to the caller, `Frame.read` and `Frame.sorted_by`, where the dump is binary.
+        True to leave reading and sorting to the caller, `Frame.read` and `Frame.sorted_by`, where
+        the dump is binary.
     """
     dumps = _dumps_of_frames(directory)
-    contacts = directory / DUMPS / of_each_rank(files.CONTACTS_FILE)  # written by the same ranks as the last snapshot
+    contacts = (
+        directory / DUMPS / of_each_rank(files.CONTACTS_FILE)
+    )  # written by the same ranks as the last snapshot
     paths = [_rank_files(path, like=contacts if path is dumps[-1] else None) for path in dumps]
-    pieces = itertools.chain.from_iterable(_pieces(one, SPHERE_COLUMNS, at_once, partial=partial) for one in paths)
+    pieces = itertools.chain.from_iterable(
+        _pieces(one, SPHERE_COLUMNS, at_once, partial=partial) for one in paths
+    )
     rising = _rising(joined(pieces) if at_once is None else pieces)
     return rising if unread else (frame.read().sorted_by("id") for frame in rising)
 
 
 def frames_path(directory: Path) -> Path:
-    """Return the path of the dump of snapshots, binary or text, with "%" if each rank wrote its own."""
-    return _present(directory, [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))])
+    """Return the path of the dump of snapshots, binary or text, with "%" if each rank wrote its
+    own.
+    """
+    return _present(
+        directory,
+        [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
+    )
 
 
-def read_instants(directory: Path, name: str, required: tuple[str, ...], sort_by: str = "") -> Iterator[Frame]:
-    """Iterate over the snapshots of another dump by its name, with these columns, sorted by one of them."""
+def read_instants(
+    directory: Path, name: str, required: tuple[str, ...], sort_by: str = ""
+) -> Iterator[Frame]:
+    """Iterate over the snapshots of another dump by its name, with these columns, sorted by one of
+    them.
+    """
     path = directory / DUMPS / name
     if not path.exists():
         raise _missing_dump(directory, path)
@@ -100,7 +118,9 @@ def read_instants(directory: Path, name: str, required: tuple[str, ...], sort_by
 
 def read_frame_forces(directory: Path) -> Iterator[Frame]:
     """Iterate over the contacts at every snapshot: i, j, force, tx, ty, tz (N, on sphere i)."""
-    return read_instants(directory, files.FRAME_FORCES_FILE, columns.names(columns.FORCES_AT_FRAMES))
+    return read_instants(
+        directory, files.FRAME_FORCES_FILE, columns.names(columns.FORCES_AT_FRAMES)
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -136,7 +156,9 @@ class ContactDump:
 
     def _frames(self, at_once: int | None) -> Iterator[Frame]:
         first, *others = self.paths
-        n_rows, frame, in_parts = 0, None, RANK in self.path.name
+        n_rows = 0
+        frame = None
+        in_parts = RANK in self.path.name
         for frame in _pieces([first], self.required, at_once):
             n_rows += len(frame)
             yield frame.with_rows(frame.values, more=True) if in_parts else frame
@@ -159,7 +181,8 @@ class ContactDump:
         yield frame.with_rows(frame.values[:0])
 
     def unread(self, at_once: int) -> tuple[Frame, Iterator[Frame], int]:
-        """Return a frame without rows, the rows in pieces of about so many that any process can read, and their number.
+        """Return a frame without rows, the rows in pieces of about so many that any process can
+        read, and their number.
 
         Where fewer or more are found, `frames` raises the error of the damaged file.
         """
@@ -177,14 +200,18 @@ class ContactDump:
         noted = self.path.with_name(self.count)
         if not noted.exists():
             raise MissingOutputError(f"{noted} is missing; {AGAIN}")
-        return whole_number(noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted))
+        return whole_number(
+            noted.read_text(encoding="ascii", errors="replace"), "number of contacts", str(noted)
+        )
 
 
 def contacts_at_end(directory: Path) -> ContactDump:
-    """Return the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a row of its own.
+    """Return the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a
+    row of its own.
 
-    Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential, friction (dissipation) and
-    initial (initial dent): overlaps in m, forces in N, energies in J, times in s (-1: never).
+    Columns `CONTACT_COLUMNS` and, as far as recorded, tangential_force, elastic_tangential,
+    friction (dissipation) and initial (initial dent): overlaps in m, forces in N, energies in J,
+    times in s (-1: never).
     """
     path = _present(directory, [files.CONTACTS_FILE, of_each_rank(files.CONTACTS_FILE)])
     return ContactDump(path, _dumps_of_frames(directory)[-1], CONTACT_COLUMNS, files.COUNT_FILE)
@@ -193,12 +220,14 @@ def contacts_at_end(directory: Path) -> ContactDump:
 def contacts_after_static_stage(directory: Path) -> ContactDump | None:
     """Return the contact forces after the static stage: i, j, force (N).
 
-    None if there was no such stage, or an early version ran it, which did not write them. A file that is listed among
-    those of the run counts, even if it is missing.
+    None if there was no such stage, or an early version ran it, which did not write them. A file
+    that is listed among those of the run counts, even if it is missing.
     """
-    folder, own = directory / DUMPS, output_names(directory)
+    folder = directory / DUMPS
+    own = output_names(directory)
     for name in (files.INITIAL_FORCES_FILE, of_each_rank(files.INITIAL_FORCES_FILE)):
-        there, path = files_of(folder, name) or [name], folder / name
+        there = files_of(folder, name) or [name]
+        path = folder / name
         exist = [(folder / file).exists() for file in there]
         if any(f"{DUMPS}/{file}" in own for file in there) or (not own and any(exist)):
             if not all(exist):
@@ -208,10 +237,11 @@ def contacts_after_static_stage(directory: Path) -> ContactDump | None:
 
 
 def read_wall_contacts(directory: Path, *, after_static_stage: bool = False) -> dict[str, Frame]:
-    """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its name; none: empty.
+    """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its
+    name; none: empty.
 
-    Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial. Only dumps of the deck
-    count, if it lists them; a plane has NAME, and NAME_2 for a further material.
+    Columns id, `WALL_COLUMNS` and, as far as recorded, tangential_force, friction and initial. Only
+    dumps of the deck count, if it lists them; a plane has NAME, and NAME_2 for a further material.
 
     Parameters
     ----------
@@ -226,7 +256,11 @@ def read_wall_contacts(directory: Path, *, after_static_stage: bool = False) -> 
         if own and f"{DUMPS}/{path.name}" not in own:
             continue
         fix = path.name.removeprefix(before).removesuffix(after)
-        source = path.with_name(files.INITIAL_WALL_FORCES_FILE.format(fix)) if after_static_stage else path
+        source = (
+            path.with_name(files.INITIAL_WALL_FORCES_FILE.format(fix))
+            if after_static_stage
+            else path
+        )
         if not source.exists():
             raise MissingOutputError(f"{source} is missing; {AGAIN}")
         *_, frame = joined(_pieces([source], ("id", *required)))
@@ -246,11 +280,14 @@ def refuse_ids(path: Path, strange: NDArray[np.float64]) -> None:
         )
 
 
-def read_data(directory: Path, at_once: int | None = None, processes: Processes = ALONE) -> Iterator[Frame]:
-    """Iterate over the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3, as in the file.
+def read_data(
+    directory: Path, at_once: int | None = None, processes: Processes = ALONE
+) -> Iterator[Frame]:
+    """Iterate over the particles at the start (``data.granwave``), `DATA_COLUMNS` in m and kg/m^3,
+    as in the file.
 
-    The nodes of bars come last; they have diameter 0 and their mass in kg as density. Without ``at_once`` it is one
-    frame.
+    The nodes of bars come last; they have diameter 0 and their mass in kg as density. Without
+    ``at_once`` it is one frame.
     """
     path = directory / files.DATA_FILE
     if not path.exists():
@@ -265,7 +302,9 @@ def read_data(directory: Path, at_once: int | None = None, processes: Processes 
             if words[1:] == ["atoms"]:
                 n_spheres = whole_number(words[0], "number of atoms", lines.place())
             elif len(words) == 4 and words[3] in ("xhi", "yhi", "zhi"):
-                edges = read_rows([" ".join(words[:2])], (words[2], words[3]), lambda _: lines.place())
+                edges = read_rows(
+                    [" ".join(words[:2])], (words[2], words[3]), lambda _: lines.place()
+                )
                 box["xyz".index(words[3][0])] = edges[0]
             elif words and words[0] == "Atoms":
                 names = tuple(found[0].partition(":")[2].split()) or DATA_COLUMNS
@@ -273,9 +312,12 @@ def read_data(directory: Path, at_once: int | None = None, processes: Processes 
         if not n_spheres:
             raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
         if missing := [name for name in DATA_COLUMNS if name not in names]:
-            raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}")
+            raise OutputFormatError(
+                f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}"
+            )
         lines.take(1)
-        before, size = lines.n_read, at_once or n_spheres
+        before = lines.n_read
+        size = at_once or n_spheres
 
         def blocks() -> Iterator[NDArray[np.float64]]:
             if n_spheres > size and (pieces := data_rows(path, _ROW_BYTES * size)):
@@ -285,21 +327,34 @@ def read_data(directory: Path, at_once: int | None = None, processes: Processes 
                 n_rows = min(size, n_spheres - first)
                 if len(rows := lines.take(n_rows)) < n_rows:
                     raise _cut_data(path, lines.n_read, first + len(rows), n_spheres, names)
-                yield read_rows(rows, names, lambda row, above=lines.n_read - n_rows: f"{path}: line {above + row + 1}")  # type: ignore[misc]
+                yield read_rows(
+                    rows,
+                    names,
+                    lambda row, above=lines.n_read - n_rows: f"{path}: line {above + row + 1}",
+                )  # type: ignore[misc]
 
         held = np.empty((0, len(names)))
         for values in blocks():
-            held = np.concatenate([held, values])[: n_spheres - n_read] if len(held) else values[: n_spheres - n_read]
+            held = (
+                np.concatenate([held, values])[: n_spheres - n_read]
+                if len(held)
+                else values[: n_spheres - n_read]
+            )
             while len(held) >= min(size, n_spheres - n_read) > 0:
                 table = Frame(0, box, names, held[:size]).vector(*DATA_COLUMNS)
-                n_read, held = n_read + len(table), held[size:]
-                yield Frame(0, box, DATA_COLUMNS, np.ascontiguousarray(table), more=n_read < n_spheres)
+                n_read = n_read + len(table)
+                held = held[size:]
+                yield Frame(
+                    0, box, DATA_COLUMNS, np.ascontiguousarray(table), more=n_read < n_spheres
+                )
         if n_read < n_spheres:
             n_read += len(held)
             raise _cut_data(path, before + n_read, n_read, n_spheres, names)
 
 
-def _cut_data(path: Path, line: int, n_read: int, n_spheres: int, names: tuple[str, ...]) -> OutputFormatError:
+def _cut_data(
+    path: Path, line: int, n_read: int, n_spheres: int, names: tuple[str, ...]
+) -> OutputFormatError:
     rows = f"{n_read} of {n_spheres} rows under Atoms ({' '.join(names)})"
     return OutputFormatError(f"{path}: line {line}: found {rows}; {CUT}")
 
@@ -314,13 +369,19 @@ def _rising(frames: Iterable[Frame]) -> Iterator[Frame]:
 
 
 def _pieces(
-    paths: list[Path], required: tuple[str, ...], at_once: int | None = None, *, partial: bool = False
+    paths: list[Path],
+    required: tuple[str, ...],
+    at_once: int | None = None,
+    *,
+    partial: bool = False,
 ) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump of one or more files; check their columns, and that there is one.
+    """Iterate over the snapshots of a dump of one or more files; check their columns, and that
+    there is one.
 
     With ``partial`` a truncated last one is skipped with a warning.
     """
-    number, path = 0, paths[0]
+    number = 0
+    path = paths[0]
     try:
         for frame in _of_all_ranks(paths, at_once):
             if missing := [name for name in required if name not in frame.columns]:
@@ -339,8 +400,12 @@ def _pieces(
 
 
 def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump whose rows lie in several files, one range of ids in each, rising."""
-    readers = [(binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths]
+    """Iterate over the snapshots of a dump whose rows lie in several files, one range of ids in
+    each, rising.
+    """
+    readers = [
+        (binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths
+    ]
     for number in itertools.count():
         step = None
         for path, reader in zip(paths, readers, strict=True):
@@ -361,13 +426,18 @@ def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
 
 
 def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
-    """Return the files of a dump: itself, or those of all ranks where its name has "%", as has ``like``, another."""
+    """Return the files of a dump: itself, or those of all ranks where its name has "%", as has
+    ``like``, another.
+    """
     if RANK not in path.name:
         return [path]
 
     def numbers(dump: Path) -> set[int]:
         before, after = dump.name.split(RANK)
-        return {int(name.removeprefix(before).removesuffix(after)) for name in files_of(dump.parent, dump.name)}
+        return {
+            int(name.removeprefix(before).removesuffix(after))
+            for name in files_of(dump.parent, dump.name)
+        }
 
     found = numbers(path)
     expected = max(found | (numbers(like) if like is not None and RANK in like.name else set())) + 1
@@ -391,7 +461,9 @@ def _missing_dump(directory: Path, path: Path) -> MissingOutputError:
 def _present(directory: Path, names: list[str]) -> Path:
     """Return which of these dumps there is."""
     folder = directory / DUMPS
-    there = [name for name in names if any((folder / file).exists() for file in files_of(folder, name))]
+    there = [
+        name for name in names if any((folder / file).exists() for file in files_of(folder, name))
+    ]
     listed = [name for name in names if f"{DUMPS}/{name}" in output_names(directory)]
     if not there:
         raise _missing_dump(directory, folder / (listed or names)[0])
@@ -400,12 +472,17 @@ def _present(directory: Path, names: list[str]) -> Path:
 
 def _dumps_of_frames(directory: Path) -> list[Path]:
     """Return the dump of snapshots of a run, and those of its resumptions, in order of time."""
-    found, own = {}, output_names(directory)
+    found = {}
+    own = output_names(directory)
     for name in files.FRAMES_RESUMED.values():
         before, after = name.split("{}")
         for path in (directory / DUMPS).glob(f"{before}*{after}"):
             dump = _PART_NUMBER.sub(f".{RANK}", path.name)
             step = dump.removeprefix(before).removesuffix(after).removesuffix(f".{RANK}")
-            if step.isdecimal() and path.stat().st_size and (not own or f"{DUMPS}/{path.name}" in own):
+            if (
+                step.isdecimal()
+                and path.stat().st_size
+                and (not own or f"{DUMPS}/{path.name}" in own)
+            ):
                 found[int(step)] = path.with_name(dump)
     return [frames_path(directory), *(found[step] for step in sorted(found))]

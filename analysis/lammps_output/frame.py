@@ -1,4 +1,5 @@
-"""Snapshots of a dump of LAMMPS (step, box, and a table of values), text dumps, and rows of numbers in text files.
+"""Snapshots of a dump of LAMMPS (step, box, and a table of values), text dumps, and rows of numbers
+in text files.
 
 Errors of rows name file, line and column.
 """
@@ -26,7 +27,9 @@ _COUNTS = {"TIMESTEP": "timestep", "NUMBER OF": "number of rows"}  # in the head
 _BLOCK = 1 << 20  # bytes that are read at once where lines are counted
 
 
-def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]) -> NDArray[np.float64]:
+def read_rows(
+    rows: Sequence[str], columns: Sequence[str], place: Callable[[int], str]
+) -> NDArray[np.float64]:
     """Read finite numbers from rows of text: (n_rows, n_columns).
 
     Parameters
@@ -41,7 +44,8 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
     Raises
     ------
     OutputFormatError
-        A row has more or fewer values, a value is not a finite number, or an id or a step is not an integer.
+        A row has more or fewer values, a value is not a finite number, or an id or a step is not an
+        integer.
     """
     shape = len(rows), len(columns)
     values = read_numbers(" ".join(rows))
@@ -58,7 +62,9 @@ def read_rows(rows: Sequence[str], columns: Sequence[str], place: Callable[[int]
             faults = list(filter(None, map(_fault, words, columns)))
         if faults:
             raise OutputFormatError(f"{place(n)}: {faults[0]}; {DAMAGED}")
-    raise OutputFormatError(f"{place(0)}: expected {shape[0]} rows of {shape[1]} numbers; {DAMAGED}")
+    raise OutputFormatError(
+        f"{place(0)}: expected {shape[0]} rows of {shape[1]} numbers; {DAMAGED}"
+    )
 
 
 def whole_number(text: str, name: str, place: str) -> int:
@@ -68,7 +74,9 @@ def whole_number(text: str, name: str, place: str) -> int:
     except ValueError:
         value = -1
     if value < 0:
-        raise OutputFormatError(f"{place}: found {text.strip()!r}, expected the {name}, a whole number; {DAMAGED}")
+        raise OutputFormatError(
+            f"{place}: found {text.strip()!r}, expected the {name}, a whole number; {DAMAGED}"
+        )
     return value
 
 
@@ -80,7 +88,11 @@ def _fault(word: str, name: str) -> str:
         return f"found {word!r} for {name}, expected a number"
     if not math.isfinite(value):
         return f"found {word} for {name}, expected a finite number"
-    return f"found {word} for {name}, expected a whole number" if name in WHOLE and value != round(value) else ""
+    return (
+        f"found {word} for {name}, expected a whole number"
+        if name in WHOLE and value != round(value)
+        else ""
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -132,13 +144,21 @@ class Frame:
         return dataclasses.replace(self, values=values, more=more)
 
     def read(self) -> Frame:
-        """Return the frame with its rows, which are read from the file if they were not; raise as `text_frames`."""
+        """Return the frame with its rows, which are read from the file if they were not; raise as
+        `text_frames`.
+        """
         rows: Any = self.values
-        return self if isinstance(rows, np.ndarray) else self.with_rows(rows.read(self.columns), more=self.more)
+        return (
+            self
+            if isinstance(rows, np.ndarray)
+            else self.with_rows(rows.read(self.columns), more=self.more)
+        )
 
     def up_to(self, number: int) -> Frame:
         """Return the rows with ids up to ``number`` of a frame sorted by id."""
-        return self.with_rows(self.values[: np.searchsorted(self["id"], number, side="right")], more=self.more)
+        return self.with_rows(
+            self.values[: np.searchsorted(self["id"], number, side="right")], more=self.more
+        )
 
     def sorted_by(self, name: str) -> Frame:
         """Return the frame with its rows sorted by a column; they are moved in place."""
@@ -159,7 +179,9 @@ def joined(frames: Iterable[Frame]) -> Iterator[Frame]:
 
 
 class CutShortError(Exception):
-    """Error of a dump that ends within snapshot ``number``, counted from 0; ``place`` is the file and place in it."""
+    """Error of a dump that ends within snapshot ``number``, counted from 0; ``place`` is the file
+    and place in it.
+    """
 
     def __init__(self, place: str, number: int) -> None:
         super().__init__(f"{place}: snapshot {number} is cut short")
@@ -169,10 +191,13 @@ class Lines:
     """Lines of a text file, counted for messages."""
 
     def __init__(self, path: Path) -> None:
-        self.path, self.n_read = path, 0
+        self.path = path
+        self.n_read = 0
 
     def __enter__(self) -> Lines:
-        self._file = open(self.path, encoding="ascii", errors="replace")  # other bytes give an error with their line
+        self._file = open(
+            self.path, encoding="ascii", errors="replace"
+        )  # other bytes give an error with their line
         return self
 
     def __exit__(self, *_: object) -> None:
@@ -189,16 +214,21 @@ class Lines:
         return f"{self.path}: line {self.n_read - back}"
 
     def frame(self, rows: list[str], like: Frame, number: int, *, more: bool) -> Frame:
-        """Return the frame of rows of a snapshot that were just taken; box and columns are those of another."""
+        """Return the frame of rows of a snapshot that were just taken; box and columns are those of
+        another.
+        """
         if rows and not rows[-1].endswith("\n"):
             raise CutShortError(self.place(), number)
         last = len(rows) - 1
-        values = read_rows(rows, like.columns, lambda row: f"{self.place(last - row)} (snapshot {number})")
+        values = read_rows(
+            rows, like.columns, lambda row: f"{self.place(last - row)} (snapshot {number})"
+        )
         return like.with_rows(values, more=more)
 
 
 def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a text dump, of ``dump custom`` or ``dump local``, in the order of the file.
+    """Iterate over the snapshots of a text dump, of ``dump custom`` or ``dump local``, in the order
+    of the file.
 
     Parameters
     ----------
@@ -217,21 +247,31 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
             if (header := _header(lines, number)) is None:
                 return
             bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
-            box = read_rows(bounds, ("low", "high"), lambda _, number=number: f"{path}: box of snapshot {number}")  # type: ignore[misc]
-            columns, left = tuple(header["columns"][0].split()[2:]), int(header["NUMBER OF"][0])
-            frame = Frame(int(header["TIMESTEP"][0]), box, columns, np.empty((0, len(columns))), more=True)
+            box = read_rows(
+                bounds,
+                ("low", "high"),
+                lambda _, number=number: f"{path}: box of snapshot {number}",
+            )  # type: ignore[misc]
+            columns = tuple(header["columns"][0].split()[2:])
+            left = int(header["NUMBER OF"][0])
+            frame = Frame(
+                int(header["TIMESTEP"][0]), box, columns, np.empty((0, len(columns))), more=True
+            )
             while frame.more:
                 n_rows = left if at_once is None else min(left, at_once)
-                rows, left = lines.take(n_rows), left - n_rows
+                rows = lines.take(n_rows)
+                left = left - n_rows
                 if len(rows) < n_rows:
                     raise CutShortError(lines.place(), number)
                 yield (frame := lines.frame(rows, frame, number, more=left > 0))
 
 
 def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the rows of a file of nothing else, as LAMMPS writes for all ranks but the first.
+    """Iterate over the rows of a file of nothing else, as LAMMPS writes for all ranks but the
+    first.
 
-    Box and columns are those of ``like``, a frame of the file that has a header; else as `text_frames`.
+    Box and columns are those of ``like``, a frame of the file that has a header; else as
+    `text_frames`.
     """
     with Lines(path) as lines:
         while rows := lines.take(at_once):
@@ -240,7 +280,9 @@ def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> 
 
 @dataclasses.dataclass(frozen=True)
 class TextRows:
-    """Lines of a text file that hold rows, the first of them at byte ``begin``, the last before ``end``; unread."""
+    """Lines of a text file that hold rows, the first of them at byte ``begin``, the last before
+    ``end``; unread.
+    """
 
     path: Path
     begin: int
@@ -251,7 +293,9 @@ class TextRows:
         """Read and check the values: (n_rows, n_columns)."""
         with open(self.path, "rb") as file:
             file.seek(self.begin)
-            *rows, rest = file.read(self.end - self.begin).decode("ascii", errors="replace").split("\n")
+            *rows, rest = (
+                file.read(self.end - self.begin).decode("ascii", errors="replace").split("\n")
+            )
         if rest:
             raise OutputFormatError(f"{CutShortError(self._place(len(rows)), 0)}; {CUT}")
         return read_rows(rows, columns, lambda row: f"{self._place(row)}{self.note}")
@@ -265,9 +309,12 @@ class TextRows:
 
 
 def after_header(path: Path) -> tuple[int, int]:
-    """Return the place of the first row of a text dump whose header is whole, and the number of rows it tells."""
+    """Return the place of the first row of a text dump whose header is whole, and the number of
+    rows it tells.
+    """
     with open(path, "rb") as file:
-        n_rows, line = 0, b""
+        n_rows = 0
+        line = b""
         while not line.startswith((b"ITEM: ATOMS", b"ITEM: ENTRIES")):
             line = file.readline()
             if line.startswith(b"ITEM: NUMBER OF"):
@@ -275,8 +322,12 @@ def after_header(path: Path) -> tuple[int, int]:
         return file.tell(), n_rows
 
 
-def text_rows(path: Path, begin: int, n_bytes: int, end: int | None = None, **note: str) -> Iterator[TextRows]:
-    """Iterate over the rows of a text file between two bytes, in pieces of about so many bytes, unread."""
+def text_rows(
+    path: Path, begin: int, n_bytes: int, end: int | None = None, **note: str
+) -> Iterator[TextRows]:
+    """Iterate over the rows of a text file between two bytes, in pieces of about so many bytes,
+    unread.
+    """
     end = path.stat().st_size if end is None else end
     with open(path, "rb") as file:
         while begin < end:
@@ -287,7 +338,9 @@ def text_rows(path: Path, begin: int, n_bytes: int, end: int | None = None, **no
 
 
 def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
-    """Return the rows of the section Atoms of a data file in pieces of about so many bytes; empty if it was cut."""
+    """Return the rows of the section Atoms of a data file in pieces of about so many bytes; empty
+    if it was cut.
+    """
     with open(path, "rb") as file:
         while not (line := file.readline()).startswith(b"Atoms"):
             pass
@@ -297,13 +350,20 @@ def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
             if (blank := (last + block).find(b"\n\n")) >= 0:
                 end += blank
                 break
-            end, last = end + len(block), block[-1:]
+            end = end + len(block)
+            last = block[-1:]
     whole = block or last == b"\n"
-    return list(text_rows(path, begin, n_bytes, end, note="")) if whole and not line.endswith(b"\r\n") else []
+    return (
+        list(text_rows(path, begin, n_bytes, end, note=""))
+        if whole and not line.endswith(b"\r\n")
+        else []
+    )
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
-    """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at the file's end."""
+    """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at
+    the file's end.
+    """
     header: dict[str, list[str]] = {}
     while titles := lines.take(1):
         title = titles[0]
@@ -318,7 +378,9 @@ def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
             break
         name = " ".join(title.split()[1:3])
         if name in header:
-            raise OutputFormatError(f"{lines.place()}: a second {name} in snapshot {number}; {DAMAGED}")
+            raise OutputFormatError(
+                f"{lines.place()}: a second {name} in snapshot {number}; {DAMAGED}"
+            )
         header[name] = lines.take(3 if name == "BOX BOUNDS" else 1)
         if name in _COUNTS and header[name]:
             whole_number(header[name][0], _COUNTS[name], lines.place())
@@ -327,5 +389,7 @@ def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
     if "columns" not in header:
         raise CutShortError(lines.place(), number)
     if missing := [name for name in (*_COUNTS, "BOX BOUNDS") if name not in header]:
-        raise OutputFormatError(f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}")
+        raise OutputFormatError(
+            f"{lines.place()}: snapshot {number} lacks its {', '.join(missing)}; {DAMAGED}"
+        )
     return header

@@ -1,8 +1,8 @@
 """Readers of the time series and of the record of a run, and the check that its output is complete.
 
-``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``), the last of which names
-the columns, followed by a row of numbers for each instant. A last row that was cut is dropped; of rows of the same
-instant (resumed run) the last one is used. Truncated files
+``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``), the
+last of which names the columns, followed by a row of numbers for each instant. A last row that was
+cut is dropped; of rows of the same instant (resumed run) the last one is used. Truncated files
 would silently give wrong results.
 """
 
@@ -33,17 +33,23 @@ ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
 
 Table = dict[str, NDArray[np.float64]]
-_RECORDED = {"n_steps": int, "wall_time_s": int | float, "versions": dict}  # values that are used, with their types
+_RECORDED = {
+    "n_steps": int,
+    "wall_time_s": int | float,
+    "versions": dict,
+}  # values that are used, with their types
 
 
 def read_energy(directory: str | Path) -> Table:
     """Read the energy ledger of a run, each column (n_instants,).
 
-    Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``, ``support_lost`` and ``target``
-    (energy of the support, dissipation by its damper, work done on it), J; with bars the energy of each, J; of chains
-    that rub against their holder ``holder`` (dissipation by this friction), with absorbing spheres ``absorbed``, with
-    viscous losses ``viscous``, with cohesion ``adhesion`` (dissipation where surfaces meet and part), with resistance
-    to rolling and twisting ``rolling``, ``twisting`` (dissipation), ``elastic_rolling`` and ``elastic_twisting``, J.
+    Columns `ENERGY_COLUMNS` and `FRICTION_COLUMNS`; with a moving bottom ``support``,
+    ``support_lost`` and ``target`` (energy of the support, dissipation by its damper, work done on
+    it), J; with bars the energy of each, J; of chains that rub against their holder ``holder``
+    (dissipation by this friction), with absorbing spheres ``absorbed``, with viscous losses
+    ``viscous``, with cohesion ``adhesion`` (dissipation where surfaces meet and part), with
+    resistance to rolling and twisting ``rolling``, ``twisting`` (dissipation), ``elastic_rolling``
+    and ``elastic_twisting``, J.
 
     Raises
     ------
@@ -54,10 +60,14 @@ def read_energy(directory: str | Path) -> Table:
     """
     path = Path(directory) / files.DUMPS / files.ENERGY_FILE
     if not path.exists():
-        raise MissingOutputError(f"{path} is missing: run the case first (granwave run CASE -o {directory} --force)")
+        raise MissingOutputError(
+            f"{path} is missing: run the case first (granwave run CASE -o {directory} --force)"
+        )
     table = read_table(directory, files.ENERGY_FILE)
     if missing := [name for name in ENERGY_COLUMNS if name not in table]:
-        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}")
+        raise OutputFormatError(
+            f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}"
+        )
     zeros = np.zeros_like(table["time"])
     return table | {name: zeros for name in FRICTION_COLUMNS if name not in table}
 
@@ -66,21 +76,26 @@ def read_table(directory: str | Path, name: str) -> Table:
     """Read a table of this name in ``dumps``, each column (n_rows,); empty if the run has none.
 
     walls.txt
-        Normal forces on walls, N, positive outwards, by name of the wall, with ``step`` and ``time``.
+        Normal forces on walls, N, positive outwards, by name of the wall, with ``step`` and
+        ``time``.
     probes.txt
-        Records of the probes, with ``step`` and ``time``: ``sphere_ID_ux`` (uy, uz) displacement in m, ``_vx`` velocity
-        in m/s, ``_fx`` force in N; ``contact_I_J_overlap`` in m and ``contact_I_J_force`` in N.
+        Records of the probes, with ``step`` and ``time``: ``sphere_ID_ux`` (uy, uz) displacement in
+        m, ``_vx`` velocity in m/s, ``_fx`` force in N; ``contact_I_J_overlap`` in m and
+        ``contact_I_J_force`` in N.
     prestage.txt
-        Record of the static stage of a precompressed run, one row: ``residual`` (largest net force over the largest
-        contact force), ``largest_force`` N, ``contacts``, ``yielded``, ``stored`` (elastic energy) J, ``displacement``
-        m, ``iterations``.
+        Record of the static stage of a precompressed run, one row: ``residual`` (largest net force
+        over the largest contact force), ``largest_force`` N, ``contacts``, ``yielded``, ``stored``
+        (elastic energy) J, ``displacement`` m, ``iterations``.
     """
     path = Path(directory) / files.DUMPS / name
     if not path.exists():
         return {}
     names: list[str] = []
-    rows, lines = [], []
-    with open(path, encoding="ascii", errors="replace") as file:  # other bytes give an error with their line
+    rows = []
+    lines = []
+    with open(
+        path, encoding="ascii", errors="replace"
+    ) as file:  # other bytes give an error with their line
         for number, line in enumerate(file, start=1):
             if line.startswith("#"):
                 names = line[1:].split()
@@ -93,11 +108,15 @@ def read_table(directory: str | Path, name: str) -> Table:
     values = read_rows(rows, names, lambda row: f"{path}: line {lines[row]}")
     _, backwards = np.unique(values[::-1, 0], return_index=True)
     values = values[len(values) - 1 - backwards]
-    apart = np.diff(values[:, 0])  # rows are evenly spaced; a temporarily full disk could have left some out
+    apart = np.diff(
+        values[:, 0]
+    )  # rows are evenly spaced; a temporarily full disk could have left some out
     if names[0] == "step" and len(apart) and apart.max() > apart.min():
         n = int(apart.argmax())
         first, second = values[n : n + 2, 0]
-        raise OutputFormatError(f"{path} lacks rows between the steps {first:.0f} and {second:.0f}; {AGAIN}")
+        raise OutputFormatError(
+            f"{path} lacks rows between the steps {first:.0f} and {second:.0f}; {AGAIN}"
+        )
     return {name: np.ascontiguousarray(values[:, n]) for n, name in enumerate(names)}
 
 
@@ -113,7 +132,9 @@ def read_record(directory: str | Path) -> dict[str, Any]:
     if not path.exists():
         return {}
     record = read_json(path)
-    if record is None or any(not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record):
+    if record is None or any(
+        not isinstance(record[name], kind) for name, kind in _RECORDED.items() if name in record
+    ):
         raise OutputFormatError(f"{path} cannot be read: delete it, or {AGAIN}")
     return record
 
@@ -126,20 +147,30 @@ def check_complete(directory: Path) -> Case:
     MissingOutputError, OutputFormatError
         A file is missing, lacks a column, or ends before the run did.
     """
-    deck, dumps = read_deck(directory), directory / files.DUMPS
-    case, every = deck.case, deck.schedule.ledger_every
+    deck = read_deck(directory)
+    dumps = directory / files.DUMPS
+    case = deck.case
+    every = deck.schedule.ledger_every
     last = int(read_energy(directory)["step"][-1])
     recorded = read_record(directory).get("n_steps")  # None for a deck that was run by hand
     if recorded is not None and last < recorded - every:
-        raise OutputFormatError(f"{dumps / files.ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}")
+        raise OutputFormatError(
+            f"{dumps / files.ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}"
+        )
     found = walls(case)
     columns = [wall.name for wall in found] + [bar.name for bar in assemble(case).bars]
     if columns:
         _check_series(directory, files.WALLS_FILE, columns, last, every)
     if case.probes:
-        columns = ["contact_{}_{}_force".format(*probe.contact) for probe in case.probes if probe.contact is not None]
+        columns = [
+            "contact_{}_{}_force".format(*probe.contact)
+            for probe in case.probes
+            if probe.contact is not None
+        ]
         columns += [f"sphere_{probe.sphere}_ux" for probe in case.probes if probe.contact is None]
-        _check_series(directory, files.PROBES_FILE, columns, last, max(every, deck.schedule.probe_every))
+        _check_series(
+            directory, files.PROBES_FILE, columns, last, max(every, deck.schedule.probe_every)
+        )
     needed = [files.LINES_FILE] if case.line else []
     needed += [files.STATIC_STAGE_FILE] if case.precompression else []
     for wall in (wall for wall in found if not wall.held_layer):
@@ -160,10 +191,15 @@ def check_unchanged(directory: Path, processes: Processes = ALONE) -> None:
 
 def _check_series(directory: Path, name: str, columns: list[str], last: int, every: int) -> None:
     """Check that a table exists, has these columns, and ends with the ledger."""
-    table, path = read_table(directory, name), directory / files.DUMPS / name
+    table = read_table(directory, name)
+    path = directory / files.DUMPS / name
     if not table:
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
     if missing := [name for name in columns if name not in table]:
-        raise OutputFormatError(f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}")
+        raise OutputFormatError(
+            f"{path} lacks the columns {', '.join(missing)}; it has {', '.join(table)}; {AGAIN}"
+        )
     if abs(table["step"][-1] - last) > every:
-        raise OutputFormatError(f"{path} ends at step {table['step'][-1]:.0f}, the ledger at step {last}: {CUT}")
+        raise OutputFormatError(
+            f"{path} ends at step {table['step'][-1]:.0f}, the ledger at step {last}: {CUT}"
+        )

@@ -1,1 +1,3 @@
-"""Quantities that are measured on a run: plastic zone, impact, waves, chains, driven rows, targets, sensors."""
+"""Quantities that are measured on a run: plastic zone, impact, waves, chains, driven rows, targets,
+sensors.
+"""

@@ -1,4 +1,6 @@
-"""Records of chains, and of rows of grains with others beside them: rings in a tube, cylinders between walls."""
+"""Records of chains, and of rows of grains with others beside them: rings in a tube, cylinders
+between walls.
+"""
 
 from __future__ import annotations
 
@@ -41,8 +43,8 @@ class HasResults(Protocol):
 class Chain:
     """Record of a chain from a run as `granwave.load` gives it.
 
-    Contacts are numbered from the struck end, from 0, those with strikers and with the faces of bars among them; so are
-    beads, strikers first.
+    Contacts are numbered from the struck end, from 0, those with strikers and with the faces of
+    bars among them; so are beads, strikers first.
 
     Parameters
     ----------
@@ -51,7 +53,9 @@ class Chain:
     """
 
     def __init__(self, run: HasResults) -> None:
-        self.run, self.directory, self.case = run, run.directory, run.case
+        self.run = run
+        self.directory = run.directory
+        self.case = run.case
         self._arrays: dict[str, NDArray] = {}
 
     def value(self, name: str) -> float:
@@ -79,7 +83,9 @@ class Chain:
 
     @cached_property
     def loss(self) -> Viscous | None:
-        """Loss between two such beads: "time" and the loss time (s), or "dashpot" and its factor; None without."""
+        """Loss between two such beads: "time" and the loss time (s), or "dashpot" and its factor;
+        None without.
+        """
         own = self.case.material
         return viscous_loss(self.assembly, self.case.contact, own, own)
 
@@ -129,7 +135,9 @@ class Chain:
 
     @property
     def place(self) -> Array:
-        """Place of the contacts along the chain at the start, the centre of bead 1 at 0: (n_contacts,), m."""
+        """Place of the contacts along the chain at the start, the centre of bead 1 at 0:
+        (n_contacts,), m.
+        """
         return self.array("chain/contact_position")
 
     @property
@@ -149,7 +157,9 @@ class Chain:
         return first_peak(self.time, self.force[:, contact])
 
     def of_contacts(self, name: str) -> Array:
-        """A column of ``/contacts``, such as ``peak_force``, along the chain, contacts with bars too: (n_contacts,)."""
+        """A column of ``/contacts``, such as ``peak_force``, along the chain, contacts with bars
+        too: (n_contacts,).
+        """
         with Result(self.directory) as result:
             return result.along_chain(name)
 
@@ -161,12 +171,14 @@ class Chain:
 
     def contact_between(self, bead: int) -> int:
         """Place, in the arrays of the history, of the contact between this bead and the next."""
-        i, j = self.array("chain/contact_i"), self.array("chain/contact_j")
+        i = self.array("chain/contact_i")
+        j = self.array("chain/contact_j")
         return int(np.flatnonzero((i == bead) & (j == bead + 1))[0])
 
 
 class GrainRow(Chain):
-    """Record of the grains on the axis x = y = 0, and of those beside it; no history of a chain is needed.
+    """Record of the grains on the axis x = y = 0, and of those beside it; no history of a chain is
+    needed.
 
     Grains and contacts of the row count from 1, along z: contact k is that of grains k and k + 1.
 
@@ -178,7 +190,8 @@ class GrainRow(Chain):
 
     def __init__(self, run: HasResults) -> None:
         super().__init__(run)
-        place, ids = self.array("spheres/position"), self.array("spheres/id")
+        place = self.array("spheres/position")
+        ids = self.array("spheres/id")
         on_axis = np.hypot(*place[:, :2].T) < _ON_AXIS * self.case.packing.diameter
         self.ids = ids[on_axis][np.argsort(place[on_axis, 2])]
         self.beside = ids[~on_axis]
@@ -190,24 +203,35 @@ class GrainRow(Chain):
         return self._number[(self.load.index or (int(self.ids[0]),))[0]]
 
     def of_contacts(self, name: str) -> Array:
-        """A column of ``/contacts``, such as ``peak_force``, along the row; 0 of contacts that never bore a force."""
+        """A column of ``/contacts``, such as ``peak_force``, along the row; 0 of contacts that
+        never bore a force.
+        """
         with Result(self.directory) as result:
             return result.of_pairs(name, self.ids[:-1], self.ids[1:])
 
     @cached_property
     def passed(self) -> int:
         """The last contact from which the crest of the leading wave has gone on."""
-        force, time = self.of_contacts("peak_force"), self.of_contacts("time_peak")
-        done = (time[:-1] < time[1:]) & (time[1:] < self.value("end_time_s") * (1 - 1e-6)) & (force[:-1] > 0)
+        force = self.of_contacts("peak_force")
+        time = self.of_contacts("time_peak")
+        done = (
+            (time[:-1] < time[1:])
+            & (time[1:] < self.value("end_time_s") * (1 - 1e-6))
+            & (force[:-1] > 0)
+        )
         after = np.flatnonzero(~done[self.struck :])
         return self.struck + (int(after[0]) if len(after) else len(done) - self.struck)
 
     @cached_property
     def contact_forces(self) -> dict[int, Array]:
-        """Forces of the contacts of the row that ``output.probes`` names, at the instants ``probes/time``, N."""
+        """Forces of the contacts of the row that ``output.probes`` names, at the instants
+        ``probes/time``, N.
+        """
         with Result(self.directory) as result:
             probes = [match for name in result.names("probes") if (match := _PROBE.fullmatch(name))]
-            numbers = [sorted(self._number.get(int(one), -1) for one in match.groups()) for match in probes]
+            numbers = [
+                sorted(self._number.get(int(one), -1) for one in match.groups()) for match in probes
+            ]
             found = {
                 low: result[f"probes/{match[0]}"]
                 for match, (low, high) in zip(probes, numbers, strict=True)
@@ -217,8 +241,13 @@ class GrainRow(Chain):
 
     @cached_property
     def inward(self) -> float:
-        """Mean distance by which the grains beside the row have moved towards its axis before the load, m."""
+        """Mean distance by which the grains beside the row have moved towards its axis before the
+        load, m.
+        """
         with Result(self.directory) as result:
             rows = result.rows(self.beside)
-            place, moved = result["spheres/position"][rows, :2], result.frame(0, "displacement")[rows, :2]
-        return -float((moved * place).sum(axis=1) @ (1 / np.linalg.norm(place, axis=1)) / len(place))
+            place = result["spheres/position"][rows, :2]
+            moved = result.frame(0, "displacement")[rows, :2]
+        return -float(
+            (moved * place).sum(axis=1) @ (1 / np.linalg.norm(place, axis=1)) / len(place)
+        )

@@ -1,20 +1,23 @@
 """Rows of grains under a load that oscillates, or that pushes them once or twice.
 
-Transmission of a harmonic load: the velocity of every sphere is fitted by a constant and a sine and cosine of its
-frequency over the last whole periods, at most half of the run; what the fit leaves tells how far from steady the motion
-is.
+Transmission of a harmonic load: the velocity of every sphere is fitted by a constant and a sine and
+cosine of its frequency over the last whole periods, at most half of the run; what the fit leaves
+tells how far from steady the motion is.
 
-Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres over the whole run,
-where the spectrum of the first holds more than a share of its largest value. With noise it is the cross spectrum over
-the power spectrum, averaged over neighbouring frequencies (Bendat and Piersol, Random Data, 1986).
+Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres
+over the whole run, where the spectrum of the first holds more than a share of its largest value.
+With noise it is the cross spectrum over the power spectrum, averaged over neighbouring frequencies
+(Bendat and Piersol, Random Data, 1986).
 
-Answer to an amplitude that rises and falls at one frequency: the signals are fitted, in windows of whole periods of the
-load, by sines of its frequency and of twice, three times and half of it. A linear row answers in proportion, in the
-load's frequency alone. Where the branches of rising and of falling amplitude part, there are two states at one load;
-where half of the frequency appears, the period has doubled.
+Answer to an amplitude that rises and falls at one frequency: the signals are fitted, in windows of
+whole periods of the load, by sines of its frequency and of twice, three times and half of it. A
+linear row answers in proportion, in the load's frequency alone. Where the branches of rising and of
+falling amplitude part, there are two states at one load; where half of the frequency appears, the
+period has doubled.
 
-Mean power that a harmonic load puts in and that leaves at absorbing ends: slopes of energies of the ledger against
-time, by least squares over the last half of the run, so that what goes to and fro within a period does not count.
+Mean power that a harmonic load puts in and that leaves at absorbing ends: slopes of energies of the
+ledger against time, by least squares over the last half of the run, so that what goes to and fro
+within a period does not count.
 """
 
 from __future__ import annotations
@@ -29,7 +32,12 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.signals import Array, arrival
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.checks.loads import LEAST_PER_PERIOD, LEAST_PERIODS, LEAST_WINDOWS, WINDOW_PERIODS
+from granwave.lammps_inputs.checks.loads import (
+    LEAST_PER_PERIOD,
+    LEAST_PERIODS,
+    LEAST_WINDOWS,
+    WINDOW_PERIODS,
+)
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row
 
 STEADY = 0.02  # part of the motion that a steady fit may leave
@@ -43,7 +51,8 @@ _COMPARED = 33  # loads at which the branches are compared
 _FEWEST_INSTANTS = 8  # instants that a slope is fitted to
 _ENDS = ("energy/absorbed", "energy/support_lost")
 _ARRIVED = 0.2  # of the largest force
-_SHARE = 0.75  # of the time between the pushes, after its arrival: what comes later is of the second pulse
+# of the time between the pushes, after its arrival: what comes later is of the second pulse
+_SHARE = 0.75
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -51,7 +60,9 @@ class SteadyMotion:
     """Amplitudes along a row under a harmonic load."""
 
     frequency: float  # Hz
-    velocity: NDArray[np.complex128]  # complex amplitudes of the spheres, in their order: (n_spheres,), m/s
+    velocity: NDArray[
+        np.complex128
+    ]  # complex amplitudes of the spheres, in their order: (n_spheres,), m/s
     left: Array  # root mean square of what the fit leaves over that of the whole: (n_spheres,)
     row: MeasuredRow  # the spheres
 
@@ -77,7 +88,9 @@ class SteadyMotion:
 
     @property
     def ratio(self) -> float | None:
-        """Amplitude of the last sphere over that of the loaded one; None of a single one, or if one is not steady."""
+        """Amplitude of the last sphere over that of the loaded one; None of a single one, or if one
+        is not steady.
+        """
         if not self.driven or self.unsteady > STEADY or self.first == self.last:
             return None
         return float(abs(self.velocity[self.row.last])) / self.driven
@@ -93,11 +106,13 @@ class Spectrum:
     last: int
 
 
-def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[NDArray[np.complex128], Array] | None:
+def steady_amplitudes(
+    time: Array, signals: Array, frequency: float
+) -> tuple[NDArray[np.complex128], Array] | None:
     """Fit sines of one frequency over the last whole periods, at most half of the time.
 
-    The second and third harmonic, which a nonlinear row has in its steady motion, are fitted too where the records are
-    dense enough.
+    The second and third harmonic, which a nonlinear row has in its steady motion, are fitted too
+    where the records are dense enough.
 
     Parameters
     ----------
@@ -109,8 +124,8 @@ def steady_amplitudes(time: Array, signals: Array, frequency: float) -> tuple[ND
     Returns
     -------
     tuple
-        Complex amplitudes a of Re(a exp(i omega t)), and what the fit leaves over the whole, both (n_signals,); None
-        if there are fewer than three periods.
+        Complex amplitudes a of Re(a exp(i omega t)), and what the fit leaves over the whole, both
+        (n_signals,); None if there are fewer than three periods.
     """
     periods = math.floor((time[-1] - time[0]) / 2 * frequency * (1 + 1e-12))
     if periods < LEAST_PERIODS:
@@ -132,8 +147,11 @@ def _sines(angle: Array, multiples: Sequence[float]) -> list[Array]:
     return [part(factor * angle) for factor in multiples for part in (np.cos, np.sin)]
 
 
-def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> tuple[Array, NDArray[np.complex128]]:
-    """Ratio of the spectra of two signals, where that of the first is not weak; both are tapered at their end.
+def transfer(
+    time: Array, drive: Array, answer: Array, *, averaged: int = 1
+) -> tuple[Array, NDArray[np.complex128]]:
+    """Ratio of the spectra of two signals, where that of the first is not weak; both are tapered at
+    their end.
 
     Parameters
     ----------
@@ -153,17 +171,20 @@ def transfer(time: Array, drive: Array, answer: Array, *, averaged: int = 1) -> 
     one, two = (np.fft.rfft(signal * taper) for signal in (drive, answer))
     frequency = np.fft.rfftfreq(len(time), (time[-1] - time[0]) / (len(time) - 1))
     window = np.ones(averaged) / averaged
-    cross, power = (np.convolve(values, window, mode="same") for values in (two * one.conj(), np.abs(one) ** 2))
+    cross, power = (
+        np.convolve(values, window, mode="same") for values in (two * one.conj(), np.abs(one) ** 2)
+    )
     heard = power > _HEARD**2 * power.max(initial=0.0)
     heard[0] = False
     return frequency[heard], cross[heard] / power[heard]
 
 
 def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
-    """Return the measured row of a load that oscillates, times (n_times,), s, and velocities (n_times, n_spheres), m/s.
+    """Return the measured row of a load that oscillates, times (n_times,), s, and velocities
+    (n_times, n_spheres), m/s.
 
-    Velocities are along the load, those of a chain along z. None for other runs, or where too few instants were
-    recorded.
+    Velocities are along the load, those of a chain along z. None for other runs, or where too few
+    instants were recorded.
     """
     load = result.case.load
     if not load.driven or not load.oscillates:
@@ -171,11 +192,14 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
     row = measured_row(result.assembly)
     if row is None or f"{row.group}/velocity" not in result:
         return None
-    time, velocity = result[f"{row.group}/time"], result[f"{row.group}/velocity"]
+    time = result[f"{row.group}/time"]
+    velocity = result[f"{row.group}/velocity"]
     if len(time) < 2:
         return None
     interval = float(time[-1] - time[0]) / (len(time) - 1)
-    if load.frequencies[1] * interval * LEAST_PER_PERIOD > 1 + 1e-9:  # the record does not resolve the load
+    if (
+        load.frequencies[1] * interval * LEAST_PER_PERIOD > 1 + 1e-9
+    ):  # the record does not resolve the load
         return None
     if velocity.ndim > 2:
         velocity = velocity @ np.array(load.way) if load.slants else velocity[..., 2]
@@ -185,7 +209,9 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
 
 
 def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
-    """Transmission of a row whose load oscillates; None for other runs, or where too few instants were recorded."""
+    """Transmission of a row whose load oscillates; None for other runs, or where too few instants
+    were recorded.
+    """
     found = motion_of(result)
     if found is None:
         return None
@@ -211,8 +237,8 @@ class AmplitudeSweep:
     rising
         True where it rises: (n,).
     first, last
-        Amplitudes of the loaded sphere and of the last one before those that absorb, at each of `MULTIPLES` of the
-        frequency: (n_multiples, n), m/s.
+        Amplitudes of the loaded sphere and of the last one before those that absorb, at each of
+        `MULTIPLES` of the frequency: (n_multiples, n), m/s.
     """
 
     load: Array
@@ -225,7 +251,9 @@ class AmplitudeSweep:
         """Largest difference of the last sphere's branches at one load, over its largest amplitude."""
         answer = self.last[0]
         both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
-        there = np.linspace(max(load.min() for load, _ in both), min(load.max() for load, _ in both), _COMPARED)
+        there = np.linspace(
+            max(load.min() for load, _ in both), min(load.max() for load, _ in both), _COMPARED
+        )
         branches = []
         for load, size in both:
             order = np.argsort(load)
@@ -234,7 +262,8 @@ class AmplitudeSweep:
 
 
 def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
-    """Fit sines at `MULTIPLES` of a frequency: (n_multiples, n_signals), from (n_times,) and (n_times, n_signals).
+    """Fit sines at `MULTIPLES` of a frequency: (n_multiples, n_signals), from (n_times,) and
+    (n_times, n_signals).
 
     Their amplitudes may change linearly in time; those in the middle are returned.
     """
@@ -247,43 +276,55 @@ def fitted_amplitudes(time: Array, signals: Array, frequency: float) -> Array:
 
 
 def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
-    """Answer of a row whose load rises and falls; None for other runs, or where too few instants were recorded.
+    """Answer of a row whose load rises and falls; None for other runs, or where too few instants
+    were recorded.
 
     Parameters
     ----------
     result
         ``run.result`` of a run as `granwave.load` gives it.
     """
-    load, found = result.case.load, motion_of(result)
+    load = result.case.load
+    found = motion_of(result)
     if found is None or load.shape != "up-and-down":
         return None
     row, time, velocity = found
-    frequency, whole = load.frequencies[1], load.lasts
+    frequency = load.frequencies[1]
+    whole = load.lasts
     length = WINDOW_PERIODS / frequency
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
-    if n < LEAST_WINDOWS or n * length < 0.75 * whole:  # of a run that was ended before the load fell
+    if (
+        n < LEAST_WINDOWS or n * length < 0.75 * whole
+    ):  # of a run that was ended before the load fell
         return None
     middles = (np.arange(n) + 0.5) * length
     fits = []
     for middle in middles:
         inside = np.abs(time - middle) <= length / 2
-        fits.append(fitted_amplitudes(time[inside], velocity[inside][:, [row.first, row.last]], frequency))
+        fits.append(
+            fitted_amplitudes(time[inside], velocity[inside][:, [row.first, row.last]], frequency)
+        )
     amplitudes = np.stack(fits, axis=2)
     size = (load.amplitude or 0.0) * (1 - np.abs(2 * middles / whole - 1))
     return AmplitudeSweep(size, middles < whole / 2, amplitudes[:, 0], amplitudes[:, 1])
 
 
 def mean_power_of(result: Result) -> tuple[float, float | None] | None:
-    """Return mean powers in the last half of a run under a harmonic load, W; None for others, or too few periods.
+    """Return mean powers in the last half of a run under a harmonic load, W; None for others, or
+    too few periods.
 
-    The first is that of the load, the second what the spheres of ``[[absorb]]`` and the damper below take; None where
-    there is neither.
+    The first is that of the load, the second what the spheres of ``[[absorb]]`` and the damper
+    below take; None where there is neither.
     """
-    load, time = result.case.load, result["energy/time"]
+    load = result.case.load
+    time = result["energy/time"]
     if not load.driven or load.shape != "harmonic":
         return None
     later = time >= time[-1] / 2
-    if np.count_nonzero(later) < _FEWEST_INSTANTS or time[-1] / 2 * load.frequencies[1] < LEAST_PERIODS:
+    if (
+        np.count_nonzero(later) < _FEWEST_INSTANTS
+        or time[-1] / 2 * load.frequencies[1] < LEAST_PERIODS
+    ):
         return None
     since = time[later] - time[later].mean()
 

@@ -1,12 +1,12 @@
 """Planes, directions, layers and nearest places in packings.
 
-Planes and directions are those of the perfect packing; spheres are found on them by place, within a tolerance, so that
-scattered diameters, settled positions and missing spheres do no harm.
+Planes and directions are those of the perfect packing; spheres are found on them by place, within a
+tolerance, so that scattered diameters, settled positions and missing spheres do no harm.
 
-fcc, struck along [111]: three <110> directions OA, OB, OC go down into the packing, and the
-largest forces run along them. The principal plane OAB is the close-packed plane that holds two of them; it is
-inclined by 70.5 degrees. The orthogonal plane OCD holds the third and the impact axis OD; it is vertical and
-a mirror plane.
+fcc, struck along [111]: three <110> directions OA, OB, OC go down into the packing, and the largest
+forces run along them. The principal plane OAB is the close-packed plane that holds two of them; it
+is inclined by 70.5 degrees. The orthogonal plane OCD holds the third and the impact axis OD; it is
+vertical and a mirror plane.
 
 The other kinds have vertical planes:
 
@@ -38,7 +38,8 @@ _LAYER_GAP = 0.2  # diameters of the smallest sphere, between two layers
 _LAYER_HEIGHT = 0.5  # nominal diameters, at most, that a layer's centres are apart
 
 _BY_TREE = 3_000_000  # distances from which on a tree gains more than loading it takes
-_BLOCK = 200_000  # distances that are computed at a time, whose numbers fit into the processor's cache
+# distances that are computed at a time, whose numbers fit into the processor's cache
+_BLOCK = 200_000
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,16 +80,23 @@ def planes(kind: str) -> tuple[Plane, ...]:
 
 
 def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> Section:
-    """The spheres at ``positions`` (n_spheres, 3), m, that lie on a plane; ``origin``: centre of the struck one."""
+    """The spheres at ``positions`` (n_spheres, 3), m, that lie on a plane; ``origin``: centre of
+    the struck one.
+    """
     offset = positions - origin
     middle = np.zeros(3) if plane.through is None else plane.through - origin
     height = (offset - middle) @ plane.normal
     index = np.flatnonzero(np.abs(height) <= plane.tolerance * diameter)
-    return Section(plane, index, offset[index] @ plane.across, offset[index] @ plane.down, height[index])
+    return Section(
+        plane, index, offset[index] @ plane.across, offset[index] @ plane.down, height[index]
+    )
 
 
-def own_plane(normal: Sequence[float], through: Sequence[float] | None, tolerance: float = 0.5) -> Plane:
-    """Return a plane of any direction, named section; depth goes downwards in it, or y in a horizontal one.
+def own_plane(
+    normal: Sequence[float], through: Sequence[float] | None, tolerance: float = 0.5
+) -> Plane:
+    """Return a plane of any direction, named section; depth goes downwards in it, or y in a
+    horizontal one.
 
     Parameters
     ----------
@@ -108,17 +116,24 @@ def own_plane(normal: Sequence[float], through: Sequence[float] | None, toleranc
     across *= 1.0 if across[np.argmax(np.abs(across))] > 0 else -1.0
     vertical = abs(unit[2]) < 1 - _LEVEL
     down_label = "y" if level else "Depth" if vertical else "Down the plane"
-    axis = "x" if level or abs(across[0]) > _LEVEL else "y" if abs(across[1]) > _LEVEL else "Distance across"
+    axis = (
+        "x"
+        if level or abs(across[0]) > _LEVEL
+        else "y"
+        if abs(across[1]) > _LEVEL
+        else "Distance across"
+    )
     across_label = f"{axis}, from the impact axis"
     point = None if through is None else np.array(through, dtype=float)
     return Plane("section", across, down, tolerance, down_label, across_label, point)
 
 
 def preferred_directions(kind: str) -> Array:
-    """Unit vectors from the struck sphere to those it rests on; in a square packing to its neighbours.
+    """Unit vectors from the struck sphere to those it rests on; in a square packing to its
+    neighbours.
 
-    (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain. They are equal by
-    symmetry. In hcp only the first contact lies on a straight line.
+    (n_directions, 3): 3 for fcc (<110>) and hcp, 4 for bcc (<111>) and square, 1 for sc and chain.
+    They are equal by symmetry. In hcp only the first contact lies on a straight line.
     """
     return kind_of(kind).preferred_directions
 
@@ -126,7 +141,8 @@ def preferred_directions(kind: str) -> Array:
 def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[np.int64]]:
     """The layers in which spheres lie, found by the gaps between their depths.
 
-    Where there are no gaps, as in a packing that has settled a lot, slices half a diameter thick stand for layers.
+    Where there are no gaps, as in a packing that has settled a lot, slices half a diameter thick
+    stand for layers.
 
     Parameters
     ----------
@@ -138,7 +154,8 @@ def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[
     Returns
     -------
     tuple
-        Mean depth of each layer, rising, (n_layers,), m, and the row of each sphere's layer, (n_spheres,).
+        Mean depth of each layer, rising, (n_layers,), m, and the row of each sphere's layer,
+        (n_spheres,).
     """
     order = np.argsort(depth, kind="stable")
     apart = np.diff(depth[order]) > _LAYER_GAP * 2 * radii.min(initial=np.inf)
@@ -154,7 +171,8 @@ def layers(depth: Array, radii: Array, diameter: float) -> tuple[Array, NDArray[
 
 
 def nearest(points: Array, places: Array) -> tuple[Array, NDArray[np.int64]]:
-    """Return the distance from each point to its nearest place, m, and that place's row: (n_points,) each.
+    """Return the distance from each point to its nearest place, m, and that place's row:
+    (n_points,) each.
 
     Points and places are (n_points, 3) and (n_places, 3), m; there is one place at least.
     """
@@ -166,6 +184,8 @@ def nearest(points: Array, places: Array) -> tuple[Array, NDArray[np.int64]]:
     row = np.empty(len(points), dtype=np.int64)
     block = max(1, _BLOCK // len(places))
     for start in range(0, len(points), block):
-        square = sum((points[start : start + block, None, axis] - places[:, axis]) ** 2 for axis in range(3))
+        square = sum(
+            (points[start : start + block, None, axis] - places[:, axis]) ** 2 for axis in range(3)
+        )
         row[start : start + block] = np.argmin(square, axis=1)
     return np.linalg.norm(points - places[row], axis=1), row

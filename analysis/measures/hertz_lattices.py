@@ -1,29 +1,32 @@
 """Closed forms and waves of lines of Hertz contacts, loose and under a static force.
 
-Hertz's chain of like beads has no length or force of its own, so every result is a curve in the units E* R*^2 (force),
-tau = sqrt(pi rho R*^2/(4 E*)) (time) and R* (length).
+Hertz's chain of like beads has no length or force of its own, so every result is a curve in the
+units E* R*^2 (force), tau = sqrt(pi rho R*^2/(4 E*)) (time) and R* (length).
 
-A line under a static force, chain or stack of lattice layers, has bodies of mass m at a spacing h, and springs that are
-linear for small waves:
+A line under a static force, chain or stack of lattice layers, has bodies of mass m at a spacing h,
+and springs that are linear for small waves:
 
     chain         k = 3/2 F0/alpha0, of a Hertz contact with the overlap alpha0 under F0
     fcc and hcp   along [111] and c: layers D sqrt(2/3) apart; a sphere has three contacts in each of the next layers,
-                  inclined with cos^2 = 2/3, so that K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for layers as wholes, with
-                  the static force f of a contact. The second term, of contacts that turn, is alpha/(3 D) of the first.
+                  inclined with cos^2 = 2/3, so that K = 3 cos^2 k - 3 sin^2 f/D = 2 k - f/D for
+                  layers as wholes, with the static force f of a contact. The second term, of
+                  contacts that turn, is alpha/(3 D) of the first.
 
-Long waves have the speed c0 = h sqrt(K/m). For a chain of like spheres of diameter a that is, with Hertz's k,
+Long waves have the speed c0 = h sqrt(K/m). For a chain of like spheres of diameter a that is, with
+Hertz's k,
 
     c0 = 0.93146 (4 E^2 F0/(a^2 rho^3 (1 - nu^2)^2))^(1/6),    0.93146 = sqrt(9/pi) 3^(-1/3) 4^(-1/6)
 
-(Nesterenko's). The travelling wave of the lattice with the largest force f = F_m/F0 goes from c0 for f -> 1 to about
-sqrt(8/15) f^(1/6) c0, the speed in an uncompressed chain.
+(Nesterenko's). The travelling wave of the lattice with the largest force f = F_m/F0 goes from c0
+for f -> 1 to about sqrt(8/15) f^(1/6) c0, the speed in an uncompressed chain.
 
-An impact of velocity v on the first of a half-infinite line makes the velocities (with J of Bessel, omega^2 = K/m)
+An impact of velocity v on the first of a half-infinite line makes the velocities (with J of Bessel,
+omega^2 = K/m)
 
     v_n(t) = v (2 (2 n - 1)/tau) J_(2n-1)(tau),   force n  F_n(t) = v sqrt(K m) (4 n/tau) J_2n(tau),   tau = 2 omega t
 
-(from v_n = J_(2n-2) + J_2n, which satisfies the equation of motion and the free end). The crest that runs ahead falls
-as n^(-1/3) and is always slower than c0.
+(from v_n = J_(2n-2) + J_2n, which satisfies the equation of motion and the free end). The crest
+that runs ahead falls as n^(-1/3) and is always slower than c0.
 """
 
 from __future__ import annotations
@@ -48,7 +51,8 @@ from granwave.lammps_inputs.packing.assembly import assemble
 Values = TypeVar("Values", float, Array)
 
 _REACH = 5  # diameters ahead and behind of the travelling wave
-_NESTERENKO = 0.6802  # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6) of Nesterenko's wave, D the diameter
+# V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6) of Nesterenko's wave, D the diameter
+_NESTERENKO = 0.6802
 
 SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
 _GEOMETRY_ROUNDS = 20
@@ -81,8 +85,11 @@ class ChainScales:
 
     def __init__(self, case: Case) -> None:
         self._law = law = sphere_contact(case)
-        self.diameter, self._mass, self._density = case.packing.diameter, case.sphere_mass, case.material.density
-        self._modulus, self._radius = law.effective_modulus, law.effective_radius
+        self.diameter = case.packing.diameter
+        self._mass = case.sphere_mass
+        self._density = case.material.density
+        self._modulus = law.effective_modulus
+        self._radius = law.effective_radius
         self.force = self._modulus * self._radius**2
         self.time = math.sqrt(math.pi * self._density * self._radius**2 / (4 * self._modulus))
         self.velocity, self.impulse = self._radius / self.time, self.force * self.time
@@ -110,14 +117,18 @@ class ChainScales:
 
 @cache
 def discrete_speed() -> float:
-    """Speed of the travelling wave of the discrete Hertz chain over Nesterenko's at the same force: 1.01246."""
+    """Speed of the travelling wave of the discrete Hertz chain over Nesterenko's at the same force:
+    1.01246.
+    """
     # V = D sqrt(factor/m) k^(1/3) F^(1/6), with k = E sqrt(D)/(3 (1 - nu^2)) and m = pi rho D^3/6
     return math.sqrt(6 * _discrete_wave()[2] / math.pi) / 6 ** (1 / 3) / _NESTERENKO
 
 
 @cache
 def discrete_width() -> float:
-    """Full width at half maximum of the bead velocity in the travelling wave of the discrete chain: 1.579 diameters."""
+    """Full width at half maximum of the bead velocity in the travelling wave of the discrete chain:
+    1.579 diameters.
+    """
     x, wave, _ = _discrete_wave()
     per_diameter = round(1 / (x[1] - x[0]))
     rate = np.gradient(wave, x)  # of the overlap ahead of a bead: the difference of two velocities
@@ -130,16 +141,22 @@ def discrete_width() -> float:
 
 @cache
 def _discrete_wave() -> tuple[Array, Array, float]:
-    """Places in diameters and overlaps, at most 1, of the travelling wave, and the factor that fixes its speed.
+    """Places in diameters and overlaps, at most 1, of the travelling wave, and the factor that
+    fixes its speed.
 
-    The overlap of a wave of speed V obeys ``delta = (k D^2/(m V^2)) L * delta^1.5`` with L the triangle of height 1 and
-    base 2 D; its solution, of height 1, is found by iteration (English and Pego, Proc. AMS 133, 2005).
+    The overlap of a wave of speed V obeys ``delta = (k D^2/(m V^2)) L * delta^1.5`` with L the
+    triangle of height 1 and base 2 D; its solution, of height 1, is found by iteration (English and
+    Pego, Proc. AMS 133, 2005).
     """
-    per_diameter, reach = 200, _REACH
+    per_diameter = 200
+    reach = _REACH
     n = reach * per_diameter
     x = np.arange(-n, n + 1) / per_diameter
-    triangle = np.clip(1 - np.abs(x[n - per_diameter : n + per_diameter + 1]), 0, None) / per_diameter
-    wave, factor = np.exp(-(x**2)), 1.0
+    triangle = (
+        np.clip(1 - np.abs(x[n - per_diameter : n + per_diameter + 1]), 0, None) / per_diameter
+    )
+    wave = np.exp(-(x**2))
+    factor = 1.0
     for _ in range(60):
         wave = np.convolve(wave**1.5, triangle, mode="same")
         factor = float(wave.max())
@@ -161,7 +178,8 @@ class Line:
     force, overlap
         Of each contact that bears the load, N and m.
     spacing
-        Of beads or layers before they were loaded, m: speeds are those over the places that the spheres had then.
+        Of beads or layers before they were loaded, m: speeds are those over the places that the
+        spheres had then.
     frequency
         omega = sqrt(K/m), rad/s.
     """
@@ -193,11 +211,14 @@ def line_of(case: Case, law: ContactLaw | None = None) -> Line:
         Between two spheres, by default that of the case.
     """
     law = sphere_contact(case) if law is None else law
-    force, diameter, mass = force_of_contact(assemble(case)), case.packing.diameter, case.sphere_mass
+    force = force_of_contact(assemble(case))
+    diameter = case.packing.diameter
+    mass = case.sphere_mass
     if case.packing.kind == "chain":
         overlap = static_overlap(law, force)
         return Line(force, overlap, diameter, math.sqrt(1.5 * force / overlap / mass))
-    cosine, on_layer = SPACING[case.packing.kind], 3 * SPACING[case.packing.kind] * force
+    cosine = SPACING[case.packing.kind]
+    on_layer = 3 * SPACING[case.packing.kind] * force
     for _ in range(_GEOMETRY_ROUNDS if case.boundary.sides == "periodic" else 1):
         force = on_layer / (3 * cosine)
         length = diameter - static_overlap(law, force)
@@ -218,7 +239,8 @@ def _lattice_waves() -> tuple[Array, Array]:
 
 
 def lattice_speed(ratio: Array) -> Array:
-    """Speed over c0 of the travelling wave of the precompressed Hertz lattice itself, from F_m/F0 up to some 1e5.
+    """Speed over c0 of the travelling wave of the precompressed Hertz lattice itself, from F_m/F0
+    up to some 1e5.
 
     Beyond, it goes with the power 1/6.
     """
@@ -230,9 +252,9 @@ def lattice_speed(ratio: Array) -> Array:
 def _travelling(speed: float) -> float:
     """F_m/F0 of the lattice's wave of a speed over c0, above 1.
 
-    In units of D, alpha0 and the static stiffness, the overlap 1 + r of a wave obeys V^2 r = triangle * g(r) with
-    g = (2/3)((1 + r)^1.5 - 1), the triangle of height 1 and base 2. With g = r + N it is solved by Petviashvili's
-    iteration in Fourier space, (V^2 - sinc^2) r = S^2 sinc^2 N.
+    In units of D, alpha0 and the static stiffness, the overlap 1 + r of a wave obeys V^2 r =
+    triangle * g(r) with g = (2/3)((1 + r)^1.5 - 1), the triangle of height 1 and base 2. With g = r
+    + N it is solved by Petviashvili's iteration in Fourier space, (V^2 - sinc^2) r = S^2 sinc^2 N.
     """
     decay = min(math.sqrt(12 * (speed**2 - 1)), 10.0)
     reach = max(8.0, 12 / decay)
@@ -243,7 +265,8 @@ def _travelling(speed: float) -> float:
     wave = 3 * (speed**2 - 1) / np.cosh(decay * x / 2) ** 2
     for _ in range(_ROUNDS):
         nonlinear = 2 / 3 * (np.maximum(1 + wave, 0) ** 1.5 - 1) - wave
-        ours, theirs = np.fft.rfft(wave), kernel * np.fft.rfft(nonlinear)
+        ours = np.fft.rfft(wave)
+        theirs = kernel * np.fft.rfft(nonlinear)
         factor = np.sum(operator * np.abs(ours) ** 2) / np.sum((theirs * ours.conj()).real)
         new = np.fft.irfft(factor**2 * theirs / operator, n)
         change = float(np.abs(new - wave).max() / new.max())
@@ -266,7 +289,9 @@ def crest_speed(line: Line, n: NDArray[np.int64]) -> float:
 
 def crest_force(n: NDArray[np.int64]) -> Array:
     """Largest force at contact n, from 1, of a struck line, over v sqrt(K m): (n_contacts,)."""
-    return np.array([4 * one * jv(2 * one, tau) / tau for one, tau in ((int(k), _crest(2 * int(k))) for k in n)])
+    return np.array(
+        [4 * one * jv(2 * one, tau) / tau for one, tau in ((int(k), _crest(2 * int(k))) for k in n)]
+    )
 
 
 @cache

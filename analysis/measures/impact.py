@@ -1,4 +1,6 @@
-"""Impacts: dissipation and what did it, energy by region, the quadratic law, and the normalised velocity."""
+"""Impacts: dissipation and what did it, energy by region, the quadratic law, and the normalised
+velocity.
+"""
 
 from __future__ import annotations
 
@@ -24,8 +26,11 @@ def ranked(dissipated: Array) -> NDArray[np.int64]:
     return order[: np.count_nonzero(dissipated > 0)]
 
 
-def cumulated(dissipated: Array, energy_input: float, volume: Array | None = None) -> tuple[Array, NDArray]:
-    """Dissipated share of the input against the volume of the spheres that did it, those that did most first.
+def cumulated(
+    dissipated: Array, energy_input: float, volume: Array | None = None
+) -> tuple[Array, NDArray]:
+    """Dissipated share of the input against the volume of the spheres that did it, those that did
+    most first.
 
     Parameters
     ----------
@@ -34,7 +39,8 @@ def cumulated(dissipated: Array, energy_input: float, volume: Array | None = Non
     energy_input
         J.
     volume
-        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given, so that of like spheres it is their number.
+        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given, so that of like spheres
+        it is their number.
 
     Returns
     -------
@@ -63,13 +69,16 @@ def zone_growth(result: Result) -> ZoneGrowth:
     when = result["contacts/time_yield"][yielded]
     ends = result.ends[yielded]
     order = np.argsort(when, kind="stable")
-    when, ends = when[order], ends[order]
+    when = when[order]
+    ends = ends[order]
     _, first = np.unique(ends.ravel(), return_index=True)
     new = np.zeros(ends.size, dtype=np.int64)
     new[first] = 1
     offset = result["spheres/position"] - result.origin
     depth = np.maximum.accumulate(offset[ends, 2].max(axis=1, initial=0.0))
-    radius = np.maximum.accumulate(np.hypot(offset[ends, 0], offset[ends, 1]).max(axis=1, initial=0.0))
+    radius = np.maximum.accumulate(
+        np.hypot(offset[ends, 0], offset[ends, 1]).max(axis=1, initial=0.0)
+    )
     time, last = np.unique(when[::-1], return_index=True)
     last = len(when) - 1 - last
     spheres = np.cumsum(new.reshape(-1, 2).sum(axis=1))
@@ -85,8 +94,8 @@ class Rays:
     directions
         Unit vectors: (n_directions, 3).
     peak_force
-        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the packing, and where a
-        sphere is missing.
+        Of the n-th contact from the struck sphere: (n_contacts, n_directions), N; NaN beyond the
+        packing, and where a sphere is missing.
     """
 
     directions: Array
@@ -94,26 +103,30 @@ class Rays:
 
     @property
     def difference(self) -> Array:
-        """Largest less smallest peak force over the largest, contact by contact where all exist: (n,).
+        """Largest less smallest peak force over the largest, contact by contact where all exist:
+        (n,).
 
         Symmetry makes it 0 when one sphere is struck.
         """
         complete = self.peak_force[~np.isnan(self.peak_force).any(axis=1)]
         largest = complete.max(axis=1, initial=0.0)
-        return (largest - complete.min(axis=1, initial=np.inf)) / np.where(largest > 0, largest, 1.0)
+        return (largest - complete.min(axis=1, initial=np.inf)) / np.where(
+            largest > 0, largest, 1.0
+        )
 
 
 def rays(result: Result) -> Rays:
     """Peak force of every contact along each preferred direction, from the struck sphere on.
 
-    A sphere of the ray is the one nearest to its place in a perfect packing, if it is not farther off than a quarter of
-    a diameter. Grains of a file have no such directions: there is no ray.
+    A sphere of the ray is the one nearest to its place in a perfect packing, if it is not farther
+    off than a quarter of a diameter. Grains of a file have no such directions: there is no ray.
     """
     directions = preferred_directions(result.case.packing.kind)
     if not len(directions):
         return Rays(directions, np.empty((0, 0)))
     diameter = result.case.packing.diameter
-    positions, ids = result["spheres/position"], result["spheres/id"]
+    positions = result["spheres/position"]
+    ids = result["spheres/id"]
     reach = int(np.linalg.norm(np.ptp(positions, axis=0)) / diameter) + 2
     columns = []
     for direction in directions:
@@ -127,7 +140,9 @@ def rays(result: Result) -> Rays:
 
 
 def peak_force_by_depth(result: Result) -> tuple[Array, Array]:
-    """Depth below the struck one, m, and largest peak force of a contact, N, of each layer: (n_layers,) each."""
+    """Depth below the struck one, m, and largest peak force of a contact, N, of each layer:
+    (n_layers,) each.
+    """
     depth = result["spheres/position"][:, 2] - result.origin[2]
     mean, layer = layers(depth, result["spheres/radius"], result.case.packing.diameter)
     force = np.zeros(len(mean))
@@ -151,7 +166,9 @@ class Involved:
     volume: Array
 
     def part(self, share: float) -> tuple[float, float]:
-        """Fraction of the input and volume of the least material that did a share of the dissipation."""
+        """Fraction of the input and volume of the least material that did a share of the
+        dissipation.
+        """
         enough = self.enough(share)
         return float(self.fraction[enough]), float(self.volume[enough])
 
@@ -167,21 +184,26 @@ def spheres_involved(result: Result, energy_input: float) -> Involved:
 
 
 def elements_involved(path: Path, energy_input: float) -> Involved:
-    """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run; the input is in J.
+    """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run;
+    the input is in J.
 
     Raise OSError or KeyError if the file cannot be read, or is another one.
     """
     import h5py  # takes longer to load than most commands need
 
     with h5py.File(path, "r") as file:
-        density, volume = file["fields/plastic_energy"][()], file["element_volume"][()]
+        density = file["fields/plastic_energy"][()]
+        volume = file["element_volume"][()]
     order = np.argsort(-density, kind="stable")
     order = order[: np.count_nonzero(density > 0)]
-    return Involved(np.cumsum(density[order] * volume[order]) / energy_input, np.cumsum(volume[order]))
+    return Involved(
+        np.cumsum(density[order] * volume[order]) / energy_input, np.cumsum(volume[order])
+    )
 
 
 def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """Share of the input that each region of a packing holds: kinetic energy, and half the elastic one of contacts.
+    """Share of the input that each region of a packing holds: kinetic energy, and half the elastic
+    one of contacts.
 
     Parameters
     ----------
@@ -193,15 +215,23 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     Returns
     -------
     dict
-        At each snapshot, (n_frames,), by the name of the region. Beside them ``other spheres``, those of no region;
-        ``walls``, the elastic energy of contacts with walls; and ``dissipated``, what is lost. Of an impact on regions
-        that share no sphere, all together are the input.
+        At each snapshot, (n_frames,), by the name of the region. Beside them ``other spheres``,
+        those of no region; ``walls``, the elastic energy of contacts with walls; and
+        ``dissipated``, what is lost. Of an impact on regions that share no sphere, all together are
+        the input.
     """
-    energy = np.stack([energy_of_spheres(result, frame) for frame in range(result.n_frames)]) / result.energy_input
+    energy = (
+        np.stack([energy_of_spheres(result, frame) for frame in range(result.n_frames)])
+        / result.energy_input
+    )
     rows = {name: result.rows(np.asarray(ids)) for name, ids in regions.items()}
     rest = np.setdiff1d(np.arange(energy.shape[1]), np.concatenate([*rows.values()]))
-    found = {name: energy[:, chosen].sum(axis=1) for name, chosen in (rows | {"other spheres": rest}).items()}
-    time, given = result["energy/time"], result["energy/input"][-1]
+    found = {
+        name: energy[:, chosen].sum(axis=1)
+        for name, chosen in (rows | {"other spheres": rest}).items()
+    }
+    time = result["energy/time"]
+    given = result["energy/input"][-1]
     for name, term in (("walls", "elastic_wall"), ("dissipated", "dissipated")):
         found[name] = np.interp(result.frame_times, time, result[f"energy/{term}"] / given)
     return found
@@ -228,12 +258,16 @@ class QuadraticLaw:
 
     def __call__(self, velocity: Array) -> Array:
         """Dissipation at velocities."""
-        return np.asarray(np.polynomial.polynomial.polyval(velocity, self.constants), dtype=np.float64)
+        return np.asarray(
+            np.polynomial.polynomial.polyval(velocity, self.constants), dtype=np.float64
+        )
 
 
 def quadratic_law(velocity: Array, dissipation: Array) -> QuadraticLaw:
     """Fit the law, every point with the same relative weight; more than three points: (n,) each."""
-    matrix = np.stack([np.ones_like(velocity), velocity, velocity**2], axis=1) / dissipation[:, None]
+    matrix = (
+        np.stack([np.ones_like(velocity), velocity, velocity**2], axis=1) / dissipation[:, None]
+    )
     constants = np.asarray(np.linalg.lstsq(matrix, np.ones_like(velocity))[0], dtype=np.float64)
     residual = matrix @ constants - 1
     scatter = residual @ residual / (len(velocity) - len(constants))

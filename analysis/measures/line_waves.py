@@ -1,19 +1,21 @@
 """Waves along lines of grains: velocities, pulses, crests, and the space-time transform.
 
 A line is the beads of a chain, or the layers or columns of a packing. Snapshots are taken at whole
-timesteps, so that their times are not quite even; velocities are interpolated between them at even times (cubic
-splines).
+timesteps, so that their times are not quite even; velocities are interpolated between them at even
+times (cubic splines).
 
-Waves under a static force are compared with `granwave.analysis.measures.hertz_lattices`: in the units of the static
-state (speeds over c0, forces over F0, velocities over omega alpha0) every line of like Hertz contacts is one curve.
+Waves under a static force are compared with `granwave.analysis.measures.hertz_lattices`: in the
+units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) every line
+of like Hertz contacts is one curve.
 
-The space-time transform tells where in (k, omega) the energy of a line is: the velocities v(x_n, t) of grains at even
-places x_n = n h are tapered in space and time (Hann) and transformed,
+The space-time transform tells where in (k, omega) the energy of a line is: the velocities v(x_n, t)
+of grains at even places x_n = n h are tapered in space and time (Hann) and transformed,
 
     V(k, omega) = sum_n sum_t v(x_n, t) exp(i (omega t - k x_n))
 
-so that a wave that travels to larger x is at k > 0 for omega > 0. |V| has ridges along the bands of the packing.
-Short records smear them: by 4 pi/(n h) in k and by 4 pi/T in omega, the widths of the taper.
+so that a wave that travels to larger x is at k > 0 for omega > 0. |V| has ridges along the bands of
+the packing. Short records smear them: by 4 pi/(n h) in k and by 4 pi/T in omega, the widths of the
+taper.
 """
 
 from __future__ import annotations
@@ -34,8 +36,15 @@ from granwave.analysis.measures.hertz_lattices import SPACING, Line, crest_times
 from granwave.analysis.measures.signals import Array, first_peak, width
 from granwave.analysis.result.reader import Result
 
-LENGTH = math.pi * math.sqrt(10) / 2  # diameters, of the solitary wave in the long-wave approximation: 4.97
-MEASURES = ("fit of acceleration", "fit of velocity", "half maximum of acceleration", "half maximum of velocity")
+LENGTH = (
+    math.pi * math.sqrt(10) / 2
+)  # diameters, of the solitary wave in the long-wave approximation: 4.97
+MEASURES = (
+    "fit of acceleration",
+    "fit of velocity",
+    "half maximum of acceleration",
+    "half maximum of velocity",
+)
 _FINE = 4  # points between two snapshots
 _GONE = 1e-3  # of its peak: the incident wave has passed
 _BACK = 0.8  # part of the wave's way to the far end and back that is waited for
@@ -49,10 +58,11 @@ _EVEN_STEPS = 1e-6  # of the step, by which places and times may miss an even gr
 
 
 def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array]:
-    """Return even times (n_times,), s, places at the start (n,), m, and velocities (n_times, n), m/s, along an axis.
+    """Return even times (n_times,), s, places at the start (n,), m, and velocities (n_times, n),
+    m/s, along an axis.
 
-    Of the beads of a chain, else of the layers of a packing (axis 2) or of its columns across x (axis 0): the means of
-    their spheres.
+    Of the beads of a chain, else of the layers of a packing (axis 2) or of its columns across x
+    (axis 0): the means of their spheres.
 
     Raises
     ------
@@ -60,9 +70,13 @@ def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array
         The run of a chain has no history.
     """
     if "chain" in result:
-        time, place, velocity = (result[f"chain/{name}"] for name in ("time", "position", "velocity"))
+        time, place, velocity = (
+            result[f"chain/{name}"] for name in ("time", "position", "velocity")
+        )
     elif result.case.packing.kind == "chain":
-        raise MissingDataError(f"{result.path}: has no history of a chain; run one with output.history")
+        raise MissingDataError(
+            f"{result.path}: has no history of a chain; run one with output.history"
+        )
     else:
         time, (place, velocity) = result.frame_times, _means(result, axis)
     even = np.linspace(time[0], time[-1], len(time))
@@ -70,7 +84,8 @@ def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array
 
 
 def _means(result: Result, axis: int) -> tuple[Array, Array]:
-    """Mean places and velocities along z of layers, or along x of columns: (n,), m, and (n_frames, n), m/s.
+    """Mean places and velocities along z of layers, or along x of columns: (n,), m, and (n_frames,
+    n), m/s.
 
     Strikers are left out.
     """
@@ -78,13 +93,16 @@ def _means(result: Result, axis: int) -> tuple[Array, Array]:
     own = ids <= result.assembly.lattice.n_spheres
     group = (ids[own] - 1) // (nx * ny) if axis == 2 else (ids[own] - 1) % nx
     frames = (result.frame(frame, "velocity")[own, axis] for frame in range(result.n_frames))
-    place, *velocity = (np.bincount(group, one) for one in (result["spheres/position"][own, axis], *frames))
+    place, *velocity = (
+        np.bincount(group, one) for one in (result["spheres/position"][own, axis], *frames)
+    )
     return place / np.bincount(group), np.stack(velocity) / np.bincount(group)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Peaks:
-    """The pulse at the spheres of a chain, struck one first; every array (n_spheres,), NaN where it did not pass.
+    """The pulse at the spheres of a chain, struck one first; every array (n_spheres,), NaN where it
+    did not pass.
 
     Attributes
     ----------
@@ -102,7 +120,8 @@ class Peaks:
 
 
 def line_velocity(result: Result, ids: ArrayLike) -> Array:
-    """Velocities along a straight line of spheres, away from the first of them: (n_frames, n_spheres), m/s.
+    """Velocities along a straight line of spheres, away from the first of them: (n_frames,
+    n_spheres), m/s.
 
     Parameters
     ----------
@@ -113,7 +132,9 @@ def line_velocity(result: Result, ids: ArrayLike) -> Array:
     """
     rows = result.rows(np.asarray(ids))
     way = np.subtract(*result["spheres/position"][rows[[-1, 0]]])
-    return np.stack([result.frame(k, "velocity")[rows] for k in range(result.n_frames)]) @ (way / np.linalg.norm(way))
+    return np.stack([result.frame(k, "velocity")[rows] for k in range(result.n_frames)]) @ (
+        way / np.linalg.norm(way)
+    )
 
 
 def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
@@ -137,25 +158,35 @@ def peaks(time: Array, velocity: Array, diameter: float) -> Peaks:
 
 
 def lengths(time: Array, velocity: Array, diameter: float) -> dict[str, Array]:
-    """Length of the pulse at each sphere: its duration by each of `MEASURES` times the speed; (n_spheres,), diameters.
+    """Length of the pulse at each sphere: its duration by each of `MEASURES` times the speed;
+    (n_spheres,), diameters.
 
     Parameters are those of `peaks`.
     """
     found = peaks(time, velocity, diameter)
     fine = np.linspace(time[0], time[-1], _FINE * (len(time) - 1) + 1)
     known = np.where(np.isfinite(found.speed), found.time, np.nan)
-    durations = [_durations(fine, CubicSpline(time, one), t) for one, t in zip(velocity.T, known, strict=True)]
-    return {name: np.array(durations)[:, k] * found.speed / diameter for k, name in enumerate(MEASURES)}
+    durations = [
+        _durations(fine, CubicSpline(time, one), t)
+        for one, t in zip(velocity.T, known, strict=True)
+    ]
+    return {
+        name: np.array(durations)[:, k] * found.speed / diameter for k, name in enumerate(MEASURES)
+    }
 
 
-def _durations(time: Array, velocity: CubicSpline, centre: float) -> tuple[float, float, float, float]:
+def _durations(
+    time: Array, velocity: CubicSpline, centre: float
+) -> tuple[float, float, float, float]:
     """Duration of a pulse by the four measures, s."""
     if not np.isfinite(centre):
         return (np.nan,) * 4
-    v, a = velocity(time), velocity(time, 1)
+    v = velocity(time)
+    a = velocity(time, 1)
     k = int(np.searchsorted(time, centre))
     before = a[: k + 1]
-    half_a, half_v = width(time[: k + 1], before), width(time, v)
+    half_a = width(time[: k + 1], before)
+    half_v = width(time, v)
     if not np.isfinite(half_v):
         return np.nan, np.nan, half_a, half_v
     near = np.abs(time - centre) < 2 * half_v  # the pulse alone, not what follows
@@ -164,7 +195,10 @@ def _durations(time: Array, velocity: CubicSpline, centre: float) -> tuple[float
         start = (centre, 2.75 * half_v)
 
         def misses(x: Array) -> Array:
-            return shape(np.clip(math.pi * (time[near] - x[0]) / x[1], -math.pi / 2, math.pi / 2)) - values[near]
+            return (
+                shape(np.clip(math.pi * (time[near] - x[0]) / x[1], -math.pi / 2, math.pi / 2))
+                - values[near]
+            )
 
         found = least_squares(misses, start, x_scale=(half_v, half_v))
         return float(found.x[1])
@@ -179,7 +213,8 @@ def _durations(time: Array, velocity: CubicSpline, centre: float) -> tuple[float
 
 
 def speed_between(found: Peaks, first: int, second: int, diameter: float) -> tuple[float, float]:
-    """Mean of the largest velocities at two spheres of a line, and speed of the wave between them, m/s.
+    """Mean of the largest velocities at two spheres of a line, and speed of the wave between them,
+    m/s.
 
     Parameters
     ----------
@@ -198,24 +233,31 @@ def speed_between(found: Peaks, first: int, second: int, diameter: float) -> tup
     ends = [first - 1, second - 1]
     if second > len(found.time) or not np.diff(found.time[ends])[0] > 0:
         return np.nan, np.nan
-    return float(found.velocity[ends].mean()), float((second - first) * diameter / np.diff(found.time[ends])[0])
+    return float(found.velocity[ends].mean()), float(
+        (second - first) * diameter / np.diff(found.time[ends])[0]
+    )
 
 
 @cache
 def solitary_lengths() -> dict[str, float]:
-    """Lengths of Nesterenko's solitary wave by the four measures of a pulse's length, by name, in diameters."""
+    """Lengths of Nesterenko's solitary wave by the four measures of a pulse's length, by name, in
+    diameters.
+    """
     half_v = 2 * math.acos(0.5**0.25) / math.pi * LENGTH
     ends = [
         brentq(lambda x: math.cos(x) ** 3 * math.sin(x) - _LARGEST / 2, *span)
         for span in ((0.0, math.pi / 6), (math.pi / 6, math.pi / 2))
     ]
-    return dict(zip(MEASURES, (LENGTH, LENGTH, (ends[1] - ends[0]) / math.pi * LENGTH, half_v), strict=True))
+    return dict(
+        zip(MEASURES, (LENGTH, LENGTH, (ends[1] - ends[0]) / math.pi * LENGTH, half_v), strict=True)
+    )
 
 
 def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
     """Largest force of what comes back to a contact of a chain, over that of the incident wave.
 
-    Until waves from the far end can arrive; NaN where the record ends sooner, or the contact is too near an end.
+    Until waves from the far end can arrive; NaN where the record ends sooner, or the contact is too
+    near an end.
 
     Parameters
     ----------
@@ -229,7 +271,9 @@ def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
     n = force.shape[1]
     if place < 2 or place + beyond > n:
         return np.nan
-    (here, peak), (early, _), (far, _) = (first_peak(time, force[:, k], floor=0.5) for k in (place, 1, n - 1))
+    (here, peak), (early, _), (far, _) = (
+        first_peak(time, force[:, k], floor=0.5) for k in (place, 1, n - 1)
+    )
     period = (here - early) / (place - 1)  # from contact to contact
     gone = np.flatnonzero((time > here) & (force[:, place] < _GONE * peak))
     until = far + _BACK * (n - place) * period
@@ -240,11 +284,13 @@ def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
 
 
 def speed_along_layers(result: Result, line: Line) -> float:
-    """c0 along the stacking of a packing, m/s; NaN where the run has too few layers, or is too short.
+    """c0 along the stacking of a packing, m/s; NaN where the run has too few layers, or is too
+    short.
 
-    The mean velocity of a layer of a periodic packing obeys the line of layers exactly as long as everything is linear,
-    whichever spheres of the top layer were struck; in a packing with free sides until the wave is back from them. The
-    times of its crests then give omega, and the speed of long waves.
+    The mean velocity of a layer of a periodic packing obeys the line of layers exactly as long as
+    everything is linear, whichever spheres of the top layer were struck; in a packing with free
+    sides until the wave is back from them. The times of its crests then give omega, and the speed
+    of long waves.
 
     Parameters
     ----------
@@ -264,14 +310,17 @@ def speed_along_layers(result: Result, line: Line) -> float:
 def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
     """Layers, from 1, that the crest of their velocities (n_times, n_layers) has passed, and when."""
     fine = np.linspace(time[0], time[-1], _FINE_CRESTS * (len(time) - 1) + 1)
-    times = np.array([first_peak(fine, CubicSpline(time, one)(fine), floor=0.5)[0] for one in mean.T])
+    times = np.array(
+        [first_peak(fine, CubicSpline(time, one)(fine), floor=0.5)[0] for one in mean.T]
+    )
     numbers = np.arange(1, len(times) + 1)
     good = (numbers >= _FIRST_LAYER) & np.isfinite(times) & (times < time[-2])
     return numbers[good], times[good]
 
 
 def long_wave_speed(line: Line, numbers: NDArray[np.int64], times: Array) -> float:
-    """c0 by the times of the crests of the velocities in a linear line whose first body is struck, m/s.
+    """c0 by the times of the crests of the velocities in a linear line whose first body is struck,
+    m/s.
 
     Parameters
     ----------
@@ -302,21 +351,32 @@ class SpaceTime:
     amplitude: Array
 
     def ridge(self, floor: float = 0.02) -> Array:
-        """Frequency of the largest amplitude at each k: (n_k,), Hz, by a parabola; NaN where it is below the floor."""
+        """Frequency of the largest amplitude at each k: (n_k,), Hz, by a parabola; NaN where it is
+        below the floor.
+        """
         top = np.argmax(self.amplitude, axis=0)
         inner = np.clip(top, 1, len(self.frequency) - 2)
         left, middle, right = (
-            np.log(self.amplitude[inner + step, np.arange(len(self.k))] + 1e-300) for step in (-1, 0, 1)
+            np.log(self.amplitude[inner + step, np.arange(len(self.k))] + 1e-300)
+            for step in (-1, 0, 1)
         )
         curve = left - 2 * middle + right
         shift = np.where(curve < 0, 0.5 * (left - right) / np.where(curve < 0, curve, 1.0), 0.0)
-        found = self.frequency[inner] + np.clip(shift, -1, 1) * (self.frequency[1] - self.frequency[0])
+        found = self.frequency[inner] + np.clip(shift, -1, 1) * (
+            self.frequency[1] - self.frequency[0]
+        )
         strong = self.amplitude.max(axis=0) > floor
         return np.where(strong & (top == inner), found, np.nan)
 
 
 def space_time_transform(
-    time: Array, place: Array, velocity: Array, k: Array, frequency: Array, *, taper_space: bool = True
+    time: Array,
+    place: Array,
+    velocity: Array,
+    k: Array,
+    frequency: Array,
+    *,
+    taper_space: bool = True,
 ) -> SpaceTime:
     """Transform velocities along a line of grains.
 
@@ -342,15 +402,31 @@ def space_time_transform(
     """
     for name, values in (("times", time), ("places", place)):
         steps = np.diff(values)
-        if not len(steps) or np.abs(steps - steps.mean()).max() > max(_EVEN_STEPS, 1e-3) * abs(steps.mean()):
+        if not len(steps) or np.abs(steps - steps.mean()).max() > max(_EVEN_STEPS, 1e-3) * abs(
+            steps.mean()
+        ):
             raise ValueError(f"found {name} with uneven steps, expected even ones")
-    step, spacing = float(np.diff(time).mean()), float(np.diff(place).mean())
+    step = float(np.diff(time).mean())
+    spacing = float(np.diff(place).mean())
     window = np.hanning(len(time) + 2)[1:-1, None]
     across = np.hanning(len(place) + 2)[1:-1] if taper_space else np.ones(len(place))
     values = velocity * window * across
-    dw, dk = 2 * np.pi * float(np.diff(frequency).mean()), float(np.diff(k).mean())
+    dw = 2 * np.pi * float(np.diff(frequency).mean())
+    dk = float(np.diff(k).mean())
     in_time = czt(
-        values, len(frequency), w=np.exp(1j * dw * step), a=np.exp(-2j * np.pi * float(frequency[0]) * step), axis=0
+        values,
+        len(frequency),
+        w=np.exp(1j * dw * step),
+        a=np.exp(-2j * np.pi * float(frequency[0]) * step),
+        axis=0,
     )
-    found = np.abs(czt(in_time, len(k), w=np.exp(-1j * dk * spacing), a=np.exp(1j * float(k[0]) * spacing), axis=1))
+    found = np.abs(
+        czt(
+            in_time,
+            len(k),
+            w=np.exp(-1j * dk * spacing),
+            a=np.exp(1j * float(k[0]) * spacing),
+            axis=1,
+        )
+    )
     return SpaceTime(k, frequency, found / found.max())

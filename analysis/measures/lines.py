@@ -1,13 +1,17 @@
-"""Lines of grains of a run: front speed, decay, distribution of the largest speeds; and its sensors.
+"""Lines of grains of a run: front speed, decay, distribution of the largest speeds; and its
+sensors.
 
-Decay of a peak along a line: a continuous broken line in the logarithm of the peak, and where two lines part.
+Decay of a peak along a line: a continuous broken line in the logarithm of the peak, and where two
+lines part.
 
-ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the rest is linear, so that
-the border alone is searched: over each interval between grains that leaves at least two on either side.
+ln(peak) = c - a1 x up to the border b, and on with the slope -a2 beyond it. For each border the
+rest is linear, so that the border alone is searched: over each interval between grains that leaves
+at least two on either side.
 
-A sensor reads the mean of the forces of its bead's two contacts in a chain, its acceleration elsewhere: a transducer
-glued between the halves of a bead feels the force between them, which for slow pulses is about that mean. At an end of
-the chain, where there is one contact, half of its force.
+A sensor reads the mean of the forces of its bead's two contacts in a chain, its acceleration
+elsewhere: a transducer glued between the halves of a bead feels the force between them, which for
+slow pulses is about that mean. At an end of the chain, where there is one contact, half of its
+force.
 """
 
 from __future__ import annotations
@@ -54,7 +58,8 @@ class Distribution:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class LineRecord:
-    """A line of grains of a run; arrays in the order of the line, NaN where a grain has no first pulse.
+    """A line of grains of a run; arrays in the order of the line, NaN where a grain has no first
+    pulse.
 
     Attributes
     ----------
@@ -109,7 +114,9 @@ class LineRecord:
     def distribution(self) -> Distribution | None:
         """Distribution of the largest speeds; None for too few or equal values."""
         values = self.largest_speed
-        if len(values) < _FEWEST_VALUES or np.ptp(values) <= 1e-9 * float(np.max(values, initial=0.0)):
+        if len(values) < _FEWEST_VALUES or np.ptp(values) <= 1e-9 * float(
+            np.max(values, initial=0.0)
+        ):
             return None
         from scipy.stats import shapiro, skew  # take longer to load than most commands need
 
@@ -132,9 +139,19 @@ def lines_of(result: Result) -> list[LineRecord]:
     found = []
     for line in result.case.line:
         group = f"lines/{line.name}"
-        columns = {field.name: result[f"{group}/{field.name}"] for field in dataclasses.fields(LineRecord)[1:-2]}
+        columns = {
+            field.name: result[f"{group}/{field.name}"]
+            for field in dataclasses.fields(LineRecord)[1:-2]
+        }
         straight = _straight(result[f"{group}/position"], result.case.packing.diameter)
-        found.append(LineRecord(name=line.name, left_out=left_out(result.assembly, line), straight=straight, **columns))
+        found.append(
+            LineRecord(
+                name=line.name,
+                left_out=left_out(result.assembly, line),
+                straight=straight,
+                **columns,
+            )
+        )
     return found
 
 
@@ -153,7 +170,8 @@ def line_summary(result: Result) -> dict[str, Any]:
     """Return the part of the summary that is about lines of grains."""
     found: dict[str, Any] = {}
     for line in lines_of(result):
-        decay, spread = line.decay, line.distribution
+        decay = line.decay
+        spread = line.distribution
         peaks = line.peak_speed[np.isfinite(line.peak_speed)]
         values = {
             "front_speed_m_s": line.front_speed,
@@ -204,7 +222,8 @@ def fit_decay(distance: Array, peak: Array) -> Decay | None:
         (n,); points whose peak is not known or not positive do not count.
     """
     known = np.isfinite(peak) & (peak > 0)
-    x, y = distance[known], np.log(peak[known])
+    x = distance[known]
+    y = np.log(peak[known])
     if len(x) < 2 * _LEAST:
         return None
 
@@ -213,12 +232,15 @@ def fit_decay(distance: Array, peak: Array) -> Decay | None:
         found, *_ = np.linalg.lstsq(columns, y, rcond=None)
         return float(np.sum((columns @ found - y) ** 2)), found
 
-    low, high = x[_LEAST - 1], x[-_LEAST]
+    low = x[_LEAST - 1]
+    high = x[-_LEAST]
     if low == high:
         candidates = np.array([low])
     else:
         inside = x[(x >= low) & (x <= high)]
-        candidates = np.unique(np.concatenate([np.linspace(a, b, _TRIALS) for a, b in pairwise(inside)]))
+        candidates = np.unique(
+            np.concatenate([np.linspace(a, b, _TRIALS) for a, b in pairwise(inside)])
+        )
     best = min(candidates.tolist(), key=lambda border: misfit(border)[0])
     if len(candidates) > 1:
         from scipy.optimize import minimize_scalar  # takes longer to load than most commands need
@@ -233,7 +255,8 @@ def fit_decay(distance: Array, peak: Array) -> Decay | None:
 
 
 def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) -> float | None:
-    """Return the distance of the first grain whose peak differs by a share from that in a wider crystal, m; None: none.
+    """Return the distance of the first grain whose peak differs by a share from that in a wider
+    crystal, m; None: none.
 
     Parameters
     ----------
@@ -246,7 +269,9 @@ def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) 
 
 
 def sensor_forces(result: Result) -> Arrays:
-    """Force of every sensor of a run at the instants of ``/chain/time``, by its name: (n_times,), N."""
+    """Force of every sensor of a run at the instants of ``/chain/time``, by its name: (n_times,),
+    N.
+    """
     ends = result["chain/contact_i"], result["chain/contact_j"]
     force = result["chain/contact_force"]
     return {
@@ -266,7 +291,9 @@ def sensor_accelerations(result: Result) -> Arrays:
     found = _probed(result, "f")
     for sensor in [sensor for sensor in result.case.sensor if sensor.name in found]:
         row = int(result.rows(sensor.id))
-        found[sensor.name] = found[sensor.name] / result.read("spheres/mass", slice(row, row + 1))[0]
+        found[sensor.name] = (
+            found[sensor.name] / result.read("spheres/mass", slice(row, row + 1))[0]
+        )
     return found
 
 
@@ -283,7 +310,9 @@ def sensor_velocities(result: Result) -> Arrays:
 
 def _probed(result: Result, quantity: str) -> Arrays:
     return {
-        sensor.name: np.stack([result[f"probes/sphere_{sensor.id}_{quantity}{axis}"] for axis in "xyz"], axis=1)
+        sensor.name: np.stack(
+            [result[f"probes/sphere_{sensor.id}_{quantity}{axis}"] for axis in "xyz"], axis=1
+        )
         for sensor in result.case.sensor
         if f"probes/sphere_{sensor.id}_{quantity}x" in result
     }

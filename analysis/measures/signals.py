@@ -13,7 +13,8 @@ _FEWEST_FITTED = 4  # points of an exponential law
 
 
 def first_peak(time: Array, signal: Array, *, floor: float = 0.01) -> tuple[float, float]:
-    """Time and height of the first maximum of a signal above ``floor`` of its largest, by a parabola through samples.
+    """Time and height of the first maximum of a signal above ``floor`` of its largest, by a
+    parabola through samples.
 
     Parameters
     ----------
@@ -49,7 +50,9 @@ def at_time(time: float, times: Array, rows: Array) -> Array:
 
 
 def arrival(time: Array, signal: Array, level: float) -> float:
-    """Time at which a signal first passes a level, between samples by a straight line, s; NaN: never."""
+    """Time at which a signal first passes a level, between samples by a straight line, s; NaN:
+    never.
+    """
     above = np.flatnonzero(signal >= level)
     if not len(above):
         return np.nan
@@ -61,26 +64,33 @@ def arrival(time: Array, signal: Array, level: float) -> float:
 
 
 def width(x: Array, signal: Array, share: float = 0.5) -> float:
-    """Full width of the largest peak of a signal at a share of its height, in units of x; NaN if it is cut off."""
-    k, level = int(signal.argmax()), share * float(signal.max())
-    left, right = np.flatnonzero(signal[:k] < level), np.flatnonzero(signal[k:] < level)
+    """Full width of the largest peak of a signal at a share of its height, in units of x; NaN if it
+    is cut off.
+    """
+    k = int(signal.argmax())
+    level = share * float(signal.max())
+    left = np.flatnonzero(signal[:k] < level)
+    right = np.flatnonzero(signal[k:] < level)
     if not len(left) or not len(right):
         return np.nan
-    a, b = int(left[-1]), k + int(right[0])
+    a = int(left[-1])
+    b = k + int(right[0])
     start = x[a] + (level - signal[a]) / (signal[a + 1] - signal[a]) * (x[a + 1] - x[a])
     end = x[b - 1] + (level - signal[b - 1]) / (signal[b] - signal[b - 1]) * (x[b] - x[b - 1])
     return float(end - start)
 
 
 def decay_rate(x: ArrayLike, y: ArrayLike) -> float:
-    """Rate of an exponential decay: minus the slope of the straight line through ln(y); NaN unless all y are positive.
+    """Rate of an exponential decay: minus the slope of the straight line through ln(y); NaN unless
+    all y are positive.
 
     Parameters
     ----------
     x, y
         Place, and what decays: (n_points,).
     """
-    x, y = np.asarray(x), np.asarray(y)
+    x = np.asarray(x)
+    y = np.asarray(y)
     return -float(np.polyfit(x, np.log(y), 1)[0]) if len(y) > 1 and (y > 0).all() else np.nan
 
 
@@ -118,7 +128,9 @@ def power(x: Array, y: Array) -> Power:
     """
     chosen = (x > 0) & (y > 0) & np.isfinite(x) & np.isfinite(y)
     if np.count_nonzero(chosen) < 2:
-        raise ValueError(f"found {np.count_nonzero(chosen)} points, expected two or more for a power law")
+        raise ValueError(
+            f"found {np.count_nonzero(chosen)} points, expected two or more for a power law"
+        )
     from scipy import stats  # takes longer to load than most commands need
 
     fit = stats.linregress(np.log(x[chosen]), np.log(y[chosen]))
@@ -148,7 +160,9 @@ class Decay:
 
 
 def decay(x: Array, y: Array) -> Decay | None:
-    """The exponential law through points (n_points,); None where there are too few, or no such law is found."""
+    """The exponential law through points (n_points,); None where there are too few, or no such law
+    is found.
+    """
     if len(x) < _FEWEST_FITTED:
         return None
     from scipy.optimize import curve_fit  # takes longer to load than most commands need

@@ -1,19 +1,20 @@
-"""Force and motion of the target, the bottom of a packing, and the same impact directly on it, without the packing.
+"""Force and motion of the target, the bottom of a packing, and the same impact directly on it,
+without the packing.
 
-The ground is what the target itself rests on: the force on it is that out of the last spring or damper, and the force
-on the target where that does not move.
+The ground is what the target itself rests on: the force on it is that out of the last spring or
+damper, and the force on the target where that does not move.
 
-Without the packing the struck spheres, side by side, hit what is below: a rigid plane, a plane of a material, or one
-that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each is a point mass whose force on the plane
-is that of the contact law, hysteresis included; their dents are local, so that they feel each other by the plane's
-motion only:
+Without the packing the struck spheres, side by side, hit what is below: a rigid plane, a plane of a
+material, or one that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each is
+a point mass whose force on the plane is that of the contact law, hysteresis included; their dents
+are local, so that they feel each other by the plane's motion only:
 
     m x'' = -F(x - u)        sphere, x from where it touches
     m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
 
-On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2, and the course of equal
-spheres follows from the energies: m x'^2/2 is what the work of loading, or the elastic energy, still lacks. A force as
-load acts on the target itself.
+On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2, and
+the course of equal spheres follows from the energies: m x'^2/2 is what the work of loading, or the
+elastic energy, still lacks. A force as load acts on the target itself.
 """
 
 from __future__ import annotations
@@ -57,13 +58,18 @@ class Reached:
 
     time: Array  # s
     force: Array  # of the packing, or of what hits it without one, on the target, N
-    ground_force: Array | None  # of the target on the ground, N; None for a bar at a chain's end: it is not recorded
-    displacement: Array | None = None  # outward from its place before the impact, m; None where it does not move
+    ground_force: (
+        Array | None
+    )  # of the target on the ground, N; None for a bar at a chain's end: it is not recorded
+    # outward from its place before the impact, m; None where it does not move
+    displacement: Array | None = None
 
     @property
     def impulse(self) -> Array:
         """Impulse of the force on the target so far, N s."""
-        return np.concatenate([[0.0], np.cumsum(np.diff(self.time) * (self.force[1:] + self.force[:-1]) / 2)])
+        return np.concatenate(
+            [[0.0], np.cumsum(np.diff(self.time) * (self.force[1:] + self.force[:-1]) / 2)]
+        )
 
     @property
     def peak_force(self) -> float:
@@ -77,19 +83,26 @@ class Reached:
 
     @property
     def arrival(self) -> float | None:
-        """Time at which the force has first risen by 1 % of its largest rise, s; None if it never does."""
+        """Time at which the force has first risen by 1 % of its largest rise, s; None if it never
+        does.
+        """
         rise = self.force - self.force[0]
-        felt = np.flatnonzero(rise > max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0]))))
+        felt = np.flatnonzero(
+            rise > max(ARRIVED * float(rise.max()), _NOISE * abs(float(self.force[0])))
+        )
         return float(self.time[felt[0]]) if len(felt) else None
 
 
 def reached(result: Result) -> Reached | None:
-    """Return the record of the bottom of a packing, or of the bar at a chain's end; None where there is neither."""
+    """Return the record of the bottom of a packing, or of the bar at a chain's end; None where
+    there is neither.
+    """
     name = next((name for name in ("bottom", BAR) if f"walls/{name}" in result), None)
     if name is None:
         return None
     group = f"walls/{name}"
-    time, force = result[f"{group}/time"], result[f"{group}/force"]
+    time = result[f"{group}/time"]
+    force = result[f"{group}/force"]
     moved, ground = (result.get(f"{group}/{one}") for one in ("displacement", "ground_force"))
     if ground is None and name != BAR:
         ground = force
@@ -103,10 +116,14 @@ def period_of(plate: Plate) -> float:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Target:
-    """Support of the plane: a row of masses joined by springs, the plane first, the last one tied to the ground."""
+    """Support of the plane: a row of masses joined by springs, the plane first, the last one tied
+    to the ground.
+    """
 
     material: Material | None  # of the surface; None: rigid
-    mass: Array  # of the nodes, (n,), kg; none of a plane that does not move; a single 0 of a surface without mass
+    # of the nodes, (n,), kg; none of a plane that does not move; a single 0 of a surface without
+    # mass
+    mass: Array
     stiffness: float = 0.0  # of the springs between them, N/m
     ground_stiffness: float = 0.0  # of what ties the last one to the ground, N/m
     ground_damping: float = 0.0  # N s/m
@@ -152,7 +169,9 @@ class Impactors:
 
     @cached_property
     def largest_overlap(self) -> float:
-        """Overlap on a plane that does not move when all of the energy has become work of the contact, m."""
+        """Overlap on a plane that does not move when all of the energy has become work of the
+        contact, m.
+        """
         energy = 0.5 * self.mass * self.velocity**2
 
         from scipy.optimize import brentq  # takes longer to load than many a figure to draw
@@ -191,9 +210,11 @@ def no_bare_target(case: Case) -> str:
 
 
 def unprotected(case: Case, end_time: float) -> Reached | None:
-    """The load of a case directly on its target; None where there is no target, or nothing that would hit it.
+    """The load of a case directly on its target; None where there is no target, or nothing that
+    would hit it.
 
-    None for loads that oscillate too: what a row passes on of them is its transmission, not what it protects from.
+    None for loads that oscillate too: what a row passes on of them is its transmission, not what it
+    protects from.
 
     Parameters
     ----------
@@ -216,7 +237,8 @@ def target_of(case: Case) -> Target | None:
 
     A last layer that is held in place stands for a rigid base. None if there is nothing below.
     """
-    support, material = case.boundary.bottom_support, case.boundary.bottom_material
+    support = case.boundary.bottom_support
+    material = case.boundary.bottom_material
     if support is not None:
         behind = support.backing(material, footprint_radius(assemble(case)))
         if not behind.elements:
@@ -225,7 +247,13 @@ def target_of(case: Case) -> Target | None:
         masses[[0, -1]] /= 2
         if behind.end == "fixed":
             return Target(material, masses[:-1], behind.stiffness, behind.stiffness)
-        return Target(material, masses, behind.stiffness, 0.0, 0.0 if isinstance(behind.end, str) else behind.end)
+        return Target(
+            material,
+            masses,
+            behind.stiffness,
+            0.0,
+            0.0 if isinstance(behind.end, str) else behind.end,
+        )
     if case.boundary.bottom != "free":
         return Target(material, np.empty(0))
     bar = next((bar for bar in assemble(case).bars if bar.name == BAR), None)
@@ -233,8 +261,11 @@ def target_of(case: Case) -> Target | None:
 
 
 def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
-    """The spheres that the load sets in motion, as far as they go towards the target, like ones together."""
-    assembly, velocities = assemble(case), velocities_of(assemble(case))
+    """The spheres that the load sets in motion, as far as they go towards the target, like ones
+    together.
+    """
+    assembly = assemble(case)
+    velocities = velocities_of(assemble(case))
     kinds: dict[tuple[Material, float, float], list[int]] = {}
     for sphere in struck_of(assemble(case)):
         velocity = velocities[sphere][2]
@@ -242,7 +273,12 @@ def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
             kind = assembly.material_of(sphere), assembly.diameter_of(sphere), velocity
             kinds.setdefault(kind, []).append(sphere)
     return [
-        Impactors(len(spheres), assembly.mass_of(spheres[0]), velocity, flat_contact(case, spheres[0], material))
+        Impactors(
+            len(spheres),
+            assembly.mass_of(spheres[0]),
+            velocity,
+            flat_contact(case, spheres[0], material),
+        )
         for (_, _, velocity), spheres in kinds.items()
     ]
 
@@ -259,12 +295,21 @@ def _pushed(load: Load, target: Target, end_time: float) -> Reached:
     n = len(target.mass)
 
     def rates(now: float, state: Array) -> Array:
-        return np.concatenate(target.rates(state[:n], state[n:], float(load.at(np.array(now))) * load.way[2]))
+        return np.concatenate(
+            target.rates(state[:n], state[n:], float(load.at(np.array(now))) * load.way[2])
+        )
 
     from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
 
     found = solve_ivp(
-        rates, (0.0, end), np.zeros(2 * n), "DOP853", time, rtol=_TOLERANCE, atol=1e-15, max_step=end / _AFTER
+        rates,
+        (0.0, end),
+        np.zeros(2 * n),
+        "DOP853",
+        time,
+        rtol=_TOLERANCE,
+        atol=1e-15,
+        max_step=end / _AFTER,
     )
     return Reached(time, force, _on_ground(target, force, found.y[:n], found.y[n:]))
 
@@ -272,11 +317,14 @@ def _pushed(load: Load, target: Target, end_time: float) -> Reached:
 def _rebound(group: Impactors) -> Reached:
     """Equal spheres that hit a plane that does not move, until they leave it.
 
-    Overlaps are deepest - way s^2 with s in equal steps: the speed is in proportion to s where the spheres turn round.
+    Overlaps are deepest - way s^2 with s in equal steps: the speed is in proportion to s where the
+    spheres turn round.
     """
-    law, deepest = group.law, np.array([group.largest_overlap])
+    law = group.law
+    deepest = np.array([group.largest_overlap])
     step = 1 / _IN_CONTACT
-    edges, middles = np.arange(_IN_CONTACT + 1) * step, (np.arange(_IN_CONTACT) + 0.5) * step
+    edges = np.arange(_IN_CONTACT + 1) * step
+    middles = (np.arange(_IN_CONTACT) + 0.5) * step
 
     def durations(way: Array, kinetic: Callable[[Array], Array]) -> Array:
         speed = np.sqrt(2 * kinetic(deepest - way * middles**2) / group.mass)
@@ -284,17 +332,23 @@ def _rebound(group: Impactors) -> Reached:
 
     back = deepest - law.residual_overlap(deepest)
     closing = durations(deepest, lambda at: law.loading_work(deepest) - law.loading_work(at))
-    parting = durations(back, lambda at: law.elastic_energy(deepest, deepest) - law.elastic_energy(at, deepest))
+    parting = durations(
+        back, lambda at: law.elastic_energy(deepest, deepest) - law.elastic_energy(at, deepest)
+    )
     time = np.concatenate([[0.0], np.cumsum([*closing[::-1], *parting])])
     loading = law.loading_force(deepest * (1 - edges[::-1] ** 2))
-    force = group.count * np.concatenate([loading, law.force(deepest - back * edges[1:] ** 2, deepest)])
+    force = group.count * np.concatenate(
+        [loading, law.force(deepest - back * edges[1:] ** 2, deepest)]
+    )
     return Reached(time, force, force)
 
 
 def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
     """Spheres that hit the target, in phases between which one of them turns round."""
-    n, k = len(target.mass), len(groups)
-    mass, count = np.array([one.mass for one in groups]), np.array([one.count for one in groups])
+    n = len(target.mass)
+    k = len(groups)
+    mass = np.array([one.mass for one in groups])
+    count = np.array([one.count for one in groups])
     peak = np.zeros(k)
 
     def overlaps(state: Array) -> Array:
@@ -310,14 +364,19 @@ def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
 
     def rates(_: float, state: Array) -> Array:
         force = forces(state)
-        place, speed = state[2 * k : 2 * k + n], state[2 * k + n :]
-        return np.concatenate([state[k : 2 * k], -force / mass, *target.rates(place, speed, float(count @ force))])
+        place = state[2 * k : 2 * k + n]
+        speed = state[2 * k + n :]
+        return np.concatenate(
+            [state[k : 2 * k], -force / mass, *target.rates(place, speed, float(count @ force))]
+        )
 
     def turn(place: int, direction: int) -> Event:
         """The sphere and the plane stop to come closer (-1), or to part (+1)."""
 
         def rate(_: float, state: Array) -> float:
-            moved = target.rates(state[2 * k : 2 * k + n], state[2 * k + n :], float(count @ forces(state)))[0]
+            moved = target.rates(
+                state[2 * k : 2 * k + n], state[2 * k + n :], float(count @ forces(state))
+            )[0]
             return float(state[k + place] - (moved[0] if n else 0.0))
 
         return _event(rate, direction)
@@ -329,14 +388,21 @@ def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
     scale = max(group.largest_overlap for group in groups)
     fastest = max(group.velocity for group in groups)
     duration = min(group.duration for group in groups)
-    lengths = np.concatenate([np.full(k, scale), np.full(k, fastest), np.full(n, scale), np.full(n, fastest)])
+    lengths = np.concatenate(
+        [np.full(k, scale), np.full(k, fastest), np.full(n, scale), np.full(n, fastest)]
+    )
     state = np.concatenate([np.zeros(k), [group.velocity for group in groups], np.zeros(2 * n)])
-    times, states, peaks = [np.zeros(1)], [state[:, None]], [peak.copy()]
-    now, end = 0.0, max(end_time, 2 * duration)
+    times = [np.zeros(1)]
+    states = [state[:, None]]
+    peaks = [peak.copy()]
+    now = 0.0
+    end = max(end_time, 2 * duration)
     parted = False  # once
     directions = [-1] * (k + 1)  # of the next event: of the turn of each sphere, and of the contact
     for _ in range(_MOST_PHASES):
-        step = duration / _IN_CONTACT if directions[k] < 0 else max(duration, target.settles) / _AFTER
+        step = (
+            duration / _IN_CONTACT if directions[k] < 0 else max(duration, target.settles) / _AFTER
+        )
         from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
 
         found = solve_ivp(
@@ -346,27 +412,35 @@ def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
         times.append(found.t[1:])
         states.append(found.y[:, 1:])
         peaks += [peak.copy()] * len(found.t[1:])
-        now, state = float(found.t[-1]), found.y[:, -1]
+        now = float(found.t[-1])
+        state = found.y[:, -1]
         if found.status != 1:
             break
         peak[:] = np.maximum(peak, overlaps(state))
-        directions = [-way if len(at) else way for way, at in zip(directions, found.t_events, strict=True)]
+        directions = [
+            -way if len(at) else way for way, at in zip(directions, found.t_events, strict=True)
+        ]
         if directions[k] > 0:  # no sphere is in contact any more
             if not target.settles or target.ground_stiffness == target.ground_damping == 0:
                 break
             end = min(end, now + target.settles) if not parted else end
             parted = True
-    time, course = np.concatenate(times), np.concatenate(states, axis=1)
+    time = np.concatenate(times)
+    course = np.concatenate(states, axis=1)
     force = np.empty(len(time))
     for place, deepest in enumerate(peaks):
         peak[:] = deepest
         force[place] = count @ forces(course[:, place])
-    return Reached(time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :]))
+    return Reached(
+        time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :])
+    )
 
 
 def _event(function: Callable[[float, Array], float], direction: int) -> Event:
     """An event that ends a phase when the function passes zero in this direction."""
-    function.terminal, function.direction = True, direction  # type: ignore[attr-defined]
+    # type: ignore[attr-defined]
+    function.terminal = True
+    function.direction = direction
     return function
 
 

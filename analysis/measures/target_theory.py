@@ -1,14 +1,18 @@
-"""Closed forms for targets: Hertz's impact of a single sphere, and the shock spectrum of plates on springs.
+"""Closed forms for targets: Hertz's impact of a single sphere, and the shock spectrum of plates on
+springs.
 
-A sphere of mass m and speed v on a rigid wall, F = K alpha^1.5 with K = 4/3 E* sqrt(R) (Hertz 1882):
+A sphere of mass m and speed v on a rigid wall, F = K alpha^1.5 with K = 4/3 E* sqrt(R) (Hertz
+1882):
 
     alpha_m = (5 m v^2/(4 K))^(2/5)     F_m = K alpha_m^1.5     t_c = 2.943 alpha_m/v     impulse 2 m v
 
-A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M omega), a slow force by F/k.
+A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M omega), a slow force
+by F/k.
 
-Shock spectrum of a force: how far a plate on a spring moves under it, against the plate's period. A plate much slower
-than the force only feels its impulse and moves by J/(M omega); one much faster follows it and moves by F/k. In between
-it is an oscillator under the force on a wall that is held in place.
+Shock spectrum of a force: how far a plate on a spring moves under it, against the plate's period. A
+plate much slower than the force only feels its impulse and moves by J/(M omega); one much faster
+follows it and moves by F/k. In between it is an oscillator under the force on a wall that is held
+in place.
 """
 
 from __future__ import annotations
@@ -29,7 +33,9 @@ from granwave.lammps_inputs.contact.law import flat_contact
 
 _POINTS = 2000  # of Hertz's force in time
 
-_FAST, _SLOW = 0.25, 10.0  # periods at which the limits hold, over the peak's width and the time the impulse takes
+# periods at which the limits hold, over the peak's width and the time the impulse takes
+_FAST = 0.25
+_SLOW = 10.0
 _MOST_OF_IT = 0.9  # of the impulse: the time that it takes is that of this part, from its middle
 
 
@@ -54,7 +60,11 @@ class HertzImpact:
         """The impact of a case's first sphere on its bottom, held in place."""
         law = flat_contact(case, 1, case.boundary.bottom_material)
         stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
-        return cls(case.sphere_mass, case.load.velocity * math.cos(math.radians(case.load.angle)), stiffness)
+        return cls(
+            case.sphere_mass,
+            case.load.velocity * math.cos(math.radians(case.load.angle)),
+            stiffness,
+        )
 
     @property
     def overlap(self) -> float:
@@ -68,7 +78,9 @@ class HertzImpact:
 
     @property
     def duration(self) -> float:
-        """Duration of the contact, s: 2 alpha_m/v times the integral of (1 - s^2.5)^(-1/2) from 0 to 1."""
+        """Duration of the contact, s: 2 alpha_m/v times the integral of (1 - s^2.5)^(-1/2) from 0
+        to 1.
+        """
         return 2 * self.overlap / self.velocity * 0.4 * beta(0.4, 0.5)
 
     @property
@@ -83,15 +95,21 @@ class HertzImpact:
 
     def history(self) -> tuple[Array, Array]:
         """Time (s) and force (N), evenly spaced in time: (n,) each."""
-        share = np.sin(np.linspace(0, np.pi / 2, _POINTS)) ** 2  # of the largest overlap; dense at both ends
+        share = (
+            np.sin(np.linspace(0, np.pi / 2, _POINTS)) ** 2
+        )  # of the largest overlap; dense at both ends
         slowness = 1 / np.sqrt(np.maximum(1 - share**2.5, 1e-300))
         steps = np.diff(share) * (slowness[1:] + slowness[:-1]) / 2
-        steps[-1] = np.sqrt(np.diff(share)[-1] * 4 / 2.5)  # the integral to the turning point, where it is singular
+        steps[-1] = np.sqrt(
+            np.diff(share)[-1] * 4 / 2.5
+        )  # the integral to the turning point, where it is singular
         time = np.concatenate([[0.0], np.cumsum(steps)]) * self.overlap / self.velocity
         force = self.stiffness * (share * self.overlap) ** 1.5
         even = np.linspace(0, 2 * time[-1], 2 * _POINTS)
         return even, np.interp(
-            even, np.concatenate([time, 2 * time[-1] - time[-2::-1]]), np.append(force, force[-2::-1])
+            even,
+            np.concatenate([time, 2 * time[-1] - time[-2::-1]]),
+            np.append(force, force[-2::-1]),
         )
 
     def energy_into(self, spring: float, damping: float) -> float:
@@ -103,17 +121,26 @@ class HertzImpact:
         return float(np.trapezoid(force * speed, time))
 
     def on_spring(self, stiffness: float) -> float:
-        """Largest force on a wall without mass on a spring (N/m), N: from the balance of energy at rest."""
+        """Largest force on a wall without mass on a spring (N/m), N: from the balance of energy at
+        rest.
+        """
         energy = 0.5 * self.mass * self.velocity**2
 
         def missing(force: float) -> float:
-            return 0.4 * force ** (5 / 3) / self.stiffness ** (2 / 3) + force**2 / (2 * stiffness) - energy
+            return (
+                0.4 * force ** (5 / 3) / self.stiffness ** (2 / 3)
+                + force**2 / (2 * stiffness)
+                - energy
+            )
 
         return brentq(missing, 0, self.force)
 
 
-def response(time: Array, force: Array, mass: float, stiffness: float, damping: float = 0.0) -> Array:
-    """Displacement of a mass on a spring and a damper under a force, at rest at the start: (n_times,), m.
+def response(
+    time: Array, force: Array, mass: float, stiffness: float, damping: float = 0.0
+) -> Array:
+    """Displacement of a mass on a spring and a damper under a force, at rest at the start:
+    (n_times,), m.
 
     Parameters
     ----------
@@ -135,7 +162,9 @@ def after_impulse(impulse: float, mass: float, stiffness: float) -> float:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Curves:
-    """Largest displacement of plates of one mass: by the oscillator and in its limits, m; all (n_periods,)."""
+    """Largest displacement of plates of one mass: by the oscillator and in its limits, m; all
+    (n_periods,).
+    """
 
     period: Array
     oscillator: Array
@@ -145,7 +174,8 @@ class Curves:
 
 def oscillator(held: Reached, plate: Plate, end: float) -> float:
     """Largest displacement of a plate under the force on a wall, and after it up to a time (s): m."""
-    time, force = held.time, held.force
+    time = held.time
+    force = held.force
     if end > time[-1]:
         step = time[1] - time[0]
         time = np.append(time, np.arange(time[-1] + step, end, step))
@@ -156,7 +186,8 @@ def oscillator(held: Reached, plate: Plate, end: float) -> float:
 def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[float, str]:
     """Largest displacement of a plate that does not give way, m, and the theory that it is from.
 
-    ``held`` is the record of the same packing on a wall, ``end`` that of the record of the plate, s.
+    ``held`` is the record of the same packing on a wall, ``end`` that of the record of the plate,
+    s.
     """
     period = period_of(plate)
     if period < _FAST * width(held.time, held.force):
@@ -164,7 +195,9 @@ def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[floa
     part = np.array([1 - _MOST_OF_IT, 1 + _MOST_OF_IT]) / 2 * held.impulse[-1]
     lasts = float(np.diff(np.interp(part, held.impulse, held.time))[0])
     if period > _SLOW * lasts and not plate.damping:
-        return after_impulse(float(held.impulse[-1]), plate.mass, plate.stiffness), "short impulse, J/(M omega)"
+        return after_impulse(
+            float(held.impulse[-1]), plate.mass, plate.stiffness
+        ), "short impulse, J/(M omega)"
     return oscillator(held, plate, max(end, held.time[-1])), "oscillator"
 
 
@@ -173,6 +206,8 @@ def spectrum_curves(held: Reached, plate: Plate, period: Array) -> Curves:
     springs = plate.mass * (2 * math.pi / period) ** 2
     plates = (dataclasses.replace(plate, stiffness=spring) for spring in springs)
     ends = held.time[-1] + period
-    moved = np.array([oscillator(held, other, end) for other, end in zip(plates, ends, strict=True)])
+    moved = np.array(
+        [oscillator(held, other, end) for other, end in zip(plates, ends, strict=True)]
+    )
     short = after_impulse(float(held.impulse[-1]), plate.mass, 1.0) / np.sqrt(springs)
     return Curves(period, moved, held.peak_force / springs, short)

@@ -1,9 +1,10 @@
 """Waves in packings: their directions, and their speed into the depth.
 
-Directionality: shares of energy and dissipation by direction from the impact point, for any packing.
+Directionality: shares of energy and dissipation by direction from the impact point, for any
+packing.
 
-The direction of a sphere is that from the nearest struck sphere. In a layer it is an angle; in a packing of several
-layers a point of the half sphere below, cut into cells of equal solid angle.
+The direction of a sphere is that from the nearest struck sphere. In a layer it is an angle; in a
+packing of several layers a point of the half sphere below, cut into cells of equal solid angle.
 """
 
 from __future__ import annotations
@@ -21,14 +22,20 @@ from granwave.lammps_inputs.packing.motion import struck_of
 
 AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
 LAYER_BINS = 72  # of 5 degrees
-RINGS, PER_RING = 8, 24  # of the half sphere: cells in the angle to the impact axis, and around it
+# of the half sphere: cells in the angle to the impact axis, and around it
+RINGS = 8
+PER_RING = 24
 _ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each other
-_REACHED = 0.02  # share of the energy at the outermost spheres from which on the wave has reached them
+# share of the energy at the outermost spheres from which on the wave has reached them
+_REACHED = 0.02
 
-_LEAD = 5  # layers, the struck one among them, that the first disturbance passes before any contact is at its peak
+# layers, the struck one among them, that the first disturbance passes before any contact is at its
+# peak
+_LEAD = 5
 _FEWEST_LAYERS = 4  # that a wave speed is taken from
 _STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere
-_ARRIVED = 0.1  # of the largest rise of a contact's force: the wave is there, in a chain that was loaded before
+# of the largest rise of a contact's force: the wave is there, in a chain that was loaded before
+_ARRIVED = 0.1
 _RISEN = 0.01  # of the largest rise anywhere: a contact that rose by less was not reached
 
 
@@ -41,7 +48,8 @@ class Spread:
     cells
         Share of the total in each cell: (LAYER_BINS,) from -180 degrees on, or (RINGS, PER_RING).
     along
-        Share within `AXIS_ANGLE` of the directions of contacts, to which an even spread would give ``even``.
+        Share within `AXIS_ANGLE` of the directions of contacts, to which an even spread would give
+        ``even``.
     even
         Part of all directions within that angle.
     """
@@ -61,19 +69,25 @@ def struck_rows(result: Result) -> NDArray[np.int64]:
     case = result.case
     n = assemble(case).lattice.n_spheres
     if case.striker:
-        return result.rows(np.array(sorted({one for striker in case.striker for one in striker.touches if one <= n})))
+        return result.rows(
+            np.array(
+                sorted({one for striker in case.striker for one in striker.touches if one <= n})
+            )
+        )
     return result.rows(np.array(struck_of(assemble(case))))
 
 
 def directions(result: Result) -> Array:
-    """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck ones and strikers.
+    """Unit vectors from the nearest struck sphere to each sphere: (n_spheres, 3); NaN for struck
+    ones and strikers.
 
     Parameters
     ----------
     result
         Of a run, ``run.result``.
     """
-    struck, positions = struck_rows(result), result["spheres/position"]
+    struck = struck_rows(result)
+    positions = result["spheres/position"]
     _, row = nearest(positions, positions[struck])
     offset = positions - positions[struck][row]
     offset[struck] = np.nan
@@ -82,7 +96,8 @@ def directions(result: Result) -> Array:
 
 
 def spread(result: Result, values: Array) -> Spread | None:
-    """Spread of what spheres hold over the directions from the nearest struck sphere; strikers are left out.
+    """Spread of what spheres hold over the directions from the nearest struck sphere; strikers are
+    left out.
 
     Parameters
     ----------
@@ -94,31 +109,43 @@ def spread(result: Result, values: Array) -> Spread | None:
     Returns
     -------
     Spread or None
-        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, that of an even spread; ``cells``
-        by direction. None if struck spheres hold all.
+        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, that of an
+        even spread; ``cells`` by direction. None if struck spheres hold all.
     """
     vectors = directions(result)
     known = np.isfinite(vectors[:, 0])
-    vectors, weights = vectors[known], values[known]
+    vectors = vectors[known]
+    weights = values[known]
     total = float(weights.sum())
     if not total > 0:
         return None
     axes = preferred_directions(result.case.packing.kind)
     cosine = (vectors @ axes.T).max(axis=1)
     along = float(weights[cosine >= np.cos(np.deg2rad(AXIS_ANGLE)) - 1e-9].sum()) / total
-    flat, cap = is_layer(result), np.deg2rad(AXIS_ANGLE)
+    flat = is_layer(result)
+    cap = np.deg2rad(AXIS_ANGLE)
     rings, per_ring = (1, LAYER_BINS) if flat else (RINGS, PER_RING)
     ring = np.minimum(((1 - np.clip(vectors[:, 2], 0, 1)) * rings).astype(int), rings - 1)
     angle = np.rad2deg(np.arctan2(vectors[:, 1], vectors[:, 0]))
-    around = np.floor((angle + 180) / 360 * per_ring + 0.5 + 1e-9).astype(int)  # a bin lies around each multiple of it
-    cells = np.bincount(ring * per_ring + around % per_ring, weights, minlength=rings * per_ring) / total
-    even = cap / np.pi if flat else 1 - np.cos(cap)  # of one direction: caps apart from each other, of a half sphere
+    around = np.floor((angle + 180) / 360 * per_ring + 0.5 + 1e-9).astype(
+        int
+    )  # a bin lies around each multiple of it
+    cells = (
+        np.bincount(ring * per_ring + around % per_ring, weights, minlength=rings * per_ring)
+        / total
+    )
+    even = (
+        cap / np.pi if flat else 1 - np.cos(cap)
+    )  # of one direction: caps apart from each other, of a half sphere
     return Spread(cells if flat else cells.reshape(rings, per_ring), along, float(len(axes) * even))
 
 
 def is_layer(result: Result) -> bool:
     """The packing has one layer."""
-    return bool(np.ptp(result["spheres/position"][result.in_packing, 2]) < _ONE_LAYER * result.case.packing.diameter)
+    return bool(
+        np.ptp(result["spheres/position"][result.in_packing, 2])
+        < _ONE_LAYER * result.case.packing.diameter
+    )
 
 
 def energy_of_spheres(result: Result, frame: int) -> Array:
@@ -139,7 +166,8 @@ def energy_of_spheres(result: Result, frame: int) -> Array:
 
 
 def travelling_frame(result: Result) -> int:
-    """Number of the last snapshot before the wave reaches sides or bottom, or else of the first after the start.
+    """Number of the last snapshot before the wave reaches sides or bottom, or else of the first
+    after the start.
 
     Parameters
     ----------
@@ -164,13 +192,16 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
     """Spheres at the sides and the bottom, those apart that are as near to an impact on that side."""
     inside = result.in_packing
     positions = result["spheres/position"]
-    packing, struck = positions[inside], positions[struck_rows(result)]
+    packing = positions[inside]
+    struck = positions[struck_rows(result)]
     edge = 0.6 * result.case.packing.diameter
     found = np.zeros(len(positions), dtype=bool)
     for axis in (0, 1) if is_layer(result) else (0, 1, 2):
         for sign in (-1, 1):
             limit = (sign * packing[:, axis]).max()
-            if (sign * struck[:, axis]).max() < limit - edge:  # the struck side is no end of the wave's way
+            if (
+                sign * struck[:, axis]
+            ).max() < limit - edge:  # the struck side is no end of the wave's way
                 found |= inside & (sign * positions[:, axis] > limit - edge)
     return found
 
@@ -178,13 +209,14 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
 def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     """Speed of the wave into the depth: slope of depth over arrival, by layers of spheres.
 
-    The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit to the deeper half
-    of the layers that were reached, without the five uppermost ones. An arrival is the first contact force at all,
-    which runs about four layers ahead of the peak force: the speed is that of the peak some four layers above. It
-    needs no threshold, and neither later pulses nor the echo of the bottom disturb it, as they do the times of peak
-    forces. On a chain of Hertz contacts it is within 2 % of the solitary wave's
-    0.6802 (2E / (D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6). Where the wave gets weaker and slower it is above
-    that of the peak: in FCC brass struck at 5 m/s by 10 %, and by 15 to 25 % if compared in the same layers.
+    The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit
+    to the deeper half of the layers that were reached, without the five uppermost ones. An arrival
+    is the first contact force at all, which runs about four layers ahead of the peak force: the
+    speed is that of the peak some four layers above. It needs no threshold, and neither later
+    pulses nor the echo of the bottom disturb it, as they do the times of peak forces. On a chain of
+    Hertz contacts it is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5 (1 -
+    nu^2)))^(1/3) F^(1/6). Where the wave gets weaker and slower it is above that of the peak: in
+    FCC brass struck at 5 m/s by 10 %, and by 15 to 25 % if compared in the same layers.
 
     Parameters
     ----------
@@ -198,16 +230,19 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
     Returns
     -------
     float or None
-        m/s; None when fewer than four layers below the five uppermost were reached, or when contacts are loaded from
-        the start, as under precompression.
+        m/s; None when fewer than four layers below the five uppermost were reached, or when
+        contacts are loaded from the start, as under precompression.
     """
     reached = np.isfinite(first) & (mean > -_STRUCK_LAYER * diameter)
-    z, time = mean[reached], first[reached]
+    z = mean[reached]
+    time = first[reached]
     used = slice(max(_LEAD, len(z) // 2), None)
-    z, time = z[used], time[used]
+    z = z[used]
+    time = time[used]
     if len(z) < _FEWEST_LAYERS:
         return None
-    late, deep = time - time.mean(), z - z.mean()
+    late = time - time.mean()
+    deep = z - z.mean()
     slope = float(late @ deep / (late @ late)) if late.any() else 0.0
     return slope if slope > 0 else None
 
@@ -215,24 +250,29 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
 def wave_speed_of(result: Result) -> float | None:
     """Speed of the wave into the depth of a run, m/s; None where there is none, see `wave_speed`.
 
-    Of runs that were precompressed it is known only in a chain whose forces were recorded: there the wave is at a
-    contact once its force has risen by a tenth of its largest rise, if that was over before the end of the run. Of weak
-    waves in a chain of Hertz contacts that is 3 % above the speed of sound, D sqrt(k/m) with the contact stiffness k
-    under the static force.
+    Of runs that were precompressed it is known only in a chain whose forces were recorded: there
+    the wave is at a contact once its force has risen by a tenth of its largest rise, if that was
+    over before the end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the
+    speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
-    None of loads that go on oscillating: a bead's largest force may come at any time, and later where beads absorb; a
-    burst passes once.
+    None of loads that go on oscillating: a bead's largest force may come at any time, and later
+    where beads absorb; a burst passes once.
 
     None of a load that does not push down: its wave does not come from the top.
 
-    None of cylinders beside each other: the stiffness of their contacts hardly grows with the force, so that the first
-    force at all runs ahead of the wave without a limit. Lines of grains have a front speed.
+    None of cylinders beside each other: the stiffness of their contacts hardly grows with the
+    force, so that the first force at all runs ahead of the wave without a limit. Lines of grains
+    have a front speed.
     """
     diameter = result.case.packing.diameter
     load = result.case.load
     axes = [one.axis if one else None for one in result.assembly.shapes]
     beside_each_other = result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
-    if beside_each_other or load.way[2] <= 0 or (load.driven and load.oscillates and load.shape != "burst"):
+    if (
+        beside_each_other
+        or load.way[2] <= 0
+        or (load.driven and load.oscillates and load.shape != "burst")
+    ):
         return None
     if result.case.precompression is None:
         return wave_speed(*_arrivals(result, diameter), diameter)
@@ -243,12 +283,19 @@ def wave_speed_of(result: Result) -> float | None:
         return None
     largest = rise.max(axis=0)
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
-    arrival = np.where(passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan)
-    return wave_speed(*first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter), diameter)
+    arrival = np.where(
+        passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan
+    )
+    return wave_speed(
+        *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
+        diameter,
+    )
 
 
 def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array, Array]:
-    """Return the depth of the layers of spheres (n_spheres,), m, and the earliest arrival at each, s; inf: never."""
+    """Return the depth of the layers of spheres (n_spheres,), m, and the earliest arrival at each,
+    s; inf: never.
+    """
     mean, layer = layers(depth, np.array([diameter / 2]), diameter)
     first = np.full(len(mean), np.inf)
     np.fmin.at(first, layer, arrival)
@@ -256,22 +303,28 @@ def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array
 
 
 def _arrivals(result: Result, diameter: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the depth of each layer, m, and when a contact of its spheres was first loaded, s; inf: never.
+    """Return the depth of each layer, m, and when a contact of its spheres was first loaded, s;
+    inf: never.
 
     Spheres of a layer have few different depths, which are sorted into layers first.
     """
-    top, depths, smallest = result.origin[2], np.empty(0), np.inf
+    top = result.origin[2]
+    depths = np.empty(0)
+    smallest = np.inf
     for positions, radii in result.blocks("spheres/position", "spheres/radius"):
         depths = np.union1d(depths, positions[:, 2] - top)
         smallest = min(smallest, radii.min(initial=np.inf))
     mean, layer_of = layers(depths, np.array([smallest]), diameter)
-    n_spheres, first = np.zeros(len(mean), dtype=np.int64), np.full(len(mean), np.inf)
+    n_spheres = np.zeros(len(mean), dtype=np.int64)
+    first = np.full(len(mean), np.inf)
     total: NDArray[np.float64] = np.zeros(len(mean))
     every = np.arange(len(mean))
     for positions, arrival in result.blocks("spheres/position", "spheres/time_first"):
         depth = positions[:, 2] - top
         layer = layer_of[np.searchsorted(depths, depth)]
-        total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(np.float64)  # in one order for all
+        total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(
+            np.float64
+        )  # in one order for all
         n_spheres += np.bincount(layer, minlength=len(mean))
         np.fmin.at(first, layer, arrival)
     return total / n_spheres, first

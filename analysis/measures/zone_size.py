@@ -1,7 +1,8 @@
-"""Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding; its bounds, waves from them, marks.
+"""Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding; its bounds, waves
+from them, marks.
 
-One definition for packings and the continuum. A part is a sphere of the packing, weighed by the energy that it
-dissipated by yielding, or an element, weighed by its plastic work:
+One definition for packings and the continuum. A part is a sphere of the packing, weighed by the
+energy that it dissipated by yielding, or an element, weighed by its plastic work:
 
     depth     smallest d such that the parts whose centres lie at most d below the struck sphere's centre (packing) or
               the block's face (continuum) hold the share; a centre above counts as depth 0
@@ -9,17 +10,19 @@ dissipated by yielding, or an element, weighed by its plastic work:
     volume    of the fewest parts that hold the share: those that dissipated most for their volume; of a packing that of
               the spheres, without the voids
 
-Nothing is interpolated: a size is that of a part, or a sum of parts, and in a lattice the depth is that of a layer. The
-outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times farther out.
-A zone that reaches a bound, or to which a wave came back from one, is marked: an endless packing's is another.
+Nothing is interpolated: a size is that of a part, or a sum of parts, and in a lattice the depth is
+that of a layer. The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many
+times farther out. A zone that reaches a bound, or to which a wave came back from one, is marked: an
+endless packing's is another.
 
-The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it where the partner is
-harder, and what it left at walls, which stays with the sphere that touches the wall. Friction and dampers do not count,
-nor do strikers: they are no part of the packing.
+The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it
+where the partner is harder, and what it left at walls, which stays with the sphere that touches the
+wall. Friction and dampers do not count, nor do strikers: they are no part of the packing.
 
-A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it was loaded
-at all (bilinear); with hertz none yields. A dent from before the run must have grown in it. The elasto-plastic law was
-fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones of one sphere's contacts may begin to touch.
+A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
+was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
+it. The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic
+zones of one sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations
@@ -43,20 +46,26 @@ Zone = dict[str, NDArray]  # columns of spheres, see `packing_zone`
 
 LAW_LIMIT = 0.2  # of R*: the largest overlap that the elasto-plastic law was fitted to
 HALF_LAW_LIMIT = 0.1  # of R*
-BOTTOM, SIDES = "bottom", "sides"  # bounds that a zone, or a wave, may reach
+# bounds that a zone, or a wave, may reach
+BOTTOM = "bottom"
+SIDES = "sides"
 _WAYS = {BOTTOM: "depth", SIDES: "radius"}  # columns of the distance towards each
 WAVE_KEYS = ("wave_returned", "wave_return_s", "wave_return_share")  # of `wave_returns`
 _ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding reach it
-NOTED_SHARE = 0.01  # of the energy, dissipated after the first wave came back: from here on it is marked
+# of the energy, dissipated after the first wave came back: from here on it is marked
+NOTED_SHARE = 0.01
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
-_BEARS = 0.01  # of the largest force among some contacts: those that bear less are not what the wave came through
+# of the largest force among some contacts: those that bear less are not what the wave came through
+_BEARS = 0.01
 _NOTHING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
-_NO_WAVE = 1e-6  # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
+# of the largest force of the run: what stays below is rounding, or runs ahead of the wave
+_NO_WAVE = 1e-6
 
 
 def extent_holding(distance: Array, energy: Array, share: float) -> float:
-    """Return the smallest distance within which a share of the energy lies, that of a part, m; 0 without any energy.
+    """Return the smallest distance within which a share of the energy lies, that of a part, m; 0
+    without any energy.
 
     Parameters
     ----------
@@ -65,13 +74,17 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
     share
         Of the whole energy, above 0.
     """
-    order = np.lexsort((energy, distance))  # equal parts are alike, so that their order in the file does not matter
+    order = np.lexsort(
+        (energy, distance)
+    )  # equal parts are alike, so that their order in the file does not matter
     n = _parts_holding(energy[order], share)
     return float(distance[order][n - 1]) if n else 0.0
 
 
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
-    """Return the volume (m^3) of the parts of highest energy density that hold a share; else as `extent_holding`."""
+    """Return the volume (m^3) of the parts of highest energy density that hold a share; else as
+    `extent_holding`.
+    """
     order = np.lexsort((volume, -energy / volume))
     return float(np.sum(volume[order][: _parts_holding(energy[order], share)]))
 
@@ -84,7 +97,10 @@ def _parts_holding(energy: Array, share: float) -> int:
 
 
 def zone_sizes(
-    energy: Array | None, volume: Array | None = None, depth: Array | None = None, radius: Array | None = None
+    energy: Array | None,
+    volume: Array | None = None,
+    depth: Array | None = None,
+    radius: Array | None = None,
 ) -> dict[str, float | None]:
     """Sizes of a plastic zone, by their names in ``summary.json``.
 
@@ -100,10 +116,13 @@ def zone_sizes(
     Returns
     -------
     dict
-        ``zone_depth_50_m``, ``zone_radius_50_m``, ``zone_volume_50_m3``, ... 90, 99; None where a size does not apply.
+        ``zone_depth_50_m``, ``zone_radius_50_m``, ``zone_volume_50_m3``, ... 90, 99; None where a
+        size does not apply.
     """
     return {
-        f"zone_{name}_{percent}_{unit}": None if energy is None or parts is None else size(parts, energy, percent / 100)
+        f"zone_{name}_{percent}_{unit}": None
+        if energy is None or parts is None
+        else size(parts, energy, percent / 100)
         for name, unit, parts, size in (
             ("depth", "m", depth, extent_holding),
             ("radius", "m", radius, extent_holding),
@@ -128,8 +147,8 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
     Returns
     -------
     dict
-        ``wave_returned``, the bounds whose wave came back within the run; ``wave_return_s``, the earliest return;
-        ``wave_return_share``, the part of the energy that was dissipated after it.
+        ``wave_returned``, the bounds whose wave came back within the run; ``wave_return_s``, the
+        earliest return; ``wave_return_share``, the part of the energy that was dissipated after it.
     """
     if times is None:
         return dict.fromkeys(WAVE_KEYS)
@@ -142,22 +161,25 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
 
 
 def packing_zone(result: Result) -> Zone:
-    """Return what the plastic zone of a run is made of: columns of the spheres of the packing, strikers left out.
+    """Return what the plastic zone of a run is made of: columns of the spheres of the packing,
+    strikers left out.
 
-    The last layer is at the ``bottom``, the first and last sphere of a row and the first and last row at the ``sides``.
-    With periodic sides those half a period from the axis are, where a zone meets its image. A packing of one layer has
-    no bottom, a chain no sides; grains of a file may leave off anywhere, and have no bounds.
+    The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
+    row at the ``sides``. With periodic sides those half a period from the axis are, where a zone
+    meets its image. A packing of one layer has no bottom, a chain no sides; grains of a file may
+    leave off anywhere, and have no bounds.
 
     Returns
     -------
     dict
-        Arrays (n_spheres,): ``energy`` dissipated by yielding, J; ``volume``, m^3; ``yielded``, True with a contact
-        that yielded, or that dissipated energy at a wall; ``yield_time`` of the first such contact, s (NaN: never);
-        and as far as the packing extends that way ``depth`` of the centres below that of the struck sphere, m,
-        ``radius``, their distance from the impact axis, m, and ``bottom`` and ``sides``, True where they touch these
-        bounds.
+        Arrays (n_spheres,): ``energy`` dissipated by yielding, J; ``volume``, m^3; ``yielded``,
+        True with a contact that yielded, or that dissipated energy at a wall; ``yield_time`` of the
+        first such contact, s (NaN: never); and as far as the packing extends that way ``depth`` of
+        the centres below that of the struck sphere, m, ``radius``, their distance from the impact
+        axis, m, and ``bottom`` and ``sides``, True where they touch these bounds.
     """
-    own, lattice = result.in_packing, result.assembly.lattice
+    own = result.in_packing
+    lattice = result.assembly.lattice
     nx, ny, nz = lattice.shape
     offset = (result["spheres/position"] - result.origin)[own]
     periods = np.array(lattice.lengths) if result.case.boundary.sides == "periodic" else None
@@ -193,7 +215,9 @@ def cut_of(zone: Zone) -> list[str]:
 
 
 def zone_summary(result: Result) -> dict[str, Any]:
-    """Return the part of the summary that is about the size of the plastic zone; null where nothing can yield."""
+    """Return the part of the summary that is about the size of the plastic zone; null where nothing
+    can yield.
+    """
     if not result.yields:
         return zone_sizes(None) | dict.fromkeys(("zone_cut", "zone_growing", *WAVE_KEYS))
     single = [packing_zone(result)] if result.n_spheres <= result.at_once else None
@@ -203,19 +227,32 @@ def zone_summary(result: Result) -> dict[str, Any]:
         return single or map(packing_zone, result.parts())
 
     # sizes and bounds follow from the spheres that yielded or dissipated alone
-    kept = [(zone, zone["yielded"] | (zone["energy"] > 0) | np.isfinite(zone["yield_time"])) for zone in zones()]
-    active = {name: np.concatenate([zone[name][chosen] for zone, chosen in kept]) for name in kept[0][0]}
+    kept = [
+        (zone, zone["yielded"] | (zone["energy"] > 0) | np.isfinite(zone["yield_time"]))
+        for zone in zones()
+    ]
+    active = {
+        name: np.concatenate([zone[name][chosen] for zone, chosen in kept]) for name in kept[0][0]
+    }
     sizes = zone_sizes(*map(active.get, ("energy", "volume", "depth", "radius")))
-    times = _return_times(result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]})
-    lost, time = result.yield_ledger, result["energy/time"]
+    times = _return_times(
+        result, zones, {BOTTOM: sizes["zone_depth_99_m"], SIDES: sizes["zone_radius_99_m"]}
+    )
+    lost = result.yield_ledger
+    time = result["energy/time"]
     if lost[-1] <= _NOTHING * result.energy_input:
         lost = np.zeros_like(lost)
-    growing, when = [], active["yield_time"]
+    growing = []
+    when = active["yield_time"]
     for name in [name for name in _WAYS.values() if name in active and np.isfinite(when).any()]:
         outermost = active[name] >= (1 - _SAME) * active[name][np.isfinite(when)].max()
         if np.nanmin(when[outermost]) > (1 - _LATE) * time[-1]:
             growing.append(name)
-    return sizes | {"zone_cut": cut_of(active), "zone_growing": growing} | wave_returns(times, time, lost)
+    return (
+        sizes
+        | {"zone_cut": cut_of(active), "zone_growing": growing}
+        | wave_returns(times, time, lost)
+    )
 
 
 def _return_times(
@@ -223,17 +260,22 @@ def _return_times(
 ) -> dict[str, float] | None:
     """Return when a wave that a bound reflects can be back at the border of the zone, by bound, s.
 
-    The peak of the first wave is at the bound at t_b and was at the border of the zone, at ``border`` (m), at t_z on
-    its way: it takes as long back, and returns at 2 t_b - t_z. Waves get weaker and slower on their way, so this is
-    about the earliest time. A bound that no wave reached within the run sends none back. Where contacts are loaded
-    from the start arrivals cannot be seen; then the wave goes all ways at the speed with which it reached the bottom.
-    None where that is not known either.
+    The peak of the first wave is at the bound at t_b and was at the border of the zone, at
+    ``border`` (m), at t_z on its way: it takes as long back, and returns at 2 t_b - t_z. Waves get
+    weaker and slower on their way, so this is about the earliest time. A bound that no wave reached
+    within the run sends none back. Where contacts are loaded from the start arrivals cannot be
+    seen; then the wave goes all ways at the speed with which it reached the bottom. None where that
+    is not known either.
     """
     first = next(iter(zones()))
     inner = {name: border[name] or 0.0 for name in _WAYS if name in first}
     if result.case.precompression is None:
         sets = [
-            [part for name in inner for part in (zone[name], zone[_WAYS[name]] >= (1 - _SAME) * inner[name])]
+            [
+                part
+                for name in inner
+                for part in (zone[name], zone[_WAYS[name]] >= (1 - _SAME) * inner[name])
+            ]
             for zone in zones()
         ]
         arrivals = wave_arrivals(result, sets)
@@ -253,10 +295,11 @@ def _return_times(
 
 
 def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[float]:
-    """Return when the first force at contacts of each set of spheres was at its peak, s; inf: never.
+    """Return when the first force at contacts of each set of spheres was at its peak, s; inf:
+    never.
 
-    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step. Contacts of a set that
-    bear less than a hundredth of the largest force among them do not count.
+    The first force at all tells nothing of a wave: rounding passes one on by a sphere a step.
+    Contacts of a set that bear less than a hundredth of the largest force among them do not count.
 
     Parameters
     ----------
@@ -265,8 +308,12 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     """
     members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
     last = result.assembly.lattice.n_spheres
-    of_all, fronts = 0.0, [np.empty((2, 0)) for _ in members]  # of each set: force and time
-    for i, j, force, time in result.blocks("contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"):
+    # of each set: force and time
+    of_all = 0.0
+    fronts = [np.empty((2, 0)) for _ in members]
+    for i, j, force, time in result.blocks(
+        "contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"
+    ):
         ends = np.stack([i, j])
         own = ends <= last
         at_rows = np.where(own, result.rows(ends), 0)
@@ -299,7 +346,9 @@ LABELS = {Mark.CUT: "zone reaches a bound", Mark.WAVE: "reflected wave came back
 
 
 def mark_of(summary: Mapping[str, Any]) -> Mark:
-    """Return the mark of a run; none where its summary has no plastic zone, or for a collision of two spheres."""
+    """Return the mark of a run; none where its summary has no plastic zone, or for a collision of
+    two spheres.
+    """
     if summary.get("n_spheres") in (1, 2):
         return Mark.NONE
     if summary.get("zone_cut"):
@@ -309,22 +358,31 @@ def mark_of(summary: Mapping[str, Any]) -> Mark:
 
 
 def bounds_in_words(bounds: object) -> str:
-    """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it is empty."""
+    """Return a list of bounds, or of other names, as words: ``bottom, sides``, or ``none`` where it
+    is empty.
+    """
     return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
 
 
 def zone_warning(summary: Mapping[str, Any]) -> str:
     """Return what a reader of the sizes of a plastic zone must know, in a line; empty if nothing."""
     what = "block" if summary.get("kind") == "continuum" else "packing"
-    is_chain = summary.get("zone_radius_99_m", 0.0) is None and summary.get("zone_depth_99_m") is not None
-    if summary.get("n_spheres") in (1, 2) or is_chain:  # a collision, or a pulse that goes from end to end
+    is_chain = (
+        summary.get("zone_radius_99_m", 0.0) is None and summary.get("zone_depth_99_m") is not None
+    )
+    if (
+        summary.get("n_spheres") in (1, 2) or is_chain
+    ):  # a collision, or a pulse that goes from end to end
         return ""
     found = []
     if summary.get("zone_cut"):
-        found.append(f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {what}")
+        found.append(
+            f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {what}"
+        )
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
-        bounds, microseconds = " and the ".join(summary.get("wave_returned") or ()), 1e6 * summary["wave_return_s"]
+        bounds = " and the ".join(summary.get("wave_returned") or ())
+        microseconds = 1e6 * summary["wave_return_s"]
         came = f"a wave came back from the {bounds} ({microseconds:.3g} us)"
         found.append(f"up to {100 * share:.3g} % was dissipated after {came}")
     return f"{', '.join(found)}; a larger {what} does without" if found else ""

@@ -1,1 +1,3 @@
-"""Results for scripts and notebooks: runs and scans with pandas tables, xarray fields and matplotlib axes."""
+"""Results for scripts and notebooks: runs and scans with pandas tables, xarray fields and
+matplotlib axes.
+"""

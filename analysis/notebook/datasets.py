@@ -1,7 +1,8 @@
-"""Fields of a run, bands, modes and transmission as xarray Datasets; each variable has its unit in ``attrs["units"]``.
+"""Fields of a run, bands, modes and transmission as xarray Datasets; each variable has its unit in
+``attrs["units"]``.
 
-Snapshots are read from result.h5 when they are asked for. Bands, modes and transmission are made of the groups of
-spectra.h5, as `granwave.analysis.spectra.files` writes them.
+Snapshots are read from result.h5 when they are asked for. Bands, modes and transmission are made of
+the groups of spectra.h5, as `granwave.analysis.spectra.files` writes them.
 """
 
 from __future__ import annotations
@@ -60,7 +61,9 @@ class _OnDemand(BackendArray):
     """Data set of an open result.h5 that is read where it is indexed."""
 
     def __init__(self, result: Result, name: str) -> None:
-        self.result, self.name = result, name  # the result keeps the file open
+        # the result keeps the file open
+        self.result = result
+        self.name = name
         self.source: h5py.Dataset = result.file[name]
         self.shape, self.dtype = self.source.shape, self.source.dtype
 
@@ -68,7 +71,9 @@ class _OnDemand(BackendArray):
         return type(self), (self.result, self.name)
 
     def __getitem__(self, key: indexing.ExplicitIndexer) -> Any:
-        return indexing.explicit_indexing_adapter(key, self.shape, indexing.IndexingSupport.BASIC, self._read)
+        return indexing.explicit_indexing_adapter(
+            key, self.shape, indexing.IndexingSupport.BASIC, self._read
+        )
 
     def _read(self, key: tuple[Any, ...]) -> NDArray:
         try:
@@ -83,10 +88,11 @@ def fields(result: Result) -> Dataset:
     Returns
     -------
     Dataset
-        ``position``, ``displacement``, ``velocity`` (time, id, axis), m, m, m s-1; ``contact_force`` (largest present
-        force of a single contact), ``peak_force`` N, ``dissipated_energy``, ``elastic_energy`` and, with friction,
-        ``friction_energy`` J (time, id). Coordinates ``time`` s, ``step``, ``id``, ``radius`` m, ``mass`` kg, ``axis``.
-        Each has its unit in ``attrs["units"]``.
+        ``position``, ``displacement``, ``velocity`` (time, id, axis), m, m, m s-1;
+        ``contact_force`` (largest present force of a single contact), ``peak_force`` N,
+        ``dissipated_energy``, ``elastic_energy`` and, with friction, ``friction_energy`` J (time,
+        id). Coordinates ``time`` s, ``step``, ``id``, ``radius`` m, ``mass`` kg, ``axis``. Each has
+        its unit in ``attrs["units"]``.
     """
     coordinates = {
         "time": Variable("time", result.frame_times, {"units": "s"}),
@@ -97,7 +103,10 @@ def fields(result: Result) -> Dataset:
            for name in ("radius", "mass")},
     }  # fmt: skip
     dimensions = ("time", "id", "axis")
-    variables = {name: _variable(result, f"{GROUP}/{name}/value", dimensions, name) for name in result.quantities}
+    variables = {
+        name: _variable(result, f"{GROUP}/{name}/value", dimensions, name)
+        for name in result.quantities
+    }
     return Dataset(variables, coordinates, {"name": result.case.name})
 
 
@@ -107,10 +116,11 @@ def chain(result: Result) -> Dataset:
     Returns
     -------
     Dataset
-        ``displacement``, ``velocity`` (time, bead), m, m s-1; ``contact_force`` (time, contact), N; of a bar
-        ``NAME_displacement``, ``NAME_velocity`` (time, NAME_node) and ``NAME_force`` (time, NAME_element). Coordinates
-        ``time`` s, ``bead`` (id), ``position`` m, ``contact_i``, ``contact_j``, ``contact_position`` m,
-        ``NAME_position`` m. Beads and nodes are in the order of z.
+        ``displacement``, ``velocity`` (time, bead), m, m s-1; ``contact_force`` (time, contact), N;
+        of a bar ``NAME_displacement``, ``NAME_velocity`` (time, NAME_node) and ``NAME_force``
+        (time, NAME_element). Coordinates ``time`` s, ``bead`` (id), ``position`` m, ``contact_i``,
+        ``contact_j``, ``contact_position`` m, ``NAME_position`` m. Beads and nodes are in the order
+        of z.
 
     Raises
     ------
@@ -124,11 +134,15 @@ def chain(result: Result) -> Dataset:
     found = {}
     for name in result.names("chain"):
         own = "contact" if name.startswith("contact_") else "bead"
-        found["bead" if name == "id" else name] = _variable(result, f"chain/{name}", ("time", own), name)
+        found["bead" if name == "id" else name] = _variable(
+            result, f"chain/{name}", ("time", own), name
+        )
     for bar in result.names("bars"):
         for name in result.names(f"bars/{bar}"):
             own = f"{bar}_element" if name == "force" else f"{bar}_node"
-            found[f"{bar}_{name}"] = _variable(result, f"bars/{bar}/{name}", ("time", own), f"{name} of the {bar}")
+            found[f"{bar}_{name}"] = _variable(
+                result, f"bars/{bar}/{name}", ("time", own), f"{name} of the {bar}"
+            )
     histories = {name: variable for name, variable in found.items() if variable.ndim == 2}
     coordinates = {name: variable for name, variable in found.items() if variable.ndim == 1}
     return Dataset(histories, coordinates, {"name": result.case.name})
@@ -140,7 +154,8 @@ def _variable(result: Result, path: str, dimensions: tuple[str, ...], name: str)
     source = result.file[path]
     if source.ndim == 1:
         return Variable("time" if name == "time" else dimensions[-1], result[path], attributes)
-    # as `xarray.open_dataset` does: kept in memory once it was read whole, and copied when it is changed
+    # as `xarray.open_dataset` does: kept in memory once it was read whole, and copied when it is
+    # changed
     lazy: Any = indexing.LazilyIndexedArray(_OnDemand(result, path))
     values = indexing.MemoryCachedArray(indexing.CopyOnWriteArray(lazy))
     return Variable(dimensions[: source.ndim], values, attributes)
@@ -161,15 +176,16 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
     Returns
     -------
     Dataset
-        Of bands: ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band, edge), ``gaps`` Hz
-        (gap, edge), ``speed`` of long waves m/s (wave); where known ``attenuation`` from plane to plane
-        and ``phase`` rad (complex_frequency, root), ``slowness`` s/m (angle, wave), ``plane_frequency`` Hz over a
-        plane of wave vectors (plane_k2, plane_k1, band), and of a slab ``surface_share`` (point, band), the part of
-        the energy in its upper quarter. Coordinates ``distance`` and ``k`` rad/m, ``corner``.
-        Of modes: ``frequency`` Hz, ``participation_ratio`` (mode), ``shape`` (freedom, mode), ``density_of_states``
-        1/Hz (density_frequency). Coordinates ``id`` and ``direction`` of each freedom.
-        Of a transmission: ``amplitude_ratio``, ``phase`` rad (frequency, sensor).
-        The values are in ``attrs``.
+        Of bands: ``frequency`` Hz, ``group_velocity`` m/s (point, band, axis), ``edges`` Hz (band,
+        edge), ``gaps`` Hz (gap, edge), ``speed`` of long waves m/s (wave); where known
+        ``attenuation`` from plane to plane and ``phase`` rad (complex_frequency, root),
+        ``slowness`` s/m (angle, wave), ``plane_frequency`` Hz over a plane of wave vectors
+        (plane_k2, plane_k1, band), and of a slab ``surface_share`` (point, band), the part of the
+        energy in its upper quarter. Coordinates ``distance`` and ``k`` rad/m, ``corner``. Of modes:
+        ``frequency`` Hz, ``participation_ratio`` (mode), ``shape`` (freedom, mode),
+        ``density_of_states`` 1/Hz (density_frequency). Coordinates ``id`` and ``direction`` of each
+        freedom. Of a transmission: ``amplitude_ratio``, ``phase`` rad (frequency, sensor). The
+        values are in ``attrs``.
     """
     found = {
         f"{group}/{name}".removeprefix(f"{kind}/"): content
@@ -178,12 +194,16 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
         if group.startswith(kind)
     }
     variables = {
-        "plane_frequency" if name == "plane/frequency" else name.rpartition("/")[2]: _variable_of(shape, found[name])
+        "plane_frequency" if name == "plane/frequency" else name.rpartition("/")[2]: _variable_of(
+            shape, found[name]
+        )
         for name, shape in _VARIABLES[kind].items()
         if name in found
     }
     sources = {name: of for name, of in _COORDINATES[kind].items() if of[0] in found}
-    coordinates = {name: _variable_of(shape, found[source]) for name, (source, shape) in sources.items()}
+    coordinates = {
+        name: _variable_of(shape, found[source]) for name, (source, shape) in sources.items()
+    }
     if kind == "bands":
         coordinates["axis"] = Variable("axis", list("xyz"), {"units": "1"})
         coordinates["edge"] = Variable("edge", ["low", "high"], {"units": "1"})
@@ -193,12 +213,15 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
         coordinates["corner"] = Variable("point", corner.astype(str), {"units": "1"})
         if "plane/name" in found:
             for name in _OF_PLANE:
-                (variables if name in variables else coordinates)[name].attrs["plane"] = str(found["plane/name"][0])
+                (variables if name in variables else coordinates)[name].attrs["plane"] = str(
+                    found["plane/name"][0]
+                )
     return Dataset(variables, coordinates, plain(dict(values)))
 
 
 def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
-    """Return the bands, modes or transmission in a directory; of several kinds a dictionary by kind.
+    """Return the bands, modes or transmission in a directory; of several kinds a dictionary by
+    kind.
 
     Raises
     ------
@@ -216,4 +239,6 @@ def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
 
 def _variable_of(dimensions: str, content: tuple[Any, str]) -> Variable:
     values, unit = content
-    return Variable(dimensions.split(), list(values) if isinstance(values, tuple) else values, {"units": unit})
+    return Variable(
+        dimensions.split(), list(values) if isinstance(values, tuple) else values, {"units": unit}
+    )

@@ -1,4 +1,6 @@
-"""Scans and inferred forces for scripts and notebooks, and loading of a directory of results by what it holds."""
+"""Scans and inferred forces for scripts and notebooks, and loading of a directory of results by
+what it holds.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,13 @@ from granwave.analysis.inference.tables import in_words
 from granwave.analysis.notebook.run import Run, Values, frame_of
 from granwave.analysis.quantities import SCAN_COLUMNS
 from granwave.analysis.scans.result import PointResult, ScanResult
-from granwave.analysis.scans.table import Columns, column_unit, read_scan, scan_statistics, scan_table
+from granwave.analysis.scans.table import (
+    Columns,
+    column_unit,
+    read_scan,
+    scan_statistics,
+    scan_table,
+)
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
@@ -27,13 +35,18 @@ if TYPE_CHECKING:
     from xarray import Dataset
 
 _POINT = "point"  # name of the index of the table
-_SHOWN: dict[str, Any] = {"max_rows": 20, "float_format": "{:.5g}".format, "na_rep": ""}  # of the table
+_SHOWN: dict[str, Any] = {
+    "max_rows": 20,
+    "float_format": "{:.5g}".format,
+    "na_rep": "",
+}  # of the table
 
 
 class ScanRuns:
     """Results of a scan; iterating over it gives its finished points as runs.
 
-    ``scan[3]`` is the run of the point number 3 of the table, ``len(scan)`` the number of finished points.
+    ``scan[3]`` is the run of the point number 3 of the table, ``len(scan)`` the number of finished
+    points.
 
     Parameters
     ----------
@@ -64,7 +77,9 @@ class ScanRuns:
 
     @cached_property
     def points(self) -> tuple[PointResult, ...]:
-        """All points in order, with status, and the reason why one failed; the state when first asked for."""
+        """All points in order, with status, and the reason why one failed; the state when first
+        asked for.
+        """
         return self.result.points
 
     @property
@@ -87,7 +102,9 @@ class ScanRuns:
         """
         point = next((point for point in self.points if point.number == number), None)
         if point is None:
-            raise MissingDataError(f"scan {self.name}: has no point {number}; it has 1 to {len(self.points)}")
+            raise MissingDataError(
+                f"scan {self.name}: has no point {number}; it has 1 to {len(self.points)}"
+            )
         if point.status != "done":
             reason = f": {point.reason}".rstrip(": ")
             raise MissingDataError(f"scan {self.name}: point {number} is {point.status}{reason}")
@@ -95,15 +112,19 @@ class ScanRuns:
 
     @cached_property
     def table(self) -> pandas.DataFrame:
-        """Points by number: varied keys, status and all values of their summaries; units in ``attrs["units"]``."""
+        """Points by number: varied keys, status and all values of their summaries; units in
+        ``attrs["units"]``.
+        """
         columns = {_POINT: [point.number for point in self.points], **scan_table(self.result)}
         return _frame(columns, self.result.units, _POINT)
 
     @cached_property
     def means(self) -> pandas.DataFrame | None:
-        """Means, deviations and 95 % intervals over points that differ only in the seed; None if it does not vary.
+        """Means, deviations and 95 % intervals over points that differ only in the seed; None if it
+        does not vary.
 
-        Columns ``NAME.mean``, ``NAME.std`` and ``NAME.ci95``, and ``n``, the number of points of each mean.
+        Columns ``NAME.mean``, ``NAME.std`` and ``NAME.ci95``, and ``n``, the number of points of
+        each mean.
         """
         columns = scan_statistics(self.result)
         return _frame(columns, self.result.units) if columns else None
@@ -148,19 +169,23 @@ class ScanRuns:
         return f"{self._title}\n{table}\n\nresults in {self.directory}"
 
     def _repr_html_(self) -> str:
-        title, place = html.escape(self._title), html.escape(f"results in {self.directory}")
+        title = html.escape(self._title)
+        place = html.escape(f"results in {self.directory}")
         return f"<p>{title}</p>\n{self._brief.to_html(**_SHOWN)}\n<p>{place}</p>"
 
     @property
     def _title(self) -> str:
-        n, done = len(self.points), len(self)
+        n = len(self.points)
+        done = len(self)
         return f"scan {self.name}: {n} point{'s'[: n != 1]}, {'all' if done == n else done} done"
 
     @property
     def _brief(self) -> pandas.DataFrame:
         """Columns of the table that are shown."""
         table = self.table
-        shown = [one.name for one in SCAN_COLUMNS if one.name in table and table[one.name].notna().any()]
+        shown = [
+            one.name for one in SCAN_COLUMNS if one.name in table and table[one.name].notna().any()
+        ]
         status = [] if len(self) == len(self.points) else ["status"]
         return table[[*self.varied, *status, *shown]]
 
@@ -195,13 +220,17 @@ class InferredForces(Values):
         The measurement that was made of a run; None for a table.
     """
 
-    def __init__(self, summary: Mapping[str, Any], forces: Any, grains: Any, measurement: Any = None) -> None:
+    def __init__(
+        self, summary: Mapping[str, Any], forces: Any, grains: Any, measurement: Any = None
+    ) -> None:
         import pandas
 
         super().__init__(summary)
         self.forces: DataFrame = pandas.DataFrame(dict(forces))
         self.grains: DataFrame = pandas.DataFrame(dict(grains))
-        self.measurement: DataFrame | None = None if measurement is None else pandas.DataFrame(dict(measurement))
+        self.measurement: DataFrame | None = (
+            None if measurement is None else pandas.DataFrame(dict(measurement))
+        )
 
     def __repr__(self) -> str:
         return in_words(self)
@@ -219,8 +248,13 @@ def load_inferred(directory: Path, summary: Mapping[str, Any]) -> InferredForces
 
     made = directory / files.MADE_MEASUREMENT
     try:
-        forces, grains = (pandas.read_csv(directory / name) for name in (files.INFERRED_FORCES, files.INFERRED_GRAINS))
-        return InferredForces(summary, forces, grains, pandas.read_csv(made) if made.is_file() else None)
+        forces, grains = (
+            pandas.read_csv(directory / name)
+            for name in (files.INFERRED_FORCES, files.INFERRED_GRAINS)
+        )
+        return InferredForces(
+            summary, forces, grains, pandas.read_csv(made) if made.is_file() else None
+        )
     except (OSError, ValueError) as error:
         raise OutputFormatError(
             f"{directory}: {files.INFERRED_FORCES} or {files.INFERRED_GRAINS} cannot be read: {error}"
@@ -253,7 +287,9 @@ class Designs:
 
     @property
     def best(self) -> dict[str, Any] | None:
-        """The best design: its variables, objective, mass, height and checks; None if none meets the limits."""
+        """The best design: its variables, objective, mass, height and checks; None if none meets
+        the limits.
+        """
         found: dict[str, Any] | None = self.outcome.get("best")
         return found
 
@@ -261,10 +297,14 @@ class Designs:
         return self.table.to_html()
 
 
-def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Designs | Dataset | dict[str, Dataset]:
-    """Load the results of a run, a scan, a search for a design, an inference, or of bands, modes and transmission.
+def load(
+    directory: str | Path,
+) -> Run | ScanRuns | InferredForces | Designs | Dataset | dict[str, Dataset]:
+    """Load the results of a run, a scan, a search for a design, an inference, or of bands, modes
+    and transmission.
 
-    The last three are datasets, as `bands` returns them; of several in one directory a dictionary by their names.
+    The last three are datasets, as `bands` returns them; of several in one directory a dictionary
+    by their names.
 
     Raises
     ------
@@ -280,7 +320,9 @@ def load(directory: str | Path) -> Run | ScanRuns | InferredForces | Designs | D
         return ScanRuns(path)
     if (path / files.SUITE_INDEX).is_file():
         scans = ", ".join(str(place) for place in sorted(path.iterdir()) if files.is_scan(place))
-        raise InputError(f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}")
+        raise InputError(
+            f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}"
+        )
     if files.is_design(path):
         return Designs(path)
     if any((path / f"{kind}.json").is_file() for kind in files.SPECTRA_KINDS):

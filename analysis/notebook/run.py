@@ -1,4 +1,6 @@
-"""A run for scripts and notebooks: its summary, tables and figures; units of columns are in ``attrs["units"]``."""
+"""A run for scripts and notebooks: its summary, tables and figures; units of columns are in
+``attrs["units"]``.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,12 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from granwave.analysis.errors import MissingDataError, MissingOutputError, OutputFormatError, did_you_mean
+from granwave.analysis.errors import (
+    MissingDataError,
+    MissingOutputError,
+    OutputFormatError,
+    did_you_mean,
+)
 from granwave.analysis.exports.to_tables import CSV_TABLES, place_of_column
 from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.quantities import quantity
@@ -31,16 +38,23 @@ if TYPE_CHECKING:
 
 UNITS = "units"  # key in ``attrs``
 _AT_SNAPSHOTS = tuple(column.name for column in FORCES_AT_FRAMES)  # i, j, then forces
-_INDEX = {"spheres": "id", "energy": "time", "probes": "time"}  # column that names the rows of a table
+_INDEX = {
+    "spheres": "id",
+    "energy": "time",
+    "probes": "time",
+}  # column that names the rows of a table
 
 
-def frame_of(columns: Mapping[str, Any], units: Mapping[str, str], index: str = "") -> pandas.DataFrame:
+def frame_of(
+    columns: Mapping[str, Any], units: Mapping[str, str], index: str = ""
+) -> pandas.DataFrame:
     """Make a DataFrame of columns.
 
     Parameters
     ----------
     columns
-        Values by name: (n_rows,) or (n_rows, 3), which becomes the columns ``NAME_x``, ``NAME_y`` and ``NAME_z``.
+        Values by name: (n_rows,) or (n_rows, 3), which becomes the columns ``NAME_x``, ``NAME_y``
+        and ``NAME_z``.
     units
         Unit of each of ``columns``, "1" if dimensionless.
     index
@@ -50,7 +64,11 @@ def frame_of(columns: Mapping[str, Any], units: Mapping[str, str], index: str = 
 
     split: dict[str, Any] = {}
     for name, values in columns.items():
-        parts = zip(("_x", "_y", "_z"), np.transpose(values), strict=True) if np.ndim(values) == 2 else [("", values)]
+        parts = (
+            zip(("_x", "_y", "_z"), np.transpose(values), strict=True)
+            if np.ndim(values) == 2
+            else [("", values)]
+        )
         split |= {f"{name}{axis}": (part, units[name]) for axis, part in parts}
     table = pandas.DataFrame({name: part for name, (part, _) in split.items()})
     if index:
@@ -120,7 +138,9 @@ class Run(Values):
             if not path.is_dir() or not (path / RESULT_FILE).exists():
                 raise MissingOutputError(why_no_run(path))
             if summary.exists():
-                raise OutputFormatError(f"{summary}: is damaged: make it anew with  granwave analyse {path}")
+                raise OutputFormatError(
+                    f"{summary}: is damaged: make it anew with  granwave analyse {path}"
+                )
             raise MissingOutputError(f"{summary} is missing: make it with  granwave analyse {path}")
         self.directory = path.absolute()
         self.name = str(self.summary["name"])
@@ -138,16 +158,23 @@ class Run(Values):
             return self.summary[key]
         except KeyError:
             hint = did_you_mean(str(key), self.summary) or "keys() lists them"
-            raise MissingDataError(f"{self.directory / SUMMARY_FILE}: has no value {key}; {hint}") from None
+            raise MissingDataError(
+                f"{self.directory / SUMMARY_FILE}: has no value {key}; {hint}"
+            ) from None
 
     def _ipython_key_completions_(self) -> list[str]:
         return list(self)
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.directory, self.labels)  # read again, as open files cannot be sent to other processes
+        return type(self), (
+            self.directory,
+            self.labels,
+        )  # read again, as open files cannot be sent to other processes
 
     def __repr__(self) -> str:
-        return f"{lines([(row.label, row.text) for row in self._rows])}\n\nresults in {self.directory}"
+        return (
+            f"{lines([(row.label, row.text) for row in self._rows])}\n\nresults in {self.directory}"
+        )
 
     def _repr_html_(self) -> str:
         row = '<tr title="{}"><th style="text-align: left">{}</th><td style="text-align: left">{}</td></tr>'
@@ -177,7 +204,8 @@ class Run(Values):
 
     @cached_property
     def result(self) -> Result:
-        """Reader of result.h5, for all that has no table: ``run.result["contacts/force"]`` is a numpy array.
+        """Reader of result.h5, for all that has no table: ``run.result["contacts/force"]`` is a
+        numpy array.
 
         Raises
         ------
@@ -212,10 +240,13 @@ class Run(Values):
         MissingDataError
             The run has no such table.
         """
-        result, there = self.result, self.tables
+        result = self.result
+        there = self.tables
         if name not in there:
             hint = f"{did_you_mean(str(name), there, 0.7)} ".lstrip()
-            raise MissingDataError(f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}")
+            raise MissingDataError(
+                f"{result.path}: has no table {name}; {hint}it has {', '.join(there)}"
+            )
         return frame_of(*self._columns(name), _INDEX.get(name, ""))
 
     def _columns(self, group: str) -> tuple[dict[str, np.ndarray], dict[str, str]]:
@@ -226,17 +257,22 @@ class Run(Values):
 
     @cached_property
     def spheres(self) -> pandas.DataFrame:
-        """Spheres, by ``id``: position, radius, mass, and the peaks and energies at the end of the run."""
+        """Spheres, by ``id``: position, radius, mass, and the peaks and energies at the end of the
+        run.
+        """
         return self.table("spheres")
 
     @cached_property
     def contacts(self) -> pandas.DataFrame:
-        """Contacts between spheres ``i`` and ``j``: those that touch at the start, and those that were loaded."""
+        """Contacts between spheres ``i`` and ``j``: those that touch at the start, and those that
+        were loaded.
+        """
         return self.table("contacts")
 
     @cached_property
     def contact_forces(self) -> pandas.DataFrame:
-        """Forces of the contacts that bear one at each snapshot: ``time``, ``i``, ``j``, ``force``, tangential on i.
+        """Forces of the contacts that bear one at each snapshot: ``time``, ``i``, ``j``, ``force``,
+        tangential on i.
 
         Raises
         ------
@@ -251,14 +287,20 @@ class Run(Values):
                 f"{result.path.parent}: its snapshots hold no contact forces; run the case again with "
                 "output.contact_forces = true"
             )
-        times = dict(zip(result[f"{GROUP}/position/step"].tolist(), result.frame_times.tolist(), strict=True))
+        times = dict(
+            zip(result[f"{GROUP}/position/step"].tolist(), result.frame_times.tolist(), strict=True)
+        )
         parts = [
-            pandas.DataFrame({"time": times[frame.step]} | {name: frame[name] for name in _AT_SNAPSHOTS})
+            pandas.DataFrame(
+                {"time": times[frame.step]} | {name: frame[name] for name in _AT_SNAPSHOTS}
+            )
             for frame in read_frame_forces(result.path.parent)
             if frame.step in times
         ]
         found = pandas.concat(parts, ignore_index=True).astype({"i": np.int64, "j": np.int64})
-        found.attrs[UNITS] = {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(_AT_SNAPSHOTS[2:], "N")
+        found.attrs[UNITS] = {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(
+            _AT_SNAPSHOTS[2:], "N"
+        )
         return found
 
     @cached_property
@@ -270,18 +312,24 @@ class Run(Values):
 
     @cached_property
     def walls(self) -> pandas.DataFrame:
-        """Histories of the forces on walls, below each other: ``wall``, ``time``, ``force``; empty without walls.
+        """Histories of the forces on walls, below each other: ``wall``, ``time``, ``force``; empty
+        without walls.
 
         Forces are positive outwards. Bottoms that move have further columns, NaN for other walls.
         """
         import pandas
 
-        units, parts = {"wall": "1", "time": "s", "force": "N"}, []
+        units = {"wall": "1", "time": "s", "force": "N"}
+        parts = []
         for wall in self.result.names("walls"):
             values, own = self._columns(f"walls/{wall}")
             parts.append(pandas.DataFrame({"wall": wall} | values))
             units |= own
-        found = pandas.concat(parts, ignore_index=True) if parts else pandas.DataFrame({name: [] for name in units})
+        found = (
+            pandas.concat(parts, ignore_index=True)
+            if parts
+            else pandas.DataFrame({name: [] for name in units})
+        )
         found.attrs[UNITS] = {str(name): units[str(name)] for name in found.columns}
         return found
 
@@ -331,7 +379,8 @@ class Run(Values):
             return tuple(
                 name
                 for name, figure in FIGURES.items()
-                if name in there or isinstance(attempt(f"figure {name}", partial(figure.draw, self.result)), Drawing)
+                if name in there
+                or isinstance(attempt(f"figure {name}", partial(figure.draw, self.result)), Drawing)
             )
 
     def figure(self, name: str) -> Axes | list[Axes]:
@@ -340,7 +389,8 @@ class Run(Values):
         Returns
         -------
         Axes or list of Axes
-            Axes of the figure, which pyplot shows; a list if there are several. Colour bars are left out.
+            Axes of the figure, which pyplot shows; a list if there are several. Colour bars are
+            left out.
 
         Raises
         ------
@@ -354,5 +404,7 @@ class Run(Values):
             raise no_figure(self.name, name, () if self._is_continuum else FIGURES)
         axes = draw_axes(lambda: FIGURES[name].draw(self.result), self.result.figure_options.width)
         if axes is None:
-            raise MissingDataError(f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})")
+            raise MissingDataError(
+                f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})"
+            )
         return axes

@@ -1,1 +1,3 @@
-"""Reports on runs and scans: inputs -> `model` (sections, tables, figures) -> HTML, Markdown or PDF."""
+"""Reports on runs and scans: inputs -> `model` (sections, tables, figures) -> HTML, Markdown or
+PDF.
+"""

@@ -75,8 +75,11 @@ _SENSORS = (  # with the names of those that saw most and least
 _AT_BOTTOM = "The bottom bore {bottom_bore}."
 
 
-def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool = False) -> list[Block]:
-    """Return the blocks: of each scan the dependence of its main quantity; of runs their main values.
+def answer_blocks(
+    inputs: Inputs, studied: Figure | None = None, *, judged: bool = False
+) -> list[Block]:
+    """Return the blocks: of each scan the dependence of its main quantity; of runs their main
+    values.
 
     Parameters
     ----------
@@ -87,19 +90,24 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
     """
     found = [_of_scan(scan, inputs, studied) for scan in inputs.scans]
     if judged and len(inputs.items) == 1:
-        found = [tuple(block for block in blocks if not isinstance(block, Note)) for blocks in found]
+        found = [
+            tuple(block for block in blocks if not isinstance(block, Note)) for blocks in found
+        ]
     answers = [blocks for blocks in found if blocks]
     opened = answers if len(answers) <= _MOST_OPEN else answers[:1]
     blocks: list[Block] = [block for answer in opened for block in answer]
     if others := answers[len(opened) :]:
         parts = tuple(block for answer in others for block in answer)
-        blocks.append(Group(f"The other {len(others)} scans, each by its main quantity", parts, folded=True))
+        blocks.append(
+            Group(f"The other {len(others)} scans, each by its main quantity", parts, folded=True)
+        )
     if len(inputs.runs) == 1:
         return [*blocks, *_of_run(inputs.runs[0], inputs)]
     if runs := [run for run in inputs.runs if run.has_balance]:
         if words := _of_runs_in_words(runs):
             blocks.append(Note(words, "lead"))
-        table, drawn = compact_table(runs), overlay(runs)
+        table = compact_table(runs)
+        drawn = overlay(runs)
         first = drawn.pop(0) if drawn and isinstance(drawn[0], Gallery) else None
         blocks += [Beside(first, table) if isinstance(first, Gallery) else table, *drawn]
     for alike in by_kind(inputs.runs):
@@ -109,11 +117,15 @@ def answer_blocks(inputs: Inputs, studied: Figure | None = None, *, judged: bool
 
 
 def main_figures(inputs: Inputs, studied: Figure | None) -> set[Path]:
-    """Return the paths of the figures that the blocks show, without a suffix; ``studied`` as of `answer_blocks`."""
+    """Return the paths of the figures that the blocks show, without a suffix; ``studied`` as of
+    `answer_blocks`.
+    """
     if studied:
         return set()
     items = inputs.items if len(inputs.runs) < 2 else inputs.scans
-    return {item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]}
+    return {
+        item.directory / FIGURES_DIRECTORY / name for item in items for name in _names(item)[:1]
+    }
 
 
 def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
@@ -122,7 +134,9 @@ def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
 
 
 def _names(item: Run | Scan) -> list[str]:
-    """Return the names of the figures there are that show the main quantity of a scan, or a run, best first."""
+    """Return the names of the figures there are that show the main quantity of a scan, or a run,
+    best first.
+    """
     if isinstance(item, Run):
         left_out = {*of_other_kinds(item), *(_OF_THICK_PACKINGS if _is_thin(item) else ())}
         first = ("target",) if target_of(item.case) else ()
@@ -132,14 +146,19 @@ def _names(item: Run | Scan) -> list[str]:
         main = [name for name, key in means.quantities()[:1] if means.varies(key)]
         keys = sorted(means.keys, key=lambda key: (not key.numeric, -len(set(key.values))))
         names = [f"{name}_vs_{key.slug}" for name in main for key in keys]
-    return [name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()]
+    return [
+        name for name in names if (item.directory / FIGURES_DIRECTORY / f"{name}.png").is_file()
+    ]
 
 
 def _is_thin(run: Run) -> bool:
     """Return True for a long row of grains; False for what has no grains, or cannot be read."""
     try:
         with h5py.File(run.directory / RESULT_FILE, "r") as file:
-            extents = np.sort(np.ptp(file["spheres/position"][()], axis=0) + 2 * np.max(file["spheres/radius"][()]))
+            extents = np.sort(
+                np.ptp(file["spheres/position"][()], axis=0)
+                + 2 * np.max(file["spheres/radius"][()])
+            )
     except (OSError, KeyError, ValueError):
         return False
     return bool(extents[-1] > _THIN * extents[-2])
@@ -160,7 +179,9 @@ def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, 
     sentence = Note(name_of_scan + means.sentence(main), "lead")
     if not means.varies(main):
         return (sentence, *pictures)
-    others = [key for _, key in shown[1:] if key != main][: max(_MOST_COLUMNS - 1 - len(means.keys), 1)]
+    others = [key for _, key in shown[1:] if key != main][
+        : max(_MOST_COLUMNS - 1 - len(means.keys), 1)
+    ]
     places = math.prod(len(set(key.values)) for key in means.keys)  # of their grid
     crossed = len(means.keys) == 2 and _MOST_ROWS < len(means.counts) >= places / 2
     table = _crossed(means, main) if crossed else _table(means, [main, *others])
@@ -172,8 +193,14 @@ def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, 
 
 def _table(means: Means, shown: Sequence[str]) -> Table:
     rows = range(len(means.counts))
-    columns = [(_column(key, means), [Cell(key.tick(row), key.values[row]) for row in rows]) for key in means.keys]
-    columns += [(value_column(name, means.called), [_mean(means, name, row) for row in rows]) for name in shown]
+    columns = [
+        (_column(key, means), [Cell(key.tick(row), key.values[row]) for row in rows])
+        for key in means.keys
+    ]
+    columns += [
+        (value_column(name, means.called), [_mean(means, name, row) for row in rows])
+        for name in shown
+    ]
     return column_table(_caption(means), columns, sortable=True)
 
 
@@ -185,10 +212,17 @@ def _crossed(means: Means, main: str) -> Table:
     first = {down.tick(row): Cell(down.tick(row), down.values[row]) for row in rows}
     columns = [(_column(down, means), list(first.values()))]
     for head in dict.fromkeys(across.tick(row) for row in rows):
-        heading = f"{in_grains(across.naming.label, means.called)} {head} {across.naming.unit}".rstrip()
-        column = Column(heading, numeric=True), [cells.get((name, head), Cell("")) for name in first]
+        heading = (
+            f"{in_grains(across.naming.label, means.called)} {head} {across.naming.unit}".rstrip()
+        )
+        column = (
+            Column(heading, numeric=True),
+            [cells.get((name, head), Cell("")) for name in first],
+        )
         columns.append(column)
-    return column_table(f"{value_column(main, means.called).title}. {_caption(means)}", columns, sortable=True)
+    return column_table(
+        f"{value_column(main, means.called).title}. {_caption(means)}", columns, sortable=True
+    )
 
 
 def _mean(means: Means, name: str, row: int) -> Cell:
@@ -196,11 +230,14 @@ def _mean(means: Means, name: str, row: int) -> Cell:
 
 
 def _column(key: Key, means: Means) -> Column:
-    return Column(in_grains(key.naming.label, means.called), key.naming.unit, numeric=key.numeric, key=True)
+    return Column(
+        in_grains(key.naming.label, means.called), key.naming.unit, numeric=key.numeric, key=True
+    )
 
 
 def _caption(means: Means) -> str:
-    least, most = min(means.counts, default=1), max(means.counts, default=1)
+    least = min(means.counts, default=1)
+    most = max(means.counts, default=1)
     if most < 2:
         return "All points"
     count = f"{least} to {most}" if least < most else str(most)
@@ -221,8 +258,13 @@ def _of_run(run: Run, inputs: Inputs) -> list[Block]:
 
 
 def _of_runs_in_words(runs: Sequence[Run]) -> str:
-    """Return how much of the load came through several driven rows, or of the input was dissipated, in each of them."""
-    for key, what in (("transmission", "Transmission"), ("dissipated_fraction", "Dissipated of the input")):
+    """Return how much of the load came through several driven rows, or of the input was dissipated,
+    in each of them.
+    """
+    for key, what in (
+        ("transmission", "Transmission"),
+        ("dissipated_fraction", "Dissipated of the input"),
+    ):
         values = [(run.number(key), run.label) for run in runs]
         found = sorted((value, label) for value, label in values if value is not None)
         if len(found) < len(runs):
@@ -238,8 +280,10 @@ def in_words(run: Run) -> str:
     """Return what came out of a run; the answer that it was made for comes first."""
     if not run.has_balance:
         return other_kinds.in_words(run)
-    summary, values = run.summary, printed(run.summary)
-    lost, absorbed = run.number("dissipated_fraction"), run.number("absorbed_fraction") or 0.0
+    summary = run.summary
+    values = printed(run.summary)
+    lost = run.number("dissipated_fraction")
+    absorbed = run.number("absorbed_fraction") or 0.0
     if lost is not None:
         values["lost"] = share(lost - absorbed)
     if absorbed <= WORTH:
@@ -252,19 +296,30 @@ def in_words(run: Run) -> str:
         bare = run.number("unprotected_peak_force_N") if run.number("peak_reduction") else None
         bore = values["wall_peak_force_N"] + _beside(force, bare)
         values["target_bore" if target_of(run.case) else "bottom_bore"] = bore
-    ground, bare = run.number("ground_peak_force_N"), run.number("unprotected_ground_peak_force_N")
+    ground = run.number("ground_peak_force_N")
+    bare = run.number("unprotected_ground_peak_force_N")
     if "target_bore" in values and ground and bare and ground != force:
         values["ground_bore"] = values["ground_peak_force_N"] + _beside(ground, bare)
     if run.case.get("packing.kind") == "chain" and "transmission" not in values:
         values["decay"] = _decay(_peaks(run))
         values["along_chain"] = values.get("wave_speed_m_s", "")
     if (plate := run.number("plate_velocity_m_s")) is not None:
-        values["plate"] = f"{'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.4g} m/s"
+        values["plate"] = (
+            f"{'rebounds' if plate < 0 else 'still goes in'} with {abs(plate):.4g} m/s"
+        )
     values = {name: text for name, text in values.items() if text}
-    lines = [text.format(name) for name in _named(summary, "line_", "_front_speed_m_s") for text in _ALONG_LINE]
+    lines = [
+        text.format(name)
+        for name in _named(summary, "line_", "_front_speed_m_s")
+        for text in _ALONG_LINE
+    ]
     seen = {name: summary[f"sensor_{name}_peak_velocity_m_s"] or 0.0
             for name in _named(summary, "sensor_", "_peak_velocity_m_s")}  # fmt: skip
-    ends = [choose(seen, key=lambda name: seen[name]) for choose in (max, min)] if len(seen) > 1 else []
+    ends = (
+        [choose(seen, key=lambda name: seen[name]) for choose in (max, min)]
+        if len(seen) > 1
+        else []
+    )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return other_kinds.sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
 
@@ -273,17 +328,24 @@ def _beside(force: float, bare: float | None) -> str:
     """Compare a force with that without the packing; nothing where this is not known."""
     if not bare:
         return ""
-    change, without = force / bare - 1, quantity_in(bare, "N")
+    change = force / bare - 1
+    without = quantity_in(bare, "N")
     return f", {share(abs(change))} {'less' if change < 0 else 'more'} than the {without} without the packing"
 
 
 def _named(summary: Mapping[str, Any], start: str, end: str) -> list[str]:
     """Return what differs in keys of a summary that start and end alike: names of sensors or lines."""
-    return [key[len(start) : -len(end)] for key in summary if key.startswith(start) and key.endswith(end)]
+    return [
+        key[len(start) : -len(end)]
+        for key in summary
+        if key.startswith(start) and key.endswith(end)
+    ]
 
 
 def _decay(peaks: NDArray[np.float64]) -> str:
-    """Return the peak forces of a wave at both ends of what it reached of a chain; empty where that is not known."""
+    """Return the peak forces of a wave at both ends of what it reached of a chain; empty where that
+    is not known.
+    """
     reached = np.flatnonzero(peaks > _REACHED * peaks.max(initial=0.0))
     ends = (
         [f"{quantity_in(float(peaks[n]), 'N')} in contact {n + 1}" for n in reached[[0, -1]]]
@@ -294,12 +356,16 @@ def _decay(peaks: NDArray[np.float64]) -> str:
 
 
 def _peaks(run: Run) -> NDArray[np.float64]:
-    """Return the largest force of each contact along a chain beyond the static one: (n_contacts,), N; or nothing."""
+    """Return the largest force of each contact along a chain beyond the static one: (n_contacts,),
+    N; or nothing.
+    """
     try:
         with Result(run.directory) as result:
             if "chain" not in result:
                 return np.empty(0)
-            static = result["chain/contact_force"][0] if result.case.precompression is not None else 0.0
+            static = (
+                result["chain/contact_force"][0] if result.case.precompression is not None else 0.0
+            )
             return np.maximum(result.along_chain("peak_force") - static, 0.0)
     except (GranwaveError, KeyError, ValueError, IndexError):
         return np.empty(0)

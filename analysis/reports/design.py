@@ -1,4 +1,6 @@
-"""Report of a search for the best design: the answer, what the checks found, the ten best, and how they were found."""
+"""Report of a search for the best design: the answer, what the checks found, the ten best, and how
+they were found.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,16 @@ from granwave.analysis.document.model import (
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.packing3d import packing_3d
 from granwave.analysis.figures.series import label, panels
-from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing, FigureFolder, attempt, legend_above, style
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Drawing,
+    FigureFolder,
+    attempt,
+    legend_above,
+    style,
+)
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import by_key
@@ -44,7 +55,12 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, DESIGN_OUTCOME, DESI
 
 _MOST_ROWS = 10
 _MOST_WORDS = 4  # of a variable that a figure lists
-_TOLD = ("packing.kind", "packing.size", "packing.diameter", "material")  # keys that the setting of a case tells
+_TOLD = (
+    "packing.kind",
+    "packing.size",
+    "packing.diameter",
+    "material",
+)  # keys that the setting of a case tells
 _CAPTIONS = {
     "packing": "The best design: its packing, cut through the impact, with the largest force on each sphere",
     "convergence": "Objective of each design in the order of the search, without those that were pruned or failed; the "
@@ -57,13 +73,20 @@ _CAPTIONS = {
 
 
 def design_report(directory: Path) -> Report:
-    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn anew."""
-    found, table = read_json(directory / DESIGN_OUTCOME) or {}, pd.read_csv(directory / DESIGN_TABLE)
-    return Report(f"Design: {found['name']}", _lead(found), tuple(_sections(found, table, directory)))
+    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn
+    anew.
+    """
+    found = read_json(directory / DESIGN_OUTCOME) or {}
+    table = pd.read_csv(directory / DESIGN_TABLE)
+    return Report(
+        f"Design: {found['name']}", _lead(found), tuple(_sections(found, table, directory))
+    )
 
 
 def _lead(found: Mapping[str, Any]) -> str:
-    goals = " and ".join(f"the {which} {label_of(name).lower()}" for name, which in found["objectives"].items())
+    goals = " and ".join(
+        f"the {which} {label_of(name).lower()}" for name, which in found["objectives"].items()
+    )
     of = f" of {found['designs']} designs" if found["designs"] else ""
     further = f", and {found['next_to_best']} next to the best" if found.get("next_to_best") else ""
     return f"Search for {goals}: {found['evaluations']}{of} were run{further}"
@@ -76,25 +99,41 @@ def _sections(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) ->
     if best:
         sections.append(Section("The best designs", "best", (_best_table(found, table),)))
         sections.append(Section("Checks of the best", "checks", (_checks(best),)))
-    figures = tuple(drawn[name] for name in ("convergence", "front", "importance", "coordinates") if name in drawn)
-    sections.append(Section("The search", "search", (*([Gallery(figures)] if figures else []), _cost(found))))
+    figures = tuple(
+        drawn[name]
+        for name in ("convergence", "front", "importance", "coordinates")
+        if name in drawn
+    )
+    sections.append(
+        Section("The search", "search", (*([Gallery(figures)] if figures else []), _cost(found)))
+    )
     return sections
 
 
 def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figure]) -> list[Block]:
     best = found["best"]
     if best is None:
-        return [Note("No design that was run meets the limits; designs.csv tells how far each is from them.", "bad")]
+        return [
+            Note(
+                "No design that was run meets the limits; designs.csv tells how far each is from them.",
+                "bad",
+            )
+        ]
     blocks: list[Block] = [Note(answer_of(found, directory), "lead")]
     if found["front"] and len(found["front"]) > 1:
         (first, which), (second, _) = found["objectives"].items()
-        last, count = found["front"][-1], len(found["front"])
-        text = (
-            f"This is the design with the {which} {label_of(first).lower()} of the {count} of the front. At its other "
+        last = found["front"][-1]
+        count = len(found["front"])
+        text = f"This is the design with the {which} {label_of(first).lower()} of the {count} of the front. At its other "
+        value = " and ".join(
+            _quantity_of(name, last["objective"][name]) for name in (first, second)
         )
-        value = " and ".join(_quantity_of(name, last["objective"][name]) for name in (first, second))
         blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
-    blocks += [Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note") for one in best["guards"] if one["warning"]]
+    blocks += [
+        Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note")
+        for one in best["guards"]
+        if one["warning"]
+    ]
     if "packing" in drawn:
         blocks.append(Gallery((drawn["packing"],)))
     return blocks
@@ -104,7 +143,8 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     """Return the best design and its objective in a sentence."""
     best = found["best"]
     place = directory / best["directory"]
-    case, summary = by_key(read_toml(place / CASE_FILE)), read_summary(place)
+    case = by_key(read_toml(place / CASE_FILE))
+    summary = read_summary(place)
     values = []
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)
@@ -112,7 +152,11 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
         values.append(f"{_quantity_of(name, value)}{spread}")
     reduction = summary.get("peak_reduction")
     less = f", {reduction:.3g} times less than without the packing" if reduction else ""
-    more = ", ".join(f"{key} {show(value)}" for key, value in best["variables"].items() if not key.startswith(_TOLD))
+    more = ", ".join(
+        f"{key} {show(value)}"
+        for key, value in best["variables"].items()
+        if not key.startswith(_TOLD)
+    )
     made = setting_of(case) + (f", with {more}" if more else "")
     where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
     return f"{made}: {' and '.join(values)}{less}, {where}."
@@ -120,27 +164,45 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
 
 def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
     """Return the ten best designs, or the front, with what varies, mass, height and objectives."""
-    objectives, keys = list(found["objectives"]), list(found["best"]["variables"])
+    objectives = list(found["objectives"])
+    keys = list(found["best"]["variables"])
     complete = table[table["state"] == "complete"]
     if found["front"]:
-        rows = complete[complete["number"].isin([one["number"] for one in found["front"]])].sort_values(objectives[0])
+        rows = complete[
+            complete["number"].isin([one["number"] for one in found["front"]])
+        ].sort_values(objectives[0])
     else:
         ascending = found["objectives"][objectives[0]] == "smallest"
-        rows = complete.sort_values(objectives[0], ascending=ascending, kind="stable").head(_MOST_ROWS)
+        rows = complete.sort_values(objectives[0], ascending=ascending, kind="stable").head(
+            _MOST_ROWS
+        )
     limits = found.get("limits", {})
     known = [
-        name for name in dict.fromkeys(("mass_kg", "height_m", *limits)) if name not in objectives and name in table
+        name
+        for name in dict.fromkeys(("mass_kg", "height_m", *limits))
+        if name not in objectives and name in table
     ]
-    spread = [f"{name}_{end}" for name in objectives for end in ("low", "high") if f"{name}_{end}" in table]
+    spread = [
+        f"{name}_{end}"
+        for name in objectives
+        for end in ("low", "high")
+        if f"{name}_{end}" in table
+    ]
     heads = [Column("Design", key=True), *map(value_column, objectives)]
-    heads += [Column(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True) for name in spread]
     heads += [
-        Column(label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True) for name in known
+        Column(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
+        for name in spread
+    ]
+    heads += [
+        Column(label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True)
+        for name in known
     ]
     heads += [case_column(key, "", numeric=False) for key in keys]
     shown = rows[["number", *objectives, *spread, *known, *keys]].astype(object).to_numpy().tolist()
     cells = tuple(tuple(map(value_cell, row)) for row in shown)
-    return Table("Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True)
+    return Table(
+        "Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True
+    )
 
 
 def _quantity_of(name: str, value: float) -> str:
@@ -153,22 +215,35 @@ def _quantity_of(name: str, value: float) -> str:
 def _bounds(limit: Mapping[str, float]) -> str:
     """Return the bounds of a limit as a heading has them."""
     ends = {"low": "at least", "high": "at most"}
-    return "".join(f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None)
+    return "".join(
+        f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
+    )
 
 
 def _checks(best: Mapping[str, Any]) -> Table:
     rows = [
-        (Cell(one["what"]), Cell(one["text"].removeprefix(f"{one['what']}: "), tone="note" if one["warning"] else ""))
+        (
+            Cell(one["what"]),
+            Cell(
+                one["text"].removeprefix(f"{one['what']}: "), tone="note" if one["warning"] else ""
+            ),
+        )
         for one in best["guards"]
     ]
     first = ", beside the first of its runs" if best.get("runs", 1) > 1 else ""
-    return text_table(f"What was changed or looked at, and what came of it{first}", ("Check", "Found"), rows)
+    return text_table(
+        f"What was changed or looked at, and what came of it{first}", ("Check", "Found"), rows
+    )
 
 
 def _cost(found: Mapping[str, Any]) -> Table:
     states = ", ".join(f"{count} {state}" for state, count in found["states"].items())
     rows = [("Designs", states), ("Time of all runs", duration(found["seconds"]))]
-    rows += [(name, version) for name, version in found["versions"].items() if name in ("granwave", "lammps", "python")]
+    rows += [
+        (name, version)
+        for name, version in found["versions"].items()
+        if name in ("granwave", "lammps", "python")
+    ]
     return text_table("Cost and versions", ("", ""), rows)
 
 
@@ -177,7 +252,9 @@ def _cost(found: Mapping[str, Any]) -> Table:
 
 def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> dict[str, Figure]:
     """Draw the figures of a search and save them; return them by name."""
-    ran = table[table["state"].isin(["complete", "refused"])].dropna(subset=list(found["objectives"]))
+    ran = table[table["state"].isin(["complete", "refused"])].dropna(
+        subset=list(found["objectives"])
+    )
     folder = FigureFolder(directory)
     makers: dict[str, Callable[[], Drawing | None]] = {
         "packing": lambda: _packing(found, directory),
@@ -217,7 +294,9 @@ def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     columns = {"number": number, name: ran[name], "best_so_far": so_far}
     if found.get("random"):
         random = np.array(found["random"])
-        axes.plot(np.arange(1, len(random) + 1), random, "--", color=ORANGE, label="random, expected")
+        axes.plot(
+            np.arange(1, len(random) + 1), random, "--", color=ORANGE, label="random, expected"
+        )
         columns["random_expected"] = random
     if 0 < 3 * ran[name].min() < ran[name].max():
         axes.set_yscale("log")
@@ -260,10 +339,17 @@ def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
     places = range(len(keys) + 1)
     for row, good, number in zip(scaled.to_numpy(), goodness, ran["number"], strict=True):
         chosen: dict[str, Any] = {"color": ORANGE, "lw": 2, "zorder": 3}
-        others: dict[str, Any] = {"color": BLUE, "alpha": 0.1 + 0.6 * good**3, "lw": 0.8, "zorder": 2}
+        others: dict[str, Any] = {
+            "color": BLUE,
+            "alpha": 0.1 + 0.6 * good**3,
+            "lw": 0.8,
+            "zorder": 2,
+        }
         axes.plot(places, row, **(chosen if number == found["best"]["number"] else others))
     names = zip((*keys, name), (*keys, value_column(name).title), strict=True)
-    axes.set_xticks(places, [f"{words}\n{_ends(ran[key])}" for key, words in names], rotation=30, ha="right")
+    axes.set_xticks(
+        places, [f"{words}\n{_ends(ran[key])}" for key, words in names], rotation=30, ha="right"
+    )
     label(axes, y="Value, from first to last", yticks=[0, 1])
     return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
 
@@ -277,7 +363,9 @@ def _ends(column: pd.Series[Any]) -> str:
 
 
 def _named(words: list[str]) -> list[str]:
-    """Return materials that are written as tables by their names, where these tell them apart; else words as is."""
+    """Return materials that are written as tables by their names, where these tell them apart; else
+    words as is.
+    """
     found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
     names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
     return names if len(set(names)) == len(words) else words
@@ -285,6 +373,10 @@ def _named(words: list[str]) -> list[str]:
 
 def _scaled(column: pd.Series[Any]) -> np.ndarray:
     """Return numbers from 0 to 1, words by their order."""
-    numbers = column.to_numpy(float) if pd.api.types.is_numeric_dtype(column) else pd.factorize(column, sort=True)[0]
+    numbers = (
+        column.to_numpy(float)
+        if pd.api.types.is_numeric_dtype(column)
+        else pd.factorize(column, sort=True)[0]
+    )
     span = np.ptp(numbers)
     return (numbers - numbers.min()) / span if span else np.full(len(numbers), 0.5)

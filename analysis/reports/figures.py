@@ -22,12 +22,19 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
 from granwave.lammps_inputs.packing.cylinders import in_grains
-from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, FILM_FILE, RESULT_FILE, VIEW_FILE
+from granwave.lammps_inputs.run_directory import (
+    FIGURES_DIRECTORY,
+    FILM_FILE,
+    RESULT_FILE,
+    VIEW_FILE,
+)
 
 SLUG = "figures"
 #: Dots per inch at which a page shows figures that take a whole row: their letters are as large as the page's.
 RESOLUTION = 150
-WIDTH, POINT_WIDTH = 900, 600  # largest width of pictures of runs and scans, and of points of scans, pixels
+# largest width of pictures of runs and scans, and of points of scans, pixels
+WIDTH = 900
+POINT_WIDTH = 600
 WIDEST = 1200  # largest width of pictures that take a whole row, pixels
 POINTS_BUDGET = 8_000_000  # bytes of all pictures of points; further ones are only linked
 MOST_CURVES = 12
@@ -98,7 +105,9 @@ _UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
 
-def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collection[Path] = ()) -> Section:
+def figures_section(
+    inputs: Inputs, above: Collection[str] = (), shown: Collection[Path] = ()
+) -> Section:
     """Make the section of the report.
 
     Parameters
@@ -112,9 +121,13 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
         what = "scan" if isinstance(item, Scan) else "run"
-        left_out = {path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY}
+        left_out = {
+            path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY
+        }
         left_out |= set(above) if isinstance(item, Scan) else of_other_kinds(item)
-        parts = _pictures(item, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, left_out)
+        parts = _pictures(
+            item, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, left_out
+        )
         if parts:
             title = f"Figures of {what} {item.label}"
             folded = n_items > 2 and isinstance(item, Run)
@@ -125,10 +138,14 @@ def figures_section(inputs: Inputs, above: Collection[str] = (), shown: Collecti
 
 
 def of_other_kinds(run: Run) -> set[str]:
-    """Return the names of figures of bands, modes or transmission that belong to other results in a run's directory."""
+    """Return the names of figures of bands, modes or transmission that belong to other results in a
+    run's directory.
+    """
     if run.kind != "spectra":
         return set()
-    return {name for kind, names in _BY_KIND.items() if kind != run.summary["kind"] for name in names}
+    return {
+        name for kind, names in _BY_KIND.items() if kind != run.summary["kind"] for name in names
+    }
 
 
 def overlay(runs: Sequence[Run]) -> list[Block]:
@@ -143,9 +160,13 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
         more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
         caption = f"Dissipated share of the input against time{more}. {_LEVEL}"
         with style():
-            blocks.append(Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),)))
+            blocks.append(
+                Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),))
+            )
     if missing:
-        blocks.append(Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note"))
+        blocks.append(
+            Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note")
+        )
     return blocks
 
 
@@ -165,11 +186,14 @@ def picture_of(drawing: Drawing, name: str, caption: str, data: Link | None = No
     drawing.figure.savefig(stream, format="png", dpi=RESOLUTION, metadata={"Software": None})
     with Image.open(io.BytesIO(stream.getvalue())) as image:
         size = image.size
-    return Figure(name, caption, caption, stream.getvalue(), size, data, drawing.figure.get_figwidth())
+    return Figure(
+        name, caption, caption, stream.getvalue(), size, data, drawing.figure.get_figwidth()
+    )
 
 
 def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
-    """Reduce a picture to a PNG with at most 256 colours; return it with its size in pixels and its width in inches.
+    """Reduce a picture to a PNG with at most 256 colours; return it with its size in pixels and its
+    width in inches.
 
     Parameters
     ----------
@@ -189,7 +213,9 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
     if Figure("", "", "", b"", image.size, inches=inches).wide:
         width = max(width, min(round(RESOLUTION * inches), WIDEST))
     if image.width > width:
-        image = image.resize((width, max(1, round(image.height * width / image.width))), Image.Resampling.LANCZOS)
+        image = image.resize(
+            (width, max(1, round(image.height * width / image.width))), Image.Resampling.LANCZOS
+        )
     image = image.quantize(_COLOURS, method=Image.Quantize.FASTOCTREE, dither=Image.Dither.NONE)
     stream = io.BytesIO()
     image.save(stream, "PNG", optimize=True)
@@ -197,32 +223,46 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
 
 
 def _caption(item: Run | Scan, stem: str, *, in_words: bool) -> tuple[str, str]:
-    """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of a scan shows."""
+    """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of
+    a scan shows.
+    """
     if stem in _CAPTIONS:
         return _CAPTIONS[stem], ""
     what, against, key = stem.partition(_AGAINST)
     if not against:
         return readable(stem), ""
-    labels, said = {}, ""
+    labels = {}
+    said = ""
     if isinstance(item, Scan):
-        columns = {name: [point.result.labels.get(name, "") for point in item.points] for name in item.source.varied}
+        columns = {
+            name: [point.result.labels.get(name, "") for point in item.points]
+            for name in item.source.varied
+        }
         keys = [key_of(name, column) for name, column in columns.items()]
         labels = {one.slug: one.naming.label[:1].lower() + one.naming.label[1:] for one in keys}
         values = item.means.values.get(SCAN_FIGURES.get(what, ""), [])
         if in_words and len(values) > 1 and None not in values:
             sentence = item.means.sentence(SCAN_FIGURES[what]).partition(": ")[2]
             said = f". {sentence[:1].upper()}{sentence[1:]}".removesuffix(".")
-    return f"{_QUANTITIES.get(what, readable(what))} against {labels.get(key, readable(key).lower())}", said
+    return (
+        f"{_QUANTITIES.get(what, readable(what))} against {labels.get(key, readable(key).lower())}",
+        said,
+    )
 
 
 def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
     """Return the pictures of the points of a scan, in folded groups, up to `POINTS_BUDGET`."""
     blocks: list[Block] = []
-    left, size = [], 0
+    left = []
+    size = 0
     seen = {run.directory.resolve() for run in inputs.runs}
     for point in scan.points:
         run = point.run
-        if run is None or run.directory.resolve() in seen or not any((run.directory / FIGURES_DIRECTORY).glob("*.png")):
+        if (
+            run is None
+            or run.directory.resolve() in seen
+            or not any((run.directory / FIGURES_DIRECTORY).glob("*.png"))
+        ):
             continue
         seen.add(run.directory.resolve())
         if size > POINTS_BUDGET:
@@ -230,25 +270,42 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
             continue
         name = f"{number}-{scan.label}-{point.result.number}"
         parts = _pictures(run, inputs, name, f"run {run.label}", POINT_WIDTH)
-        size += sum(len(figure.png) for part in parts if isinstance(part, Gallery) for figure in part.figures)
-        labels = ", ".join(f"{key} = {as_label(value)}" for key, value in point.result.labels.items())
+        size += sum(
+            len(figure.png)
+            for part in parts
+            if isinstance(part, Gallery)
+            for figure in part.figures
+        )
+        labels = ", ".join(
+            f"{key} = {as_label(value)}" for key, value in point.result.labels.items()
+        )
         title = f"Point {point.result.number} of {scan.label}" + (f": {labels}" if labels else "")
         blocks.append(Group(title, parts, folded=True))
     if left:
-        blocks.append(Note("The figures of further points are in their directories:", links=tuple(left)))
+        blocks.append(
+            Note("The figures of further points are in their directories:", links=tuple(left))
+        )
     return blocks
 
 
 def _pictures(
-    item: Run | Scan, inputs: Inputs, name: str, what: str, width: int, left_out: Collection[str] = ()
+    item: Run | Scan,
+    inputs: Inputs,
+    name: str,
+    what: str,
+    width: int,
+    left_out: Collection[str] = (),
 ) -> tuple[Gallery | Note, ...]:
-    """Return pages, films and PNG figures of a run or scan, in the order of the figures of a run, then by name."""
+    """Return pages, films and PNG figures of a run or scan, in the order of the figures of a run,
+    then by name.
+    """
     order = list(_CAPTIONS)
     paths = sorted(
         (item.directory / FIGURES_DIRECTORY).glob("*.png"),
         key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
     )
-    figures, damaged = [], []
+    figures = []
+    damaged = []
     for path in (path for path in paths if path.stem not in left_out):
         try:
             figures.append(_picture(path, item, inputs, name, what, width, in_words=True))
@@ -260,19 +317,29 @@ def _pictures(
     there = [one for one in there if isinstance(item, Run) and (item.directory / one[0]).is_file()]
     pages = [Note(text, links=(inputs.link(item.directory / name, name),)) for name, text in there]
     gallery = [Gallery(tuple(figures))] if figures else []
-    failed = [Note(f"The {one}.", "bad") for one in FigureFolder(item.directory).not_drawn().values()]
+    failed = [
+        Note(f"The {one}.", "bad") for one in FigureFolder(item.directory).not_drawn().values()
+    ]
     return (*pages, *gallery, *damaged, *failed)
 
 
 def _picture(
-    path: Path, item: Run | Scan, inputs: Inputs, name: str, what: str, width: int, *, in_words: bool = False
+    path: Path,
+    item: Run | Scan,
+    inputs: Inputs,
+    name: str,
+    what: str,
+    width: int,
+    *,
+    in_words: bool = False,
 ) -> Figure:
     """Return a reduced picture, with its data; raise as `shrunk`.
 
     Parameters
     ----------
     item
-        Run or scan that it is of; ``name`` and ``what``: its name in those of files, and in captions.
+        Run or scan that it is of; ``name`` and ``what``: its name in those of files, and in
+        captions.
     in_words
         True to say after the caption what a figure of a scan shows.
     """
@@ -280,7 +347,8 @@ def _picture(
     runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
     called = grains_called_in(run.summary for run in runs)
     caption, said = _caption(item, path.stem, in_words=in_words)
-    caption, look = in_grains(caption, called), in_grains(_LOOK.get(path.stem, ""), called)
+    caption = in_grains(caption, called)
+    look = in_grains(_LOOK.get(path.stem, ""), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory
@@ -291,14 +359,23 @@ def _picture(
 
 
 def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return times, s, and dissipated energy over the final input, of a block by plastic strain; None without them."""
+    """Return times, s, and dissipated energy over the final input, of a block by plastic strain;
+    None without them.
+    """
     try:
         with h5py.File(run.directory / RESULT_FILE, "r") as file:
             dissipated = "dissipated" if "energy/dissipated" in file else "plastic"
-            time, lost, given = (np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input"))
+            time, lost, given = (
+                np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input")
+            )
     except (OSError, KeyError, ValueError, TypeError):
         return None
-    if time.ndim != 1 or not time.shape == lost.shape == given.shape or not len(time) or not given[-1] > 0:
+    if (
+        time.ndim != 1
+        or not time.shape == lost.shape == given.shape
+        or not len(time)
+        or not given[-1] > 0
+    ):
         return None
     step = -(-len(time) // _MOST_INSTANTS)
     shown = np.append(np.arange(0, len(time) - 1, step), len(time) - 1)

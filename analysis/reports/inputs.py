@@ -16,7 +16,14 @@ from urllib.parse import quote
 from granwave.analysis.document.model import Link, is_number
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
-from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, around, no_results, resumed, similar
+from granwave.analysis.result.not_a_run import (
+    OF_A_RUN,
+    UNFINISHED,
+    around,
+    no_results,
+    resumed,
+    similar,
+)
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.scans.keys import Means, means_of
@@ -42,7 +49,10 @@ _LONGEST = 60  # characters of a faulty value in a message
 
 Kind = Literal["run", "continuum", "spectra"]
 
-_REFUSED = (BALANCE_REFUSED, "refused")  # end_reason of runs, and of finite elements, whose balance did not close
+_REFUSED = (
+    BALANCE_REFUSED,
+    "refused",
+)  # end_reason of runs, and of finite elements, whose balance did not close
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,13 +64,13 @@ class Run:
     label
         Label in the report; it says so where the run was refused.
     kind
-        Kind of the run, on which the keys of its summary depend; ``spectra``: bands, modes or transmission, of which
-        the summary says which.
+        Kind of the run, on which the keys of its summary depend; ``spectra``: bands, modes or
+        transmission, of which the summary says which.
     status
         ``done``, or ``refused`` if the energy balance did not close.
     case
-        Resolved case by dotted key, such as ``load.velocity``, without ``name`` and derived values; a value may be a
-        table, such as ``boundary.bottom``. Empty if unknown.
+        Resolved case by dotted key, such as ``load.velocity``, without ``name`` and derived values;
+        a value may be a table, such as ``boundary.bottom``. Empty if unknown.
     record
         Content of run.json; empty if there is none.
     """
@@ -90,7 +100,9 @@ class Run:
 
     @cached_property
     def damaged(self) -> bool:
-        """True if the result.h5 of a granular run is damaged; it may have been removed to keep only the summary."""
+        """True if the result.h5 of a granular run is damaged; it may have been removed to keep only
+        the summary.
+        """
         if self.kind != "run":
             return False
         try:
@@ -105,7 +117,11 @@ class Run:
     def versions(self) -> dict[str, str]:
         """Versions of the programs that produced the run, by name."""
         found = self.summary.get("versions")
-        return {str(name): str(value) for name, value in found.items()} if isinstance(found, dict) else {}
+        return (
+            {str(name): str(value) for name, value in found.items()}
+            if isinstance(found, dict)
+            else {}
+        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -168,7 +184,9 @@ class Inputs:
         return tuple(item for item in self.items if isinstance(item, Scan))
 
     def results(self) -> Iterator[Run]:
-        """Iterate over all runs, including finished points of scans; a run that points share is given once."""
+        """Iterate over all runs, including finished points of scans; a run that points share is
+        given once.
+        """
         for item in self.items:
             if isinstance(item, Run):
                 yield item
@@ -198,22 +216,27 @@ def relative(path: Path, base: Path) -> str:
     return Path(os.path.relpath(path.resolve(), base.resolve())).as_posix()
 
 
-def read_inputs(directories: Sequence[str | Path], base: Path, study_files: Collection[str] = ()) -> Inputs:
+def read_inputs(
+    directories: Sequence[str | Path], base: Path, study_files: Collection[str] = ()
+) -> Inputs:
     """Read runs and scans.
 
     Parameters
     ----------
     directories
-        Directories of runs, scans, and suites, which stand for their scans; repeated ones are used once.
+        Directories of runs, scans, and suites, which stand for their scans; repeated ones are used
+        once.
     base
         Directory of the report.
     study_files
-        Files of studies that the user named just now; others that scans hold are left out, as they are code.
+        Files of studies that the user named just now; others that scans hold are left out, as they
+        are code.
 
     Raises
     ------
     InputError
-        A directory is missing, is neither a run nor a scan, or is damaged; the message lists all faults.
+        A directory is missing, is neither a run nor a scan, or is damaged; the message lists all
+        faults.
     """
     errors: list[str] = []
     unique: dict[Path, Path] = {}
@@ -221,12 +244,16 @@ def read_inputs(directories: Sequence[str | Path], base: Path, study_files: Coll
         unique.setdefault(path.resolve(), path)
     paths = list(unique.values())
     if not paths:
-        errors.append("no directory was given, expected those of runs or scans: granwave report DIR...")
+        errors.append(
+            "no directory was given, expected those of runs or scans: granwave report DIR..."
+        )
     names = [path.resolve().name or "/" for path in paths]
     items: list[Run | Scan] = []
     for path, name in zip(paths, names, strict=True):
         try:
-            items += _read(path, name if names.count(name) == 1 else relative(path, base), study_files)
+            items += _read(
+                path, name if names.count(name) == 1 else relative(path, base), study_files
+            )
         except InputError as error:
             errors += error.errors
     if errors:
@@ -238,15 +265,21 @@ def read_inputs(directories: Sequence[str | Path], base: Path, study_files: Coll
 def _parts(directory: Path) -> list[Path]:
     """Return the scans of a suite that were started; other directories are returned unchanged."""
     names = (read_json(directory / SUITE_INDEX) or {}).get("scans") or ()
-    return [directory / str(name) for name in names if is_scan(directory / str(name))] or [directory]
+    return [directory / str(name) for name in names if is_scan(directory / str(name))] or [
+        directory
+    ]
 
 
 def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Scan]:
     """Read a directory; several for bands, modes and transmission in one."""
     if not path.exists():
-        raise InputError(f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan")
+        raise InputError(
+            f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan"
+        )
     if not path.is_dir():
-        raise InputError(f"{path}: is a file, expected the directory of a run or of a scan{around(path)}")
+        raise InputError(
+            f"{path}: is a file, expected the directory of a run or of a scan{around(path)}"
+        )
     if is_scan(path):
         return [_read_scan(path, label, study_files)]
     try:
@@ -255,7 +288,10 @@ def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Sc
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
     if not any(name in found for name in OF_A_RUN):
         if kinds := [name for name in SPECTRA_KINDS if f"{name}.json" in found]:
-            return [_read_spectrum(path, label if len(kinds) == 1 else f"{label} ({name})", name) for name in kinds]
+            return [
+                _read_spectrum(path, label if len(kinds) == 1 else f"{label} ({name})", name)
+                for name in kinds
+            ]
         expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
         raise InputError(no_results(path, found, "neither a run nor a scan", expected))
     if SUMMARY_FILE not in found:
@@ -265,7 +301,9 @@ def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Sc
                 f"{path}: the run is not finished (state {state}), so there is no {SUMMARY_FILE}; "
                 f"go on with  {resumed(path)}"
             )
-        raise InputError(f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}")
+        raise InputError(
+            f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"
+        )
     return [_read_run(path, label, _summary(path))]
 
 
@@ -277,28 +315,48 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
         raise InputError(
             f"{path / f'{kind}.json'}: cannot be read; make it anew with  granwave {kind} CASE -o {path} --force"
         )
-    return Run(label, "spectra", path, "done", {**values, "kind": kind, "versions": versions}, by_key(tables), {})
+    return Run(
+        label,
+        "spectra",
+        path,
+        "done",
+        {**values, "kind": kind, "versions": versions},
+        by_key(tables),
+        {},
+    )
 
 
 def _summary(path: Path) -> dict[str, Any]:
     try:
         summary = json.loads((path / SUMMARY_FILE).read_text(encoding="utf-8"))
-        wrong = "" if isinstance(summary, dict) else f"found a {type(summary).__name__}, expected a table of values"
+        wrong = (
+            ""
+            if isinstance(summary, dict)
+            else f"found a {type(summary).__name__}, expected a table of values"
+        )
         wrong = wrong or "".join(_no_numbers(summary)[:1])
     except (OSError, ValueError, RecursionError) as error:
         wrong = f"cannot be read ({error})"
     if wrong:
-        raise InputError(f"{path / SUMMARY_FILE}: {wrong}; make it anew with  granwave analyse {path}")
+        raise InputError(
+            f"{path / SUMMARY_FILE}: {wrong}; make it anew with  granwave analyse {path}"
+        )
     return dict(summary)
 
 
 def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
-    """Describe the quantities of a summary that are not numbers; null is allowed, for those that do not apply."""
+    """Describe the quantities of a summary that are not numbers; null is allowed, for those that do
+    not apply.
+    """
     found = []
     for key, value in summary.items():
         if value is None or not (quantity(key).unit or key in REPORT_COLUMNS):
             continue
-        if isinstance(value, list) and not quantity(key).unit and all(isinstance(item, str) for item in value):
+        if (
+            isinstance(value, list)
+            and not quantity(key).unit
+            and all(isinstance(item, str) for item in value)
+        ):
             continue  # words, such as the bounds that a zone reaches
         if not is_number(value) or abs(value) > sys.float_info.max:
             text = repr(value)
@@ -344,7 +402,11 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
     points: list[Point] = []
     errors: list[str] = []
     for result in results:
-        done = result.status == "done" and result.directory is not None and not _no_numbers(result.summary)
+        done = (
+            result.status == "done"
+            and result.directory is not None
+            and not _no_numbers(result.summary)
+        )
         whole = result.directory if done else None
         if whole and result.id not in runs:
             try:
@@ -361,7 +423,10 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
     unasked = [name for name in named if is_study_file(name) and name not in study_files]
     for name in unasked:
         _LOG.warning(
-            "%s: its study %s is left out, for reports load no code unasked; add  --study %s", path, name, name
+            "%s: its study %s is left out, for reports load no code unasked; add  --study %s",
+            path,
+            name,
+            name,
         )
     return Scan(label, source, tuple(points), tuple(name for name in named if name not in unasked))
 
@@ -371,7 +436,9 @@ def _undone(result: PointResult, scan: Path) -> Point:
     finished = scan / POINTS / result.id
     if (finished / SUMMARY_FILE).is_file():
         result = dataclasses.replace(result, status="missing", directory=finished)
-        return Point(result, f"its {SUMMARY_FILE} is damaged; make it anew with  granwave analyse", None)
+        return Point(
+            result, f"its {SUMMARY_FILE} is damaged; make it anew with  granwave analyse", None
+        )
     if result.status == "failed":
         return Point(result, str(result.reason or "no reason was recorded"), None)
     return Point(result, "begun, not finished" if result.directory else "not begun", None)

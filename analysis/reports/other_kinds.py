@@ -1,4 +1,6 @@
-"""Sentences on runs, inferred forces and small waves, and tables of the latter with a row for each value."""
+"""Sentences on runs, inferred forces and small waves, and tables of the latter with a row for each
+value.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +40,15 @@ _IN_PER_CENT = (
     "widest_gap_relative",
 )  # fmt: skip
 _SHOWN_IN = {"Hz": ("kHz", 1e-3), "Pa": ("GPa", 1e-9), "m": ("mm", 1e3)}
-TITLES = {"inference": "Inferred forces", "bands": "Bands", "modes": "Modes", "transmission": "Transmission"}
-_PER_CENT, _ROUNDING = 100.0, 1e-9  # shares below are errors of rounding
+TITLES = {
+    "inference": "Inferred forces",
+    "bands": "Bands",
+    "modes": "Modes",
+    "transmission": "Transmission",
+}
+# shares below are errors of rounding
+_PER_CENT = 100.0
+_ROUNDING = 1e-9
 _SENTENCES = {  # by kind of result; those whose values are all there are shown
     "inference": (
         "{n_loaded_contacts} of {n_contacts} contacts bear a force, at most {largest_force_N}.",
@@ -60,7 +69,9 @@ _SENTENCES = {  # by kind of result; those whose values are all there are shown
         "The least participation ratio is {least_participation_ratio}.",
     ),
 }
-_OF_WAVES = {entry.name: entry for entry in (*spectra.OF_BANDS, *spectra.OF_MODES, *spectra.OF_TRANSMISSION)}
+_OF_WAVES = {
+    entry.name: entry for entry in (*spectra.OF_BANDS, *spectra.OF_MODES, *spectra.OF_TRANSMISSION)
+}
 
 
 def label_in(run: Run, key: str) -> str:
@@ -83,12 +94,17 @@ def table_of(runs: Sequence[Run], caption: str) -> Table:
     entries = _OF_INFERENCE if runs[0].is_inference else _OF_SPECTRA
     rows = []
     for key in entries:
-        label, unit = label_in(runs[0], key), quantity(key).unit
+        label = label_in(runs[0], key)
+        unit = quantity(key).unit
         unit, scale = ("%", _PER_CENT) if key in _IN_PER_CENT else _SHOWN_IN.get(unit, (unit, 1.0))
         cells = [_span_cell(run.summary.get(key), scale) for run in runs]
         rows.append((Cell(label, label), *cells, Cell(unit)))
     heads = [run.label for run in runs] if len(runs) > 1 else ["Value"]
-    columns = (Column("Quantity", key=True), *(Column(head, numeric=True) for head in heads), Column("Unit"))
+    columns = (
+        Column("Quantity", key=True),
+        *(Column(head, numeric=True) for head in heads),
+        Column("Unit"),
+    )
     kept = tuple(row for row in rows if any(cell.text != BLANK for cell in row[1:-1]))
     return Table(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
 
@@ -100,7 +116,9 @@ def _span_cell(value: Any, scale: float) -> Cell:
         return value_cell(None)
     if scale == _PER_CENT and 0 < max(values) < _ROUNDING:
         return Cell(f"< {plain(f'{scale * _ROUNDING:.0e}')}", max(values))
-    low, high = (value_cell(one * scale if scale != 1 else one) for one in (min(values), max(values)))
+    low, high = (
+        value_cell(one * scale if scale != 1 else one) for one in (min(values), max(values))
+    )
     return low if low.text == high.text else Cell(f"{low.text} to {high.text}", low.value)
 
 
@@ -123,7 +141,9 @@ def printed(summary: Mapping[str, Any]) -> dict[str, str]:
         if key in _IN_PER_CENT or key.endswith("_fraction") or key == "transmission":
             found[key] = " to ".join(dict.fromkeys(map(share, (min(numbers), max(numbers)))))
         else:
-            found[key] = str(value) if isinstance(value, int) else range_in(numbers, quantity(key).unit)
+            found[key] = (
+                str(value) if isinstance(value, int) else range_in(numbers, quantity(key).unit)
+            )
     return found
 
 
@@ -134,16 +154,25 @@ def share(value: float) -> str:
 
 def in_words(run: Run) -> str:
     """Return what came out of an inference, of bands, modes or a transmission."""
-    kind, summary = str(run.summary.get("kind")), dict(run.summary)
+    kind = str(run.summary.get("kind"))
+    summary = dict(run.summary)
     if kind == "transmission":
         return _of_transmission(run)
     if kind == "bands":
-        lowest = [edges[0] for edges in summary.get("band_edges_Hz") or [] if edges and edges[0] is not None]
+        lowest = [
+            edges[0]
+            for edges in summary.get("band_edges_Hz") or []
+            if edges and edges[0] is not None
+        ]
         summary["lowest_edge_Hz"] = min(lowest, default=0.0) or None
         complete = (run.number("n_bands") or 0) >= (run.number("n_freedoms") or 0)
         summary["highest_edge_Hz"] = summary.get("highest_frequency_Hz") if complete else None
     text = sentences(_SENTENCES[kind], printed(summary))
-    return text if kind != "bands" or summary.get("widest_gap_Hz") else f"There is no gap between the bands. {text}"
+    return (
+        text
+        if kind != "bands" or summary.get("widest_gap_Hz")
+        else f"There is no gap between the bands. {text}"
+    )
 
 
 def _of_transmission(run: Run) -> str:
@@ -158,7 +187,10 @@ def _of_transmission(run: Run) -> str:
     for sensor, amplitude in zip(sensors, ratio.T, strict=True):
         passes = np.concatenate([[False], amplitude >= _PASSES, [False]]).astype(int)
         edges = np.flatnonzero(np.diff(passes)).reshape(-1, 2)
-        stretches = [f"{1e-3 * frequency[start]:.4g} to {1e-3 * frequency[stop - 1]:.4g}" for start, stop in edges]
+        stretches = [
+            f"{1e-3 * frequency[start]:.4g} to {1e-3 * frequency[stop - 1]:.4g}"
+            for start, stop in edges
+        ]
         more = " and elsewhere" if len(stretches) > _MOST_STRETCHES else ""
         where = f"at {', '.join(stretches[:_MOST_STRETCHES])} kHz{more}" if stretches else "nowhere"
         peak = int(np.argmax(amplitude))

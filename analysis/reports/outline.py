@@ -1,4 +1,6 @@
-"""Outline of a report: its sections, from the inputs; the energy balances, contacts beyond the law, and cut zones."""
+"""Outline of a report: its sections, from the inputs; the energy balances, contacts beyond the law,
+and cut zones.
+"""
 
 from __future__ import annotations
 
@@ -50,11 +52,10 @@ _IN_TITLE = 3  # names in the title
 #: Notes on runs, before their names.
 _REFUSED = "Refused, as the energy balance did not close"
 _POOR = "Poor energy balance, do not trust (off by up to {off} of the input, more than {most})"
-_IDLE, _UNKNOWN = "No energy came in before the end", "No energy balance is recorded"
+_IDLE = "No energy came in before the end"
+_UNKNOWN = "No energy balance is recorded"
 _BEYOND_FIT = "Contacts beyond the law, which was fitted up to an overlap of 0.2 R*"
-_BEYOND_SMALL = (
-    "Contacts beyond overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
-)
+_BEYOND_SMALL = "Contacts beyond overlaps of 0.2 R*, which are no longer small against the grains, as the law takes them"
 _CUT = (
     "The plastic zone reaches a bound, which cuts its outermost depth or radius, and may change what holds 99 % of its "
     "energy"
@@ -66,7 +67,9 @@ _WAVES = (
 _NO_CASE = "No readable case.toml, so settings are not known"
 _DAMAGED = f"The {RESULT_FILE} of {{}} is damaged, so studies and comparisons leave it out: make it anew with"
 _GOOD = "Every run finished, its energy balance closed, and no contact left the range of its law."
-_ERROR = "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
+_ERROR = (
+    "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
+)
 _LIMITS = {
     "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction, "
     "viscous losses, the support's damper and absorbing spheres. A granular run above 1e-5 is refused (the published "
@@ -93,12 +96,17 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
         Names of studies of all runs, in addition to those that the scans name.
     """
     labels = [inputs.suite] if inputs.suite else [item.label for item in inputs.items]
-    names = ", ".join(labels[:_IN_TITLE]) + (f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else "")
-    failures, studies = failures_section(inputs), studies_of(inputs, named)
+    names = ", ".join(labels[:_IN_TITLE]) + (
+        f" and {len(labels) - _IN_TITLE} more" if len(labels) > _IN_TITLE else ""
+    )
+    failures = failures_section(inputs)
+    studies = studies_of(inputs, named)
     above = {picture.name for study in studies for picture in study.pictures}
     picture = main_picture(studies, inputs)
     heads = ("Name", "What", "Case", "Setting", "Status", "Directory")
-    what = text_table("What this report is about", heads, [_input_row(item, inputs) for item in inputs.items])
+    what = text_table(
+        "What this report is about", heads, [_input_row(item, inputs) for item in inputs.items]
+    )
     sections = (
         _answer(inputs, failures.slug, studies, picture),
         Section("Verdict", "verdict", verdicts(studies)),
@@ -108,39 +116,61 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
         failures,
         results_section(inputs),
         balance_section(inputs),
-        Section("Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))),
+        Section(
+            "Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))
+        ),
     )
-    return tidied(Report(f"Report: {names}", _lead(inputs), tuple(section for section in sections if section.blocks)))
+    return tidied(
+        Report(
+            f"Report: {names}",
+            _lead(inputs),
+            tuple(section for section in sections if section.blocks),
+        )
+    )
 
 
 def _lead(inputs: Inputs) -> str:
-    n_runs, n_scans = len(inputs.runs), len(inputs.scans)
+    n_runs = len(inputs.runs)
+    n_scans = len(inputs.scans)
     parts = []
     if n_runs:
         parts.append(f"{n_runs} run{'s' * (n_runs > 1)}")
     if n_scans:
         points = [point for scan in inputs.scans for point in scan.points]
         done = sum(point.run is not None for point in points)
-        parts.append(f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {len(points)} points done")
+        parts.append(
+            f"{n_scans} scan{'s' * (n_scans > 1)} with {done} of {len(points)} points done"
+        )
     what = first_line(inputs)
     return " and ".join(parts) + (f": {what}." if what else ".")
 
 
-def _answer(inputs: Inputs, failures: str, studies: Sequence[Study], picture: Figure | None) -> Section:
+def _answer(
+    inputs: Inputs, failures: str, studies: Sequence[Study], picture: Figure | None
+) -> Section:
     """Make the first section: what must not be overlooked, what came out, and notes on it."""
     notes = _notes(inputs, failures)
-    bad, others = ([note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False))
+    bad, others = (
+        [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
+    )
     answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
-    return Section("In short", "short", (*bad, *leads(studies), *answer, *symbols_note(inputs), *others))
+    return Section(
+        "In short", "short", (*bad, *leads(studies), *answer, *symbols_note(inputs), *others)
+    )
 
 
 def _notes(inputs: Inputs, failures: str) -> list[Note]:
-    """Return notes on points and runs that lack something or are doubtful; if there are none, one that says so."""
+    """Return notes on points and runs that lack something or are doubtful; if there are none, one
+    that says so.
+    """
     notes: list[Note] = []
     for scan in inputs.scans:
         failed = scan.count("failed")
         missing = sum(point.run is None for point in scan.points) - failed
-        undone: list[tuple[int, str, Tone]] = [(failed, "failed", "bad"), (missing, "are missing", "note")]
+        undone: list[tuple[int, str, Tone]] = [
+            (failed, "failed", "bad"),
+            (missing, "are missing", "note"),
+        ]
         notes += [
             Note(f"Scan {scan.label}: {count} of {len(scan.points)} points {what}.", tone, failures)
             for count, what, tone in undone
@@ -149,12 +179,24 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
     runs = [run for run in inputs.results() if run.has_balance]
     poor = [run for run in runs if verdict(run)[1] == "bad"]
     idle = [
-        run.label for run in runs if run.number("energy_balance_error") is None and run.number("energy_input_J") == 0
+        run.label
+        for run in runs
+        if run.number("energy_balance_error") is None and run.number("energy_input_J") == 0
     ]
-    unknown = [run.label for run in runs if run.number("energy_balance_error") is None and run.label not in idle]
-    beyond = [(run, f"{run.label} ({run.number('contacts_beyond_law'):.0f})") for run in runs if _beyond_law(run)]
+    unknown = [
+        run.label
+        for run in runs
+        if run.number("energy_balance_error") is None and run.label not in idle
+    ]
+    beyond = [
+        (run, f"{run.label} ({run.number('contacts_beyond_law'):.0f})")
+        for run in runs
+        if _beyond_law(run)
+    ]
     cut = [
-        f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})" for run in runs if mark_of(run.summary) is Mark.CUT
+        f"{run.label} ({bounds_in_words(run.summary['zone_cut'])})"
+        for run in runs
+        if mark_of(run.summary) is Mark.CUT
     ]
     waves = [
         f"{run.label} ({100 * run.summary['wave_return_share']:.2g} %)"
@@ -174,7 +216,11 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
         (_WAVES, waves, "note", RESULTS),
         (_NO_CASE, [run.label for run in runs if not run.case], "note", ""),
     ]  # fmt: skip
-    notes += [Note(f"{text}: {named(labels)}.", tone, section) for text, labels, tone, section in told if labels]
+    notes += [
+        Note(f"{text}: {named(labels)}.", tone, section)
+        for text, labels, tone, section in told
+        if labels
+    ]
     notes += [
         Note(f"{_DAMAGED.format(run.label)} granwave analyse {inputs.path(run.directory)}", "bad")
         for run in runs
@@ -197,12 +243,14 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
     place = inputs.link(item.directory)
     if place.text == ".":
         place = inputs.link(item.directory, "that of this report")
-    name, where = Cell(item.label, item.label), Cell(place.text, place.text, link=place)
+    name = Cell(item.label, item.label)
+    where = Cell(place.text, place.text, link=place)
     if isinstance(item, Run):
         kind = "inferred forces" if item.is_inference else _KIND[item.kind]
         case = show(item.summary["name"]) if item.summary.get("name") is not None else ""
         return name, kind, case, setting_of(item.case), status_cell(item.status), where
-    done, failed = sum(point.run is not None for point in item.points), item.count("failed")
+    done = sum(point.run is not None for point in item.points)
+    failed = item.count("failed")
     tone: Tone = "good" if done == len(item.points) else "bad" if failed else "note"
     status = Cell(f"{done} of {len(item.points)} points done", done, tone)
     setting = "varied: " + ", ".join(item.source.varied) if item.source.varied else "one point"
@@ -212,14 +260,20 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
 def _versions(inputs: Inputs) -> list[Block]:
     """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
     runs = list(inputs.results())
-    same, others = [], []
+    same = []
+    others = []
     for name in dict.fromkeys(name for run in runs for name in run.versions):
         users = [run for run in runs if name in run.versions]
         found = list(dict.fromkeys(run.versions[name] for run in users))
-        if len(found) == 1 and len(users) == sum(run.kind in {user.kind for user in users} for run in runs):
+        if len(found) == 1 and len(users) == sum(
+            run.kind in {user.kind for user in users} for run in runs
+        ):
             same.append((name, *found))
         else:
-            labels = [named([run.label for run in users if run.versions[name] == version]) for version in found]
+            labels = [
+                named([run.label for run in users if run.versions[name] == version])
+                for version in found
+            ]
             others += [(name, version, text) for version, text in zip(found, labels, strict=True)]
     blocks: list[Block] = []
     if same:
@@ -239,7 +293,11 @@ def verdict(run: Run) -> tuple[str, Tone]:
     if run.number("energy_balance_error") is None:
         return "not known", "note"
     largest = LIMITS[run.kind]
-    return (f"poor: above {plain(f'{largest:.0e}')}", "bad") if _error_of(run) > largest else ("good", "good")
+    return (
+        (f"poor: above {plain(f'{largest:.0e}')}", "bad")
+        if _error_of(run) > largest
+        else ("good", "good")
+    )
 
 
 def balance_section(inputs: Inputs) -> Section:
@@ -248,9 +306,16 @@ def balance_section(inputs: Inputs) -> Section:
     if not runs:
         nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
         return Section("Energy balance", _BALANCE, nothing)
-    text = " ".join([_ERROR, *(words for kind, words in _LIMITS.items() if any(run.kind == kind for run in runs))])
+    text = " ".join(
+        [
+            _ERROR,
+            *(words for kind, words in _LIMITS.items() if any(run.kind == kind for run in runs)),
+        ]
+    )
     table = _table(runs)
-    shown = Group("Energies of all runs", (table,), folded=True) if len(runs) > _MOST_OPEN else table
+    shown = (
+        Group("Energies of all runs", (table,), folded=True) if len(runs) > _MOST_OPEN else table
+    )
     return Section("Energy balance", _BALANCE, (Note(text), shown))
 
 
@@ -262,15 +327,21 @@ def _fitted(run: Run) -> bool:
 
 def _table(runs: Sequence[Run]) -> Table:
     parts = [f"energy_{part}_J" for part in _PARTS]
-    shown = [key for key in ("energy_input_J", *parts) if any(run.summary.get(key) is not None for run in runs)]
+    shown = [
+        key
+        for key in ("energy_input_J", *parts)
+        if any(run.summary.get(key) is not None for run in runs)
+    ]
     shown += [key for key in _SHARES if any(run.summary.get(key) for run in runs)]
-    verdicts, dropped = [verdict(run) for run in runs], [run.record.get("attempts") for run in runs]
+    verdicts = [verdict(run) for run in runs]
+    dropped = [run.record.get("attempts") for run in runs]
     errors = [
         value_cell(run.summary.get("energy_balance_error"), tone=tone if tone == "bad" else "")
         for run, (_, tone) in zip(runs, verdicts, strict=True)
     ]
     beyond = [
-        value_cell(run.summary.get("contacts_beyond_law"), tone="note" if _beyond_law(run) else "") for run in runs
+        value_cell(run.summary.get("contacts_beyond_law"), tone="note" if _beyond_law(run) else "")
+        for run in runs
     ]
     columns = [
         (Column("Run", key=True), [Cell(run.label, run.label) for run in runs]),

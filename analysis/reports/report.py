@@ -1,7 +1,7 @@
 """Report on any number of runs, scans and continuum runs, as one HTML page, PDF or Markdown.
 
-Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the disk, and shows paths
-relative to itself.
+Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the
+disk, and shows paths relative to itself.
 
 HTML and Markdown are written by ``templates``; the PDF is as a browser would print the page.
 """
@@ -38,7 +38,9 @@ _FOLDER = Path(__file__).with_name("templates")
 
 
 def _rendered(name: str, filters: Filters, *, escapes: bool, **values: Any) -> str:
-    """Fill in a template, in which an unknown name is an error; with ``escapes`` all texts are escaped for HTML."""
+    """Fill in a template, in which an unknown name is an error; with ``escapes`` all texts are
+    escaped for HTML.
+    """
     environment = jinja2.Environment(
         loader=jinja2.FileSystemLoader(_FOLDER),
         autoescape=escapes,
@@ -61,19 +63,27 @@ _MOST_KEYS = 4  # key columns that are repeated in its parts
 
 
 def html_page(report: Report, *, paper: bool = False) -> str:
-    """Return the page; its Content-Security-Policy allows only its own script, style and embedded pictures.
+    """Return the page; its Content-Security-Policy allows only its own script, style and embedded
+    pictures.
 
     Parameters
     ----------
     paper
         True for the page that the PDF prints: unfolded, without script, policy and links to files.
     """
-    css, script = text_of("report.css") + text_of("print.css"), text_of("report.js")
+    css = text_of("report.css") + text_of("print.css")
+    script = text_of("report.js")
     own = f"style-src '{_hash(css)}'; script-src '{_hash(script)}'"
     policy = f"default-src 'none'; img-src data:; {own}; base-uri 'none'; form-action 'none'"
     titles = {section.slug: section.title for section in report.sections}
     filters: Filters = {"data_uri": data_uri, "breakable": breakable, "parts": parts}
-    values = {"titles": titles, "css": Markup(css), "script": Markup(script), "policy": policy, "paper": paper}
+    values = {
+        "titles": titles,
+        "css": Markup(css),
+        "script": Markup(script),
+        "policy": policy,
+        "paper": paper,
+    }
     return _rendered("report.html.j2", filters, escapes=True, report=report, **values).lstrip()
 
 
@@ -107,7 +117,9 @@ def parts(table: Table) -> list[Table]:
 
 
 def _hash(text: str) -> str:
-    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode("ascii")
+    return "sha256-" + base64.b64encode(hashlib.sha256(text.encode("utf-8")).digest()).decode(
+        "ascii"
+    )
 
 
 _SPECIAL = re.compile(r"([\\`*_\[\]|~#$])")
@@ -127,18 +139,24 @@ def markdown(report: Report, folder: str) -> tuple[str, dict[str, bytes]]:
 
     def file(figure: Figure) -> str:
         """Keep the picture of a figure, and return its path from the text."""
-        name, number = f"{figure.name}.png", 2
+        name = f"{figure.name}.png"
+        number = 2
         while name in pictures and pictures[name] != figure.png:
-            name, number = f"{figure.name}-{number}.png", number + 1
+            name = f"{figure.name}-{number}.png"
+            number = number + 1
         pictures[name] = figure.png
         return f"{quote(folder)}/{name}"
 
     titles = {section.slug: section.title for section in report.sections}
-    anchors = {slug: title.lower().replace(" ", "-") for slug, title in titles.items()}  # as GitHub has them
+    anchors = {
+        slug: title.lower().replace(" ", "-") for slug, title in titles.items()
+    }  # as GitHub has them
     filters: Filters = {
         "escaped": _escape, "paragraph": lambda text: _LINE_START.sub(r"\1\\\2", _escape(text)), "file": file,
     }  # fmt: skip
-    text = _rendered("report.md.j2", filters, escapes=False, report=report, titles=titles, anchors=anchors)
+    text = _rendered(
+        "report.md.j2", filters, escapes=False, report=report, titles=titles, anchors=anchors
+    )
     return _BLANK_LINES.sub("\n\n", text).strip() + "\n", pictures
 
 
@@ -180,7 +198,9 @@ def pdf_file(report: Report) -> bytes:
             name = url.removeprefix(_ADDRESS)
             if name not in _FONTS.values():
                 raise ValueError(f"{url}: not of this page")
-            return plutoprint.ResourceData((Path(mpl.get_data_path(), "fonts", "ttf", name)).read_bytes(), "font/ttf")
+            return plutoprint.ResourceData(
+                (Path(mpl.get_data_path(), "fonts", "ttf", name)).read_bytes(), "font/ttf"
+            )
 
     book = plutoprint.Book(plutoprint.PAGE_SIZE_A4.landscape(), media=plutoprint.MEDIA_TYPE_PRINT)
     book.custom_resource_fetcher = OwnFiles()
@@ -194,7 +214,9 @@ def pdf_file(report: Report) -> bytes:
 
 
 def _font_faces() -> str:
-    """Return the style by which text has the same letters everywhere, also where no font is installed."""
+    """Return the style by which text has the same letters everywhere, also where no font is
+    installed.
+    """
     faces = (
         f'@font-face {{ font-family: "Granwave Sans"; font-weight: {weight}; src: url("{_ADDRESS}{quote(name)}"); }}'
         for weight, name in _FONTS.items()
@@ -205,7 +227,8 @@ def _font_faces() -> str:
 SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
     ".html": rb'<meta name="generator" content="granwave">',
-    ".pdf": rb"%%EOF\n% report of granwave\n\Z|/Creator \(granwave\)",  # the second until version 0.2
+    # the second until version 0.2
+    ".pdf": rb"%%EOF\n% report of granwave\n\Z|/Creator \(granwave\)",
     ".md": rb"\A# Report: .*\n\n(?!1 run\.)(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?"
     rb"(: .+|\. SI units)?\.\n",
 }
@@ -224,7 +247,8 @@ def write_report(
     directories
         Directories of runs and scans, in the order of the report. Scans may be unfinished.
     output
-        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` beside it).
+        Path of the report: ``.html``, ``.pdf`` or ``.md`` (with pictures in ``NAME_files`` beside
+        it).
     studies
         Studies of all runs, in addition to those that the scans name: names, and paths of
         files, see `granwave.analysis.studies.registry`.
@@ -239,8 +263,8 @@ def write_report(
     Raises
     ------
     InputError
-        A directory is neither a run nor a scan, or is damaged; there is no such study; or the report cannot be written.
-        Nothing was written.
+        A directory is neither a run nor a scan, or is damaged; there is no such study; or the
+        report cannot be written. Nothing was written.
     RunError
         Writing failed, on a full disk for instance; an older report remains.
     """
@@ -269,16 +293,22 @@ def write_report(
 
 
 def _errors_in(output: Path) -> list[str]:
-    errors, suffix, parent = [], output.suffix.lower(), output.parent
+    errors = []
+    suffix = output.suffix.lower()
+    parent = output.parent
     if suffix not in SUFFIXES:
         found = f"the suffix {output.suffix}" if suffix else "no suffix"
-        errors.append(f"{output}: found {found}, expected {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}")
+        errors.append(
+            f"{output}: found {found}, expected {', '.join(SUFFIXES[:-1])} or {SUFFIXES[-1]}"
+        )
     if output.is_dir():
         errors.append(f"{output}: is a directory, expected the name of a file")
     elif not parent.is_dir():
         errors.append(f"{output}: there is no directory {parent}; make it first")
     elif not os.access(parent, os.W_OK | os.X_OK):
-        errors.append(f"{output}: the directory {parent.resolve()} cannot be written to; choose another with -o")
+        errors.append(
+            f"{output}: the directory {parent.resolve()} cannot be written to; choose another with -o"
+        )
     elif suffix == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
         errors.append(
             f"{folder}: is a file, but pictures of {output.name} go to a directory of that name; move it away"
@@ -298,13 +328,18 @@ def _folder(output: Path) -> Path:
 def _write(report: Report, output: Path) -> None:
     suffix = output.suffix.lower()
     if suffix != ".md":
-        replace_bytes(output, html_page(report).encode("utf-8") if suffix == ".html" else pdf_file(report))
+        replace_bytes(
+            output, html_page(report).encode("utf-8") if suffix == ".html" else pdf_file(report)
+        )
         return
     folder = _folder(output)
     text, pictures = markdown(report, folder.name)
-    shown = rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)"  # pictures that the older report shows
+    # pictures that the older report shows
+    shown = rf"!\[[^\n]*\]\({re.escape(quote(folder.name))}/([\w.-]+)\)"
     before = set(re.findall(shown, head(output).decode("utf-8", "replace")))
-    if others := [name for name in pictures if name not in before and os.path.lexists(folder / name)]:
+    if others := [
+        name for name in pictures if name not in before and os.path.lexists(folder / name)
+    ]:
         raise InputError(
             f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; choose another -o"
         )

@@ -36,7 +36,15 @@ from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports import other_kinds
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.setting import differing, target_of
-from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, SCAN_MEANS, SCAN_TABLE, SEED, scan_statistics
+from granwave.analysis.scans.table import (
+    CONFIDENCE,
+    COUNT,
+    MEAN,
+    SCAN_MEANS,
+    SCAN_TABLE,
+    SEED,
+    scan_statistics,
+)
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
 Columns = list[tuple[Column, list[Cell]]]
@@ -45,11 +53,15 @@ SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
 MOST_OPEN = 12  # points of a scan whose table is not folded
 MOST_ROWS = 14  # values of one run in the first section
-MOST_OF_A_RUN, MOST_KEYS = 4, 2  # keys and values, and keys, in the compact table of runs
+# keys and values, and keys, in the compact table of runs
+MOST_OF_A_RUN = 4
+MOST_KEYS = 2
 _NO_PHYSICS = ("run.", "output.", "figures.")  # tables of the case
 _LONGEST = 600  # characters of a reason
-_STATUS, _NUMBER = "Status", Column("#", numeric=True, key=True)
-_MATERIAL, _OF_MATERIAL = "material.name", "material."
+_STATUS = "Status"
+_NUMBER = Column("#", numeric=True, key=True)
+_MATERIAL = "material.name"
+_OF_MATERIAL = "material."
 #: Values that packings and blocks do not share, or mean otherwise.
 _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "zone_cut", "energy_input_normalised",
@@ -57,8 +69,19 @@ _OF_ONE_KIND = (
 )  # fmt: skip
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
 _OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
-_FIRST = ("transmission", "driven_velocity_m_s", "unsteady_part", "plate_velocity_m_s", "plate_peak_force_N")
-_NOTHING = ("zone_cut", "wave_return_share", "plastic_zone_radius_m", "zone_radius_90_m")  # left out where zero
+_FIRST = (
+    "transmission",
+    "driven_velocity_m_s",
+    "unsteady_part",
+    "plate_velocity_m_s",
+    "plate_peak_force_N",
+)
+_NOTHING = (
+    "zone_cut",
+    "wave_return_share",
+    "plastic_zone_radius_m",
+    "zone_radius_90_m",
+)  # left out where zero
 _READABLE = {"m": ("mm", 1e3), "m³": ("cm³", 1e6), "s": ("µs", 1e6)}  # units of the first section
 _OF_BOTTOM = (
     "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "ground_peak_force_N", "target_peak_displacement_m",
@@ -71,31 +94,48 @@ _OF_A_TARGET = (
 _OF_STRUCK = ("impactor_velocity_m_s",)
 _OF_GROUND = ("ground_peak_force_N", "energy_target_J")
 #: Values that compare with the load on the bare target, which tell nothing where it oscillates.
-_OF_TARGETS = ("peak_reduction", "unprotected_peak_force_N", "energy_target_J", "ground_peak_force_N", "base_arrival_s")
+_OF_TARGETS = (
+    "peak_reduction",
+    "unprotected_peak_force_N",
+    "energy_target_J",
+    "ground_peak_force_N",
+    "base_arrival_s",
+)
 _TONES: Mapping[str, Tone] = {"done": "good", "failed": "bad", "refused": "bad", "missing": "note"}
 _NOT_COMPARED = ("name", "kind", "versions")
-_OF_ZONE = ("plastic_zone", "zone_", "wave_return")  # keys whose values are marked where the zone reaches a bound
+_OF_ZONE = (
+    "plastic_zone",
+    "zone_",
+    "wave_return",
+)  # keys whose values are marked where the zone reaches a bound
 
 
 def results_section(inputs: Inputs) -> Section:
-    """Make the section of all values: of runs side by side, and of the points of scans, folded away."""
+    """Make the section of all values: of runs side by side, and of the points of scans, folded
+    away.
+    """
     blocks: list[Block] = []
     runs = [run for run in inputs.runs if run.has_balance]
     if len(runs) > 1:
-        blocks.append(_runs_table(runs, differing(runs), _worth_showing([run.summary for run in runs])))
+        blocks.append(
+            _runs_table(runs, differing(runs), _worth_showing([run.summary for run in runs]))
+        )
     for alike in (runs, *other_kinds.by_kind(inputs.runs)):
         if alike and len(alike) <= MOST_SIDE_BY_SIDE:
             blocks.append(_side_by_side(alike))
     for scan in inputs.scans:
         parts = _scan_blocks(scan, inputs)
         folded = len(scan.points) > MOST_OPEN
-        blocks += [Group(f"Points of scan {scan.label}", tuple(parts), folded=True)] if folded else parts
+        blocks += (
+            [Group(f"Points of scan {scan.label}", tuple(parts), folded=True)] if folded else parts
+        )
     blocks += meanings([run.summary for run in inputs.results()])
     return Section("All values", SLUG, tuple(blocks))
 
 
 def compact_table(runs: Sequence[Run]) -> Table:
-    """Make a table of runs with some keys that differ, and the first values, of those that all runs have.
+    """Make a table of runs with some keys that differ, and the first values, of those that all runs
+    have.
 
     Inferences, or small waves of one kind, have their values below each other.
     """
@@ -105,7 +145,11 @@ def compact_table(runs: Sequence[Run]) -> Table:
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
     keys = [key for key in keys if not key.startswith(_NO_PHYSICS)][:MOST_KEYS]
-    shown = [key for key in _worth_showing([run.summary for run in runs]) if key not in (*_OF_COST, *FRICTION_SHARES)]
+    shown = [
+        key
+        for key in _worth_showing([run.summary for run in runs])
+        if key not in (*_OF_COST, *FRICTION_SHARES)
+    ]
     shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
     if len({run.kind for run in runs}) > 1:
         shown = [key for key in shown if key not in _OF_ONE_KIND]
@@ -120,8 +164,11 @@ def value_rows(run: Run) -> Table:
     """Make a table of the main values of a run, a row each."""
     if not run.has_balance:
         return other_kinds.table_of([run], f"Run {run.label}")
-    summary, driven = run.summary, run.number("transmission") is not None
-    plate, bottom, ground = map(run.number, ("plate_velocity_m_s", "wall_peak_force_N", "ground_peak_force_N"))
+    summary = run.summary
+    driven = run.number("transmission") is not None
+    plate, bottom, ground = map(
+        run.number, ("plate_velocity_m_s", "wall_peak_force_N", "ground_peak_force_N")
+    )
     first = [*_FIRST, *(_OF_A_TARGET if target_of(run.case) and not driven else ())]
     first += ["wave_speed_m_s"] * (run.case.get("packing.kind") == "chain")
     first = [key for key in first if run.number(key) is not None]
@@ -136,7 +183,9 @@ def value_rows(run: Run) -> Table:
         left_out |= set() if told else set(keys)
     called = grains_called_in([summary])
     rows = []
-    for key in [*first, *(key for key in _worth_showing([summary]) if key not in left_out)][:MOST_ROWS]:
+    for key in [*first, *(key for key in _worth_showing([summary]) if key not in left_out)][
+        :MOST_ROWS
+    ]:
         label, (unit, scale) = label_of(key, called), _readable(key)
         name = Cell(label, label, meaning=meaning_in(key, called))
         rows.append((name, _result_cell(key, summary, scale), Cell(unit)))
@@ -145,7 +194,9 @@ def value_rows(run: Run) -> Table:
 
 
 def _readable(key: str) -> tuple[str, float]:
-    """Return the unit of a value in the first section, as sentences and figures have it, and its number in SI's."""
+    """Return the unit of a value in the first section, as sentences and figures have it, and its
+    number in SI's.
+    """
     unit = unit_of_value(key)
     return _READABLE.get(unit, (unit, 1.0))
 
@@ -163,7 +214,9 @@ def status_cell(status: str) -> Cell:
     return Cell(status, status, _TONES.get(status, ""))
 
 
-def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False) -> Table:
+def _runs_table(
+    runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False
+) -> Table:
     cases = [run.case for run in runs]
     names = Column("Run", key=True), [Cell(run.label, run.label) for run in runs]
     results = _results([(run.status, run.summary) for run in runs], shown, readable=readable)
@@ -173,11 +226,16 @@ def _runs_table(runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], 
 def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     found = [point.result for point in scan.points]
     numbers = [
-        Cell(str(one.number), one.number, link=inputs.link(one.directory, str(one.number)) if one.directory else None)
+        Cell(
+            str(one.number),
+            one.number,
+            link=inputs.link(one.directory, str(one.number)) if one.directory else None,
+        )
         for one in found
     ]
     results = [
-        (point.run.status, point.run.summary) if point.run else (point.result.status, {}) for point in scan.points
+        (point.run.status, point.run.summary) if point.run else (point.result.status, {})
+        for point in scan.points
     ]
     columns = [
         (_NUMBER, numbers),
@@ -198,8 +256,11 @@ def _cases(scan: Scan) -> list[Mapping[str, Any]]:
     return [point.run.case for point in scan.points if point.run]
 
 
-def _settings(keys: Iterable[str], rows: Sequence[Mapping[str, Any]], cases: Sequence[Mapping[str, Any]]) -> Columns:
-    """Return columns of keys of the case; tables are given by their labels, and an empty value is none.
+def _settings(
+    keys: Iterable[str], rows: Sequence[Mapping[str, Any]], cases: Sequence[Mapping[str, Any]]
+) -> Columns:
+    """Return columns of keys of the case; tables are given by their labels, and an empty value is
+    none.
 
     Parameters
     ----------
@@ -213,13 +274,19 @@ def _settings(keys: Iterable[str], rows: Sequence[Mapping[str, Any]], cases: Seq
         values = [None if row.get(key, "") == "" else row[key] for row in rows]
         numbers = [is_number(value) or value is None for value in values]
         shown = zip(values, unique_labels(values), numbers, strict=True)
-        cells = [value_cell(one) if number or one == text else Cell(text, text) for one, text, number in shown]
+        cells = [
+            value_cell(one) if number or one == text else Cell(text, text)
+            for one, text, number in shown
+        ]
         columns.append((case_column(key, unit_in_cases(key, cases), numeric=all(numbers)), cells))
     return columns
 
 
 def _results(
-    results: Sequence[tuple[str, Mapping[str, Any]]], shown: Iterable[str], *, readable: bool = False
+    results: Sequence[tuple[str, Mapping[str, Any]]],
+    shown: Iterable[str],
+    *,
+    readable: bool = False,
 ) -> Columns:
     """Return columns of the status and of values, of the status and the summary of each row.
 
@@ -238,36 +305,59 @@ def _results(
 
 
 def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
-    """Return the main values that any summary has; shares of yielding and friction only with friction or losses."""
+    """Return the main values that any summary has; shares of yielding and friction only with
+    friction or losses.
+    """
     shares = "friction_fraction", "viscous_fraction"
     several = any(summary.get(share) for summary in summaries for share in shares)
     left_out = () if several else FRICTION_SHARES
-    there = (key for key in REPORT_COLUMNS if any(summary.get(key) is not None for summary in summaries))
+    there = (
+        key for key in REPORT_COLUMNS if any(summary.get(key) is not None for summary in summaries)
+    )
     return [key for key in there if key not in left_out]
 
 
 def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Cell:
-    """Return the cell of a value of a summary, marked where it is doubtful; a list holds names of boundaries."""
+    """Return the cell of a value of a summary, marked where it is doubtful; a list holds names of
+    boundaries.
+    """
     if not summary:
         return Cell("")
     value = summary.get(key)
     value = scale * float(value) if scale != 1 and isinstance(value, int | float) else value
     noted = key == "contacts_beyond_law" and isinstance(value, (int, float)) and value > 0
     noted |= key.startswith(_OF_ZONE) and mark_of(summary) is not Mark.NONE
-    return value_cell(bounds_in_words(value) if isinstance(value, list) else value, tone="note" if noted else "")
+    return value_cell(
+        bounds_in_words(value) if isinstance(value, list) else value, tone="note" if noted else ""
+    )
 
 
 def _side_by_side(runs: Sequence[Run]) -> Table:
-    """Make a table of all values of the summaries, with a column for each run, and the difference of two runs."""
-    keys = list(dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED))
+    """Make a table of all values of the summaries, with a column for each run, and the difference
+    of two runs.
+    """
+    keys = list(
+        dict.fromkeys(key for run in runs for key in run.summary if key not in _NOT_COMPARED)
+    )
     pair = len(runs) == 2
     numbers = [*(run.label for run in runs), *["Difference"] * pair]
-    columns = [Column("Quantity", key=True), Column("Unit", key=True), *(Column(one, numeric=True) for one in numbers)]
-    rows, called = [], grains_called_in([run.summary for run in runs])
+    columns = [
+        Column("Quantity", key=True),
+        Column("Unit", key=True),
+        *(Column(one, numeric=True) for one in numbers),
+    ]
+    rows = []
+    called = grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_result_cell(key, run.summary) for run in runs]
-        label = (not runs[0].has_balance and other_kinds.label_in(runs[0], key)) or label_of(key, called)
-        row = [Cell(label, label, meaning=meaning_in(key, called)), Cell(unit_of_value(key)), *cells]
+        label = (not runs[0].has_balance and other_kinds.label_in(runs[0], key)) or label_of(
+            key, called
+        )
+        row = [
+            Cell(label, label, meaning=meaning_in(key, called)),
+            Cell(unit_of_value(key)),
+            *cells,
+        ]
         if pair:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
@@ -276,23 +366,42 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
 
 
 def _difference(first: Any, second: Any) -> Cell:
-    if not is_number(first) or not is_number(second) or not first or first != first or second != second:
+    if (
+        not is_number(first)
+        or not is_number(second)
+        or not first
+        or first != first
+        or second != second
+    ):
         return Cell("")
     value = 100 * (second / first - 1)
     return Cell(percent(value), value)
 
 
 def _replicates(scan: Scan) -> list[Table]:
-    """Make a table of means over the seeds with confidence intervals, for points that are otherwise equal."""
+    """Make a table of means over the seeds with confidence intervals, for points that are otherwise
+    equal.
+    """
     found = scan_statistics(scan.source)
     rows = [dict(zip(found, values, strict=True)) for values in zip(*found.values(), strict=True)]
     if not any(row[COUNT] > 1 for row in rows):
         return []
     columns = _settings([key for key in scan.source.varied if key != SEED], rows, _cases(scan))
     columns.append((Column("Replicates", numeric=True), [value_cell(row[COUNT]) for row in rows]))
-    for key in _worth_showing([{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows]):
-        columns.append((value_column(key), [spread_cell(row[key + MEAN], row[key + CONFIDENCE]) for row in rows]))
-    return [column_table(f"Scan {scan.label}: mean and 95 % confidence interval", columns, sortable=True)]
+    for key in _worth_showing(
+        [{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows]
+    ):
+        columns.append(
+            (
+                value_column(key),
+                [spread_cell(row[key + MEAN], row[key + CONFIDENCE]) for row in rows],
+            )
+        )
+    return [
+        column_table(
+            f"Scan {scan.label}: mean and 95 % confidence interval", columns, sortable=True
+        )
+    ]
 
 
 def failures_section(inputs: Inputs) -> Section:

@@ -1,4 +1,6 @@
-"""Setting of the runs of a report: its first line, symbols of its figures, tables of shared settings, versions."""
+"""Setting of the runs of a report: its first line, symbols of its figures, tables of shared
+settings, versions.
+"""
 
 from __future__ import annotations
 
@@ -73,12 +75,23 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
 
 
 def symbols_note(inputs: Inputs) -> list[Note]:
-    """Define the symbols in which figures and tables of these runs give forces, energies and velocities."""
+    """Define the symbols in which figures and tables of these runs give forces, energies and
+    velocities.
+    """
     runs = [run for run in inputs.whole() if run.has_balance][:_MOST_SYMBOLS]
     packings = [run for run in runs if run.kind == "run"]
-    unlike = {str([item for item in run.case.items() if item[0].startswith(_OF_LAW)]): run for run in packings}
-    laws = [law for law in map(_law_of, unlike.values()) if law is not None and math.isfinite(law.yield_force)]
-    largest, given = ([run.number(key) or 0.0 for run in packings] for key in ("peak_force_N", "energy_input_J"))
+    unlike = {
+        str([item for item in run.case.items() if item[0].startswith(_OF_LAW)]): run
+        for run in packings
+    }
+    laws = [
+        law
+        for law in map(_law_of, unlike.values())
+        if law is not None and math.isfinite(law.yield_force)
+    ]
+    largest, given = (
+        [run.number(key) or 0.0 for run in packings] for key in ("peak_force_N", "energy_input_J")
+    )
     velocities = [run.number("velocity_normalised") for run in packings]
     put_in = "the energy put in"
     if any(run.number("dissipated_fraction") for run in packings):
@@ -93,7 +106,11 @@ def symbols_note(inputs: Inputs) -> list[Note]:
         ("v\u0304_0", [one for one in velocities if one is not None], "", _NORMALISED),
         ("sigma_y^2 D^3/E", list(filter(None, map(_unit_of_block, runs))), "J", _OF_PUNCH),
     ]  # fmt: skip
-    said = [f"{symbol} = {range_in(values, unit)} is {what}." for symbol, values, unit, what in rows if values]
+    said = [
+        f"{symbol} = {range_in(values, unit)} is {what}."
+        for symbol, values, unit, what in rows
+        if values
+    ]
     return [Note(" ".join(said))] if said else []
 
 
@@ -107,7 +124,9 @@ def quantity_in(value: float, unit: str) -> str:
 
 def range_in(values: Sequence[float], unit: str) -> str:
     """Write the range of values, as `quantity_in` writes them."""
-    return " to ".join(dict.fromkeys(quantity_in(value, unit) for value in (min(values), max(values))))
+    return " to ".join(
+        dict.fromkeys(quantity_in(value, unit) for value in (min(values), max(values)))
+    )
 
 
 def _of_item(item: Run | Scan) -> str:
@@ -115,7 +134,11 @@ def _of_item(item: Run | Scan) -> str:
         if item.is_inference:
             return _of_inference(item)
         loaded = item.kind != "spectra"  # else the load plays no part
-        case = {key: value for key, value in item.case.items() if loaded or not key.startswith(("load.", "striker"))}
+        case = {
+            key: value
+            for key, value in item.case.items()
+            if loaded or not key.startswith(("load.", "striker"))
+        }
         return setting_of(case, grains_called_in([item.summary]))
     runs = [point.run for point in item.points if point.run]
     text = setting_of(_shared(runs), grains_called_in([run.summary for run in runs]))
@@ -124,7 +147,8 @@ def _of_item(item: Run | Scan) -> str:
 
 
 def _of_inference(run: Run) -> str:
-    grains, source = run.summary.get("n_grains"), run.summary.get("measurement")
+    grains = run.summary.get("n_grains")
+    source = run.summary.get("measurement")
     count = grains[0] if isinstance(grains, list) and grains else grains
     friction = run.number("friction")
     parts = [f"forces of {count} grains of {source}", str(run.summary.get("state", ""))]
@@ -136,7 +160,11 @@ def _of_inference(run: Run) -> str:
 def _shared(runs: Sequence[Run]) -> dict[str, Any]:
     if not runs:
         return {}
-    return {key: value for key, value in runs[0].case.items() if all(run.case.get(key) == value for run in runs)}
+    return {
+        key: value
+        for key, value in runs[0].case.items()
+        if all(run.case.get(key) == value for run in runs)
+    }
 
 
 def _body(case: Mapping[str, Any]) -> str:
@@ -145,12 +173,15 @@ def _body(case: Mapping[str, Any]) -> str:
         return f"punch of {quantity_in(case['punch.diameter'], 'm')}{mass} on a block"
     if "sphere.radius" in case:
         return f"two spheres in contact, R = {quantity_in(case['sphere.radius'], 'm')}"
-    kind, size = case.get("packing.kind"), case.get("packing.size")
+    kind = case.get("packing.kind")
+    size = case.get("packing.size")
     if kind is None:
         return ""
     if kind == "file":
         return "packing of a file"
-    shape = " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
+    shape = (
+        " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
+    )
     return f"chain of {shape}" if kind == "chain" and shape else f"{kind} {shape}".rstrip()
 
 
@@ -160,15 +191,29 @@ def _load(case: Mapping[str, Any]) -> str:
     if kind in ("force", "displacement") and "load.amplitude" in case:
         size = quantity_in(case["load.amplitude"], "N" if kind == "force" else "m")
         parts = [str(case.get("load.shape", "")), kind, f"of {size}"]
-        parts += [f"for {quantity_in(case['load.duration'], 's')}"] if case.get("load.duration") else []
-        parts += [f"at {quantity_in(case['load.frequency'], 'Hz')}"] if case.get("load.frequency") else []
+        parts += (
+            [f"for {quantity_in(case['load.duration'], 's')}"] if case.get("load.duration") else []
+        )
+        parts += (
+            [f"at {quantity_in(case['load.frequency'], 'Hz')}"]
+            if case.get("load.frequency")
+            else []
+        )
         parts += [f"along {show(case['load.direction'])}"] if case.get("load.direction") else []
         return " ".join(filter(None, parts))
     if kind == "plate":
-        return f"plate of {show(case.get('load.mass'))} kg at {show(velocity)} m/s" if velocity else "plate"
+        return (
+            f"plate of {show(case.get('load.mass'))} kg at {show(velocity)} m/s"
+            if velocity
+            else "plate"
+        )
     if kind == "striker":
         strikers = case.get("striker")
-        speeds = [math.hypot(*one.get("velocity", ())) for one in strikers] if isinstance(strikers, list) else []
+        speeds = (
+            [math.hypot(*one.get("velocity", ())) for one in strikers]
+            if isinstance(strikers, list)
+            else []
+        )
         return f"struck at {show(max(speeds))} m/s" if speeds else "struck"
     spheres = case.get("load.spheres")
     several = f" on {spheres} spheres" if isinstance(spheres, int) and spheres > 1 else ""
@@ -186,7 +231,8 @@ def _static(case: Mapping[str, Any]) -> str:
 
 
 def _bottom(case: Mapping[str, Any]) -> str:
-    support, bottom = target_of(case), case.get("boundary.bottom")
+    support = target_of(case)
+    bottom = case.get("boundary.bottom")
     if not support or not isinstance(bottom, dict):
         return ""
     name = f"{bottom.get('material', {}).get('name', '')} {support.replace('_', '-')}".lstrip()
@@ -198,11 +244,20 @@ def target_of(case: Mapping[str, Any]) -> str:
     """Return what the bottom rests on: plate, half_space, bar or damper; empty for a wall or none."""
     bottom = case.get("boundary.bottom")
     found = bottom if isinstance(bottom, dict) else {}
-    return next((one for one in ("plate", "half_space", "bar", "damper") if isinstance(found.get(one), dict)), "")
+    return next(
+        (
+            one
+            for one in ("plate", "half_space", "bar", "damper")
+            if isinstance(found.get(one), dict)
+        ),
+        "",
+    )
 
 
 def _contacts(case: Mapping[str, Any]) -> list[str]:
-    """Return the law, unless it is the usual one, and what is not ideal; nothing where it is not known."""
+    """Return the law, unless it is the usual one, and what is not ideal; nothing where it is not
+    known.
+    """
     law = case.get("contact.law")
     there = [
         text.format(quantity_in(value, unit) if unit and isinstance(value, float) else show(value))
@@ -231,10 +286,13 @@ def _unit_of_block(run: Run) -> float:
 def settings_blocks(inputs: Inputs) -> list[Block]:
     """Make tables of the settings that runs share, for each scan and for the runs given directly."""
     groups: list[tuple[str, Sequence[Run | None], Sequence[str]]] = [
-        (f"scan {scan.label}", [point.run for point in scan.points], scan.source.varied) for scan in inputs.scans
+        (f"scan {scan.label}", [point.run for point in scan.points], scan.source.varied)
+        for scan in inputs.scans
     ]
     if inputs.runs:
-        groups.insert(0, ("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", inputs.runs, ()))
+        groups.insert(
+            0, ("runs" if len(inputs.runs) > 1 else f"run {inputs.runs[0].label}", inputs.runs, ())
+        )
     blocks: list[Block] = []
     for title, runs, varied in groups:
         known = [run for run in runs if run and run.case]

@@ -55,7 +55,9 @@ _VERIFIES = (
 
 
 def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
-    """The section of the report; without blocks where there is no study, and without the picture at the top of all."""
+    """The section of the report; without blocks where there is no study, and without the picture at
+    the top of all.
+    """
     above = _with_main_picture(found, inputs)
     groups = []
     for n, study in enumerate(found):
@@ -70,11 +72,15 @@ def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
 
 
 def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
-    """Return the first picture of the studies of a scan, for the top of the report; None beside other inputs."""
+    """Return the first picture of the studies of a scan, for the top of the report; None beside
+    other inputs.
+    """
     study = _with_main_picture(found, inputs)
     if study is None:
         return None
-    first = pictures_of(dataclasses.replace(study, pictures=study.pictures[:1], failed=()), inputs, SLUG)[0]
+    first = pictures_of(
+        dataclasses.replace(study, pictures=study.pictures[:1], failed=()), inputs, SLUG
+    )[0]
     return first.figures[0] if isinstance(first, Gallery) else None
 
 
@@ -84,12 +90,21 @@ def _with_main_picture(found: Sequence[Study], inputs: Inputs) -> Study | None:
 
 
 def leads(found: Sequence[Study]) -> tuple[Note, ...]:
-    """Return what the studies come to, in sentences for the top of the report: agreement with sources, and verdicts."""
-    rows = [row for study in found for row in study.rows if row.kind == "source" and row.deviation is not None]
+    """Return what the studies come to, in sentences for the top of the report: agreement with
+    sources, and verdicts.
+    """
+    rows = [
+        row
+        for study in found
+        for row in study.rows
+        if row.kind == "source" and row.deviation is not None
+    ]
     texts = []
     if rows:
         off = [abs(row.deviation or 0.0) for row in rows]
-        within = " and ".join(f"within {100 * most:g} % for {sum(one <= most for one in off)}" for most in _CLOSE)
+        within = " and ".join(
+            f"within {100 * most:g} % for {sum(one <= most for one in off)}" for most in _CLOSE
+        )
         worst = max(zip(off, rows, strict=True), key=itemgetter(0))
         texts.append(
             f"Of {len(rows)} values that the sources give, ours are {within}; the largest difference is "
@@ -102,19 +117,26 @@ def verdicts(found: Sequence[Study]) -> tuple[Group, ...]:
     """Return the verdicts of studies without what `leads` has said."""
     said = _firsts(found)
     rest = [(study, study.verdict[study.name in said :]) for study in found]
-    return tuple(Group(study.title, tuple(map(Note, verdict))) for study, verdict in rest if verdict)
+    return tuple(
+        Group(study.title, tuple(map(Note, verdict))) for study, verdict in rest if verdict
+    )
 
 
 def _firsts(found: Sequence[Study]) -> dict[str, str]:
-    """Return the first sentences of the verdicts, unless there are many; several have their titles before them."""
+    """Return the first sentences of the verdicts, unless there are many; several have their titles
+    before them.
+    """
     judged = [study for study in found if study.verdict]
     if len(judged) > _MOST_VERDICTS:
         return {}
-    return {study.name: f"{study.title}: " * (len(judged) > 1) + study.verdict[0] for study in judged}
+    return {
+        study.name: f"{study.title}: " * (len(judged) > 1) + study.verdict[0] for study in judged
+    }
 
 
 def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
-    """Studies that the scans of a report name, of all runs of the scans that name them but those that are damaged.
+    """Studies that the scans of a report name, of all runs of the scans that name them but those
+    that are damaged.
 
     Parameters
     ----------
@@ -124,9 +146,13 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     offered: dict[str, dict[Path, Any]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
     read: dict[Path, FinishedRun | SphereContactRun | None] = {}
-    asked: list[tuple[Run | None, Mapping[str, Any], Sequence[str]]] = [(run, {}, named) for run in inputs.runs]
+    asked: list[tuple[Run | None, Mapping[str, Any], Sequence[str]]] = [
+        (run, {}, named) for run in inputs.runs
+    ]
     asked += [
-        (point.run, point.result.labels, (*scan.studies, *named)) for scan in inputs.scans for point in scan.points
+        (point.run, point.result.labels, (*scan.studies, *named))
+        for scan in inputs.scans
+        for point in scan.points
     ]
     for run, labels, names in asked:
         for name in names:
@@ -136,11 +162,14 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
                 continue
             elif is_study_file(name):
                 if run.status == "done":
-                    offered.setdefault(name, {}).setdefault(run.directory, notebook.Run(run.directory, labels))
+                    offered.setdefault(name, {}).setdefault(
+                        run.directory, notebook.Run(run.directory, labels)
+                    )
             else:
                 if run.directory not in read:
                     read[run.directory] = _read(run)
-                found, wanted = read[run.directory], SphereContactRun if name in OF_SPHERE_CONTACTS else FinishedRun
+                found = read[run.directory]
+                wanted = SphereContactRun if name in OF_SPHERE_CONTACTS else FinishedRun
                 if isinstance(found, wanted):
                     offered.setdefault(name, {})[run.directory] = found
                 elif run.kind == "run":
@@ -149,7 +178,9 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
 
 
 def _read(run: Run) -> FinishedRun | SphereContactRun | None:
-    """Read a run for studies; None if there are none of its kind, or it was refused or cannot be read."""
+    """Read a run for studies; None if there are none of its kind, or it was refused or cannot be
+    read.
+    """
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
     if (run.kind != "run" and not whole) or run.summary.get("end_reason") == BALANCE_REFUSED:
         return None
@@ -158,7 +189,9 @@ def _read(run: Run) -> FinishedRun | SphereContactRun | None:
 
 
 def row_tables(study: Study) -> list[Table | Note]:
-    """Tables of the rows of a study, one for each kind; a report leaves out columns without a value."""
+    """Tables of the rows of a study, one for each kind; a report leaves out columns without a
+    value.
+    """
     blocks: list[Table | Note] = []
     for kind, (caption, theory) in _KINDS.items():
         rows = [row for row in study.rows if row.kind == kind]
@@ -175,7 +208,9 @@ def row_tables(study: Study) -> list[Table | Note]:
             (Column("Remark"), [Cell(row.remark, row.remark) for row in rows]),
         ]
         blocks += [Note(_VERIFIES)] if kind == "verification" else []
-        blocks.append(column_table(f"{study.title}: {caption}", columns, sortable=True, by_row=True))
+        blocks.append(
+            column_table(f"{study.title}: {caption}", columns, sortable=True, by_row=True)
+        )
     return blocks
 
 
@@ -194,21 +229,26 @@ def _difference(deviation: float | None) -> Cell:
 
 
 def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Gallery | Note, ...]:
-    """Pictures of a study, with links to their data where it was saved, and what of it could not be made.
+    """Pictures of a study, with links to their data where it was saved, and what of it could not be
+    made.
 
     Parameters
     ----------
     section
         Slug of the section, before the names of their files.
     """
-    figures, failed = list[Figure](), list(study.failed)
+    figures = list[Figure]()
+    failed = list(study.failed)
     folders = [inputs.base] + [item.directory for item in inputs.items if len(inputs.items) == 1]
     for picture in study.pictures:
         name = f"{FIGURES_DIRECTORY}/{picture.name}.csv"
         data = next((folder / name for folder in folders if (folder / name).is_file()), None)
         link = inputs.link(data, name) if data else None
         slug = f"{section}-{picture.name.replace('_', '-')}"
-        figure = attempt(f"figure {picture.name}", partial(picture_of, picture.drawing, slug, picture.caption, link))
+        figure = attempt(
+            f"figure {picture.name}",
+            partial(picture_of, picture.drawing, slug, picture.caption, link),
+        )
         failed.append(figure) if isinstance(figure, NotDrawn) else figures.append(figure)
     gallery = (Gallery(tuple(figures)),) if figures else ()
     return (*gallery, *(Note(f"The {one}.", "bad") for one in failed))
@@ -230,7 +270,11 @@ def comparison_section(inputs: Inputs) -> Section:
                 pictures = pictures_of(study, inputs, _COMPARISON)
             blocks += [Note(study.text), *pictures, *study.tables]
     if blocks and (refused := [run.label for run in inputs.whole() if run.status == "refused"]):
-        blocks.append(Note(f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"))
+        blocks.append(
+            Note(
+                f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"
+            )
+        )
     if blocks and (others := _left_out(runs)):
         listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in others.items())
         blocks.append(Note(f"Left out here: {listed}.", "note"))
@@ -263,4 +307,6 @@ def _left_out(runs: Sequence[FinishedRun | ContinuumRun]) -> dict[str, list[str]
         if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
             found.setdefault(reason, []).append(run.label)
     others = collect(runs).other_packings
-    return found | ({"another packing than the reference's": others["label"].tolist()} if len(others) else {})
+    return found | (
+        {"another packing than the reference's": others["label"].tolist()} if len(others) else {}
+    )

@@ -1,10 +1,12 @@
-"""Contacts of a run as a table of pairs: dents of one pair are merged, unloaded touching pairs are added.
+"""Contacts of a run as a table of pairs: dents of one pair are merged, unloaded touching pairs are
+added.
 
 Touching pairs at the start follow from positions and radii, for any packing.
 
-A pair may have several dents: a dent is forgotten when the gap exceeds a given distance, and the next contact starts a
-new one. In this table each pair is one row, with the largest peak, the sum of the energies and the earliest times.
-Constants of the contact laws of pairs are yield overlap, effective radius and shares of dissipation.
+A pair may have several dents: a dent is forgotten when the gap exceeds a given distance, and the
+next contact starts a new one. In this table each pair is one row, with the largest peak, the sum of
+the energies and the earliest times. Constants of the contact laws of pairs are yield overlap,
+effective radius and shares of dissipation.
 """
 
 from __future__ import annotations
@@ -23,38 +25,46 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.packing.assembly import assemble
 
-LISTED_FROM = 1e-6  # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
+# peak overlap over alpha_y from which on pairs that did not touch at the start are listed
+LISTED_FROM = 1e-6
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
 _FEW = 1000  # spheres up to which all pairs are looked at: a tree of fewer takes longer to load
-_LARGE = 1.5  # radius over the median from which on the neighbours of a sphere are searched separately
+# radius over the median from which on the neighbours of a sphere are searched separately
+_LARGE = 1.5
 
 
 def merge_dents(dents: Frame) -> Contacts:
-    """Merge the dents of `granwave.analysis.lammps_output.dumps.contacts_at_end` into one row a pair, sorted by (i, j).
+    """Merge the dents of `granwave.analysis.lammps_output.dumps.contacts_at_end` into one row a
+    pair, sorted by (i, j).
 
     Returns
     -------
     dict
-        ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (initial dent) m;
-        ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``, ``dissipated_energy`` (of yielding,
-        friction and viscous losses), ``friction_energy``, with viscous losses ``viscous_energy`` J;
-        ``time_first``, ``time_peak``, ``time_yield`` s (NaN: never); ``n_dents``;
-        ``grown_overlap``: largest overlap of dents that grew in this run, m.
+        ``i``, ``j`` (n_pairs,), i < j; ``overlap``, ``peak_overlap``, ``initial_overlap`` (initial
+        dent) m; ``force``, ``peak_force``, ``tangential_force`` N; ``elastic_energy``,
+        ``dissipated_energy`` (of yielding, friction and viscous losses), ``friction_energy``, with
+        viscous losses ``viscous_energy`` J; ``time_first``, ``time_peak``, ``time_yield`` s (NaN:
+        never); ``n_dents``; ``grown_overlap``: largest overlap of dents that grew in this run, m.
     """
     first, second = dents.pairs.T
     order = np.lexsort((-dents["peak_overlap"], second, first))  # the deepest dent of a pair first
-    first, second = first[order], second[order]
+    first = first[order]
+    second = second[order]
     new = np.ones(len(first), dtype=bool)
     new[1:] = (first[1:] != first[:-1]) | (second[1:] != second[:-1])
-    starts, live = np.flatnonzero(new), dents["live"][order] > 0.5
+    starts = np.flatnonzero(new)
+    live = dents["live"][order] > 0.5
 
     def total(*names: str) -> NDArray[np.float64]:
         return sum((dents.get(name)[order] for name in names[1:]), start=dents.get(names[0])[order])
 
     def now(*names: str) -> NDArray[np.float64]:
-        return sum((np.where(live, total(name), 0.0) for name in names[1:]), start=np.where(live, total(names[0]), 0.0))
+        return sum(
+            (np.where(live, total(name), 0.0) for name in names[1:]),
+            start=np.where(live, total(names[0]), 0.0),
+        )
 
     def never(name: str) -> NDArray[np.float64]:
         return np.where(total(name) < 0, np.inf, total(name))
@@ -62,7 +72,9 @@ def merge_dents(dents: Frame) -> Contacts:
     def grown() -> NDArray[np.float64]:
         return np.where(total("peak_overlap") > total("initial"), total("peak_overlap"), 0.0)
 
-    joined: dict[str, tuple[np.ufunc, Callable[[], NDArray[np.float64]]]] = {  # made one by one: there are many rows
+    joined: dict[
+        str, tuple[np.ufunc, Callable[[], NDArray[np.float64]]]
+    ] = {  # made one by one: there are many rows
         "overlap": (np.add, partial(now, "overlap")),
         "force": (np.add, partial(now, "force")),
         "tangential_force": (np.add, partial(now, "tangential_force")),
@@ -73,7 +85,11 @@ def merge_dents(dents: Frame) -> Contacts:
         "elastic_energy": (np.add, partial(now, "elastic", "elastic_tangential")),
         "dissipated_energy": (np.add, partial(total, "dissipated", "friction", "viscous")),
         "friction_energy": (np.add, partial(total, "friction")),
-        **({"viscous_energy": (np.add, partial(total, "viscous"))} if "viscous" in dents.columns else {}),
+        **(
+            {"viscous_energy": (np.add, partial(total, "viscous"))}
+            if "viscous" in dents.columns
+            else {}
+        ),
         "time_first": (np.minimum, partial(never, "time_first")),
         "time_yield": (np.minimum, partial(never, "time_yield")),
     }
@@ -94,7 +110,8 @@ def _or_never(time: NDArray[np.float64]) -> NDArray[np.float64]:
 def list_contacts(
     merged: Contacts, touching: NDArray[np.int64], yield_overlap: float | NDArray[np.float64]
 ) -> Contacts:
-    """Make the rows of ``/contacts``: pairs that touch at the start, and pairs loaded beyond `LISTED_FROM`.
+    """Make the rows of ``/contacts``: pairs that touch at the start, and pairs loaded beyond
+    `LISTED_FROM`.
 
     Parameters
     ----------
@@ -103,13 +120,14 @@ def list_contacts(
     touching
         Pairs of ids that touch at the start, i < j: (n, 2).
     yield_overlap
-        alpha_y of all pairs, or of each of ``merged``, m; if it is not finite, all loaded pairs are listed.
+        alpha_y of all pairs, or of each of ``merged``, m; if it is not finite, all loaded pairs are
+        listed.
 
     Returns
     -------
     dict
-        As in `merge_dents`, and ``touching`` (bool), True for pairs that touched at the start. Rows are sorted by
-        (i, j).
+        As in `merge_dents`, and ``touching`` (bool), True for pairs that touched at the start. Rows
+        are sorted by (i, j).
     """
     stride = 1 + max(touching.max(initial=0), merged["j"].max(initial=0))
     dented = merged["i"] * stride + merged["j"]
@@ -119,7 +137,11 @@ def list_contacts(
     target = np.searchsorted(keys, dented)
     known = target < len(keys)
     known[known] = keys[target[known]] == dented[known]
-    result: Contacts = {"i": keys // stride, "j": keys % stride, "touching": np.zeros(len(keys), dtype=bool)}
+    result: Contacts = {
+        "i": keys // stride,
+        "j": keys % stride,
+        "touching": np.zeros(len(keys), dtype=bool),
+    }
     for name, column in merged.items():
         if name not in result:
             result[name] = np.full(len(keys), np.nan if name in _TIMES else 0, dtype=column.dtype)
@@ -141,7 +163,8 @@ def touching_pairs(
     Parameters
     ----------
     ids, positions, radii
-        Ids of the spheres, rising, (n_spheres,), centres, (n_spheres, 3), m, and radii, (n_spheres,), m.
+        Ids of the spheres, rising, (n_spheres,), centres, (n_spheres, 3), m, and radii,
+        (n_spheres,), m.
     tolerance
         Largest gap of touching spheres, m; overlapping ones are included.
     periods
@@ -166,7 +189,10 @@ def touching_pairs(
 
 
 def _near_pairs(
-    places: NDArray[np.float64], radii: NDArray[np.float64], tolerance: float, boxsize: NDArray[np.float64] | None
+    places: NDArray[np.float64],
+    radii: NDArray[np.float64],
+    tolerance: float,
+    boxsize: NDArray[np.float64] | None,
 ) -> NDArray[np.int64]:
     """Find the pairs of spheres that may touch: rows, (n_pairs, 2)."""
     from scipy.spatial import cKDTree  # takes longer to load than small packings to analyse
@@ -174,12 +200,17 @@ def _near_pairs(
     large = np.flatnonzero(radii > _LARGE * np.median(radii))
     small = np.flatnonzero(radii <= _LARGE * np.median(radii))
     tree = cKDTree(places[small], boxsize=boxsize)
-    found = [small[tree.query_pairs(2 * radii[small].max(initial=0.0) + tolerance, output_type="ndarray")]]
+    found = [
+        small[
+            tree.query_pairs(2 * radii[small].max(initial=0.0) + tolerance, output_type="ndarray")
+        ]
+    ]
     if len(large):
         everyone = cKDTree(places, boxsize=boxsize)
         near = everyone.query_ball_point(places[large], radii[large] + radii.max() + tolerance)
         found += [
-            np.stack([np.full(len(others), one), others], axis=1) for one, others in zip(large, near, strict=True)
+            np.stack([np.full(len(others), one), others], axis=1)
+            for one, others in zip(large, near, strict=True)
         ]
     pairs = np.sort(np.concatenate(found), axis=1)
     return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0) if len(large) else pairs
@@ -197,15 +228,16 @@ def sphere_values(
     contacts
         Result of `list_contacts`, and ``yielded``, True for contacts that have: (n_contacts,).
     share
-        Share of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for all. Dissipation by
-        friction and viscous losses is halved.
+        Share of the first sphere in the energy dissipated by yielding; (n_contacts,) or one for
+        all. Dissipation by friction and viscous losses is halved.
 
     Returns
     -------
     dict
-        ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy`` and its part
-        ``friction_energy``, with viscous losses ``viscous_energy``, J; ``contacts_yielded``; ``coordination`` at the
-        start; ``time_first``, ``time_yield`` of the earliest contact, s (NaN: never). Each (n_spheres,).
+        ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy``
+        and its part ``friction_energy``, with viscous losses ``viscous_energy``, J;
+        ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield`` of the
+        earliest contact, s (NaN: never). Each (n_spheres,).
     """
     n_spheres = len(ids)
     ends = rows_of(ids, np.concatenate([contacts["i"], contacts["j"]]))
@@ -220,7 +252,9 @@ def sphere_values(
     def count(mask: NDArray) -> NDArray:
         return np.bincount(ends[np.tile(mask, 2)], minlength=n_spheres)
 
-    halved = {name: contacts[name] for name in ("friction_energy", "viscous_energy") if name in contacts}
+    halved = {
+        name: contacts[name] for name in ("friction_energy", "viscous_energy") if name in contacts
+    }
     lost = sum(halved.values())
     plastic = contacts["dissipated_energy"] - lost
     lost = np.concatenate([part * plastic + 0.5 * lost for part in (share, 1 - share)])
@@ -228,18 +262,26 @@ def sphere_values(
         "peak_force": extreme(np.maximum, "peak_force", 0.0),
         "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
         "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
-        **{name: np.bincount(ends, 0.5 * np.tile(part, 2), minlength=n_spheres) for name, part in halved.items()},
+        **{
+            name: np.bincount(ends, 0.5 * np.tile(part, 2), minlength=n_spheres)
+            for name, part in halved.items()
+        },
         "contacts_yielded": count(contacts["yielded"]),
         "coordination": count(contacts["touching"]),
-        **{name: _or_never(extreme(np.minimum, name, np.inf)) for name in ("time_first", "time_yield")},
+        **{
+            name: _or_never(extreme(np.minimum, name, np.inf))
+            for name in ("time_first", "time_yield")
+        },
     }
 
 
-def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) -> dict[str, NDArray[np.float64]]:
+def pair_laws(
+    case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]
+) -> dict[str, NDArray[np.float64]]:
     """Return the constants of pairs of spheres; every array is (n_pairs,).
 
-    The law of two materials is made once; alpha_y is proportional to R*, which may differ between pairs. That of
-    cylinders is made for each pair of radii.
+    The law of two materials is made once; alpha_y is proportional to R*, which may differ between
+    pairs. That of cylinders is made for each pair of radii.
 
     Parameters
     ----------
@@ -251,20 +293,23 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
     Returns
     -------
     dict
-        ``yield_overlap`` alpha_y and ``effective_radius`` R*, m; ``yielded_from``, the peak overlap beyond which a
-        contact has yielded, m, infinite if the law does not yield; ``share`` of the first sphere in the dissipation by
-        yielding: half, or all or none if yield strengths differ.
+        ``yield_overlap`` alpha_y and ``effective_radius`` R*, m; ``yielded_from``, the peak overlap
+        beyond which a contact has yielded, m, infinite if the law does not yield; ``share`` of the
+        first sphere in the dissipation by yielding: half, or all or none if yield strengths differ.
     """
-    species, usual = assemble(case).species, case.packing.diameter / 2
+    species = assemble(case).species
+    usual = case.packing.diameter / 2
     found = {name: np.empty(len(types)) for name in ("yield_overlap", "yielded_from", "share")}
     found["effective_radius"] = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
     kind = types @ [len(species) + 1, 1]
     for number in np.unique(kind).tolist():
         rows = np.flatnonzero(kind == number)
         first, second = (species[one - 1] for one in divmod(number, len(species) + 1))
-        materials, shapes = (first.material, second.material), (first.shape, second.shape)
+        materials = (first.material, second.material)
+        shapes = (first.shape, second.shape)
         found["share"][rows] = dissipated_share(*materials)
-        sizes, size = np.array([[usual, usual]]), np.zeros(len(rows), dtype=np.int64)
+        sizes = np.array([[usual, usual]])
+        size = np.zeros(len(rows), dtype=np.int64)
         if any(shapes):
             sizes, size = np.unique(radii[rows], axis=0, return_inverse=True)
         for n, (r1, r2) in enumerate(sizes.tolist()):
@@ -279,7 +324,9 @@ def pair_laws(case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]) 
 
 
 def dissipated_share(own: Material, partner: Material | None) -> float:
-    """Return a body's share in the yielding of a contact: half, or all or none if yield strengths differ."""
+    """Return a body's share in the yielding of a contact: half, or all or none if yield strengths
+    differ.
+    """
     mine, theirs = (math.inf if one is None or one.yield_strength is None else one.yield_strength
                     for one in (own, partner))  # fmt: skip
     return 0.5 if mine == theirs else float(mine < theirs)

@@ -1,7 +1,8 @@
-"""Files of the analysis: HDF5 written atomically, groups of ``result.h5`` with their units, and rows by id.
+"""Files of the analysis: HDF5 written atomically, groups of ``result.h5`` with their units, and
+rows by id.
 
-HDF5 crashes the program if it cannot write data that it holds in memory. Failing writes are therefore hidden from it,
-and their error is raised after HDF5 has closed the file.
+HDF5 crashes the program if it cannot write data that it holds in memory. Failing writes are
+therefore hidden from it, and their error is raised after HDF5 has closed the file.
 """
 
 from __future__ import annotations
@@ -116,13 +117,18 @@ def encoded(values: NDArray, first: int, n_chunk: int = ROWS_IN_CHUNK) -> Encode
     Whole chunks are compressed as `COMPRESSION` says; rows beside them are left to HDF5.
     """
     pieces: Pieces = []
-    at, stop = 0, len(values)
+    at = 0
+    stop = len(values)
     while at < stop:
         n = min(n_chunk - (first + at) % n_chunk, stop - at)
         rows = values[at : at + n]
         if n == n_chunk:
-            planes = np.ascontiguousarray(rows).view(np.uint8).reshape(-1, values.dtype.itemsize).T  # bytes shuffled
-            pieces.append((first + at, zlib.compress(planes.tobytes(), COMPRESSION["compression_opts"])))
+            planes = (
+                np.ascontiguousarray(rows).view(np.uint8).reshape(-1, values.dtype.itemsize).T
+            )  # bytes shuffled
+            pieces.append(
+                (first + at, zlib.compress(planes.tobytes(), COMPRESSION["compression_opts"]))
+            )
         else:
             pieces.append((first + at, rows))
         at += n
@@ -145,12 +151,20 @@ def store(dataset: h5py.Dataset, pieces: Pieces, *before: int) -> None:
 
 
 def append_columns(file: h5py.File, name: str, columns: Mapping[str, Encoded], n_rows: int) -> None:
-    """Write the next rows of a group that is made in parts; ``n_rows`` is their number with all before them."""
+    """Write the next rows of a group that is made in parts; ``n_rows`` is their number with all
+    before them.
+    """
     group = file.require_group(name)
     for column, (dtype, tail, pieces) in columns.items():
         if column not in group:
-            options: dict[str, Any] = {"maxshape": (None, *tail), "chunks": (ROWS_IN_CHUNK, *tail), **COMPRESSION}
-            group.create_dataset(column, (0, *tail), dtype, **options).attrs["unit"] = unit_of(name, column)
+            options: dict[str, Any] = {
+                "maxshape": (None, *tail),
+                "chunks": (ROWS_IN_CHUNK, *tail),
+                **COMPRESSION,
+            }
+            group.create_dataset(column, (0, *tail), dtype, **options).attrs["unit"] = unit_of(
+                name, column
+            )
         group[column].resize(n_rows, axis=0)
         store(group[column], pieces)
 
@@ -176,7 +190,8 @@ def unit_of(group: str, column: str) -> str:
 
 
 def rows_of(ids: NDArray[np.int64], wanted: ArrayLike) -> NDArray[np.int64]:
-    """Return the rows of spheres (ids of any shape) in a table of rising ids (n,): id - 1 unless spheres are missing.
+    """Return the rows of spheres (ids of any shape) in a table of rising ids (n,): id - 1 unless
+    spheres are missing.
 
     Raises
     ------
@@ -199,10 +214,14 @@ def rows_of_all(n_spheres: int, wanted: NDArray[np.int64]) -> NDArray[np.int64]:
 
 def _refuse_unknown(wanted: NDArray[np.int64], found: NDArray[np.bool_], n_spheres: int) -> None:
     if not np.all(found):
-        raise KeyError(f"there is no sphere {wanted[~found].flat[0]} among the {n_spheres} of the packing")
+        raise KeyError(
+            f"there is no sphere {wanted[~found].flat[0]} among the {n_spheres} of the packing"
+        )
 
 
 def sorted_once(keys: NDArray[np.int64]) -> NDArray[np.int64]:
-    """Return sorted keys, each once; many times as fast as np.unique where the keys come in sorted runs."""
+    """Return sorted keys, each once; many times as fast as np.unique where the keys come in sorted
+    runs.
+    """
     keys = np.sort(keys.astype(np.int64), kind="stable")
     return keys[np.concatenate([[True], keys[1:] != keys[:-1]])] if len(keys) else keys

@@ -1,23 +1,26 @@
 """Histories of a chain with its bars, and of lines of grains, as groups of ``result.h5``.
 
-    /chain/{time, id, position, displacement, velocity, contact_i, contact_j, contact_position, contact_force}
-    /bars/NAME/{position, displacement, velocity, force}
+    /chain/{time, id, position, displacement, velocity, contact_i, contact_j, contact_position,
+    contact_force} /bars/NAME/{position, displacement, velocity, force}
 
-Beads and nodes are in the order of z; rows are the instants of ``/chain/time``. Forces in bars are those of the
-elements, positive in compression.
+Beads and nodes are in the order of z; rows are the instants of ``/chain/time``. Forces in bars are
+those of the elements, positive in compression.
 
 Lines of grains, ``[[line]]``:
 
     /lines/NAME/{time, id, position, distance, displacement, velocity, force_sums}    motion, in the order of the line;
-                                                                                     angular_velocity if grains turn
+                                                                                     angular_velocity
+                                                                                     if grains turn
     /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}     of each grain
 
-``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the magnitudes of the
-contact forces along x, y and z; the lateral force is half of that across the line, at the instant of the peak. In a
-packing in a vertical plane it is half of the horizontal sum for lines in any direction.
+``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the
+magnitudes of the contact forces along x, y and z; the lateral force is half of that across the
+line, at the instant of the peak. In a packing in a vertical plane it is half of the horizontal sum
+for lines in any direction.
 
-The pulse arrives when the speed first exceeds 5 % of a reference speed. Its peak is the first maximum above that after
-which the speed falls by 10 %; smaller ripples on the way up are no peaks. Its width is that between the half heights.
+The pulse arrives when the speed first exceeds 5 % of a reference speed. Its peak is the first
+maximum above that after which the speed falls by 10 %; smaller ripples on the way up are no peaks.
+Its width is that between the half heights.
 """
 
 from __future__ import annotations
@@ -66,12 +69,14 @@ def read_chain(directory: Path, case: Case, start: Frame, timestep: float, last:
         f"{len(start)} of data.granwave",
     )  # fmt: skip
     displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
-    assembly, z = assemble(case), start["z"]
+    assembly = assemble(case)
+    z = start["z"]
     beads = np.argsort(z[: assembly.n_spheres], kind="stable")
     order = (beads + 1).tolist()  # ids along the chain, with the faces of bars
     for bar in assembly.bars:
         order.insert(0 if bar.face == bar.last else len(order), bar.face)
-    first, second = np.array(order[:-1], dtype=np.int64), np.array(order[1:], dtype=np.int64)
+    first = np.array(order[:-1], dtype=np.int64)
+    second = np.array(order[1:], dtype=np.int64)
     radius = start["diameter"] / 2
     groups: Groups = {
         "chain": {
@@ -105,11 +110,13 @@ def _instants(
     last: int,
     strange: Callable[[int, Frame], str],
 ) -> tuple[NDArray[np.int64], list[Frame]]:
-    """Read a history of particles of these ids up to the step ``last``: steps (n_times,), and the instants.
+    """Read a history of particles of these ids up to the step ``last``: steps (n_times,), and the
+    instants.
 
     ``strange`` describes an instant that holds others, by its number.
     """
-    path, frames = directory / DUMPS / name, list(read_instants(directory, name, columns, "id"))
+    path = directory / DUMPS / name
+    frames = list(read_instants(directory, name, columns, "id"))
     for number, frame in enumerate(frames):
         if not np.array_equal(frame["id"], ids):
             raise OutputFormatError(
@@ -117,15 +124,24 @@ def _instants(
             )
     steps = np.array([frame.step for frame in frames])
     if steps[-1] < last:
-        raise OutputFormatError(f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}")
+        raise OutputFormatError(
+            f"{path} ends with the snapshot of step {steps[-1]}, the run at step {last}: {CUT}"
+        )
     return steps, frames
 
 
 def _forces(
-    directory: Path, steps: NDArray[np.int64], first: NDArray[np.int64], second: NDArray[np.int64], start: Frame
+    directory: Path,
+    steps: NDArray[np.int64],
+    first: NDArray[np.int64],
+    second: NDArray[np.int64],
+    start: Frame,
 ) -> NDArray[np.float64]:
     """Return the force of each contact of the chain: (n_times, n_contacts), N."""
-    column = {pair: n for n, pair in enumerate(zip(*np.sort([first, second], axis=0).tolist(), strict=True))}
+    column = {
+        pair: n
+        for n, pair in enumerate(zip(*np.sort([first, second], axis=0).tolist(), strict=True))
+    }
     row = {int(step): n for n, step in enumerate(steps)}
     forces = np.zeros((len(steps), len(first)))
     path = directory / DUMPS / FORCES_FILE
@@ -138,7 +154,9 @@ def _forces(
             if force > 0 and (i, j) in column:
                 forces[n, column[i, j]] = force
     if row:
-        raise OutputFormatError(f"{path} lacks the snapshot of step {min(row)}, which history.dump has: {CUT}")
+        raise OutputFormatError(
+            f"{path} lacks the snapshot of step {min(row)}, which history.dump has: {CUT}"
+        )
     return forces
 
 
@@ -170,15 +188,20 @@ def line_groups(
     }
     centre = dict(zip(assembly.ids.tolist(), assembly.positions(), strict=True))
     time = np.asarray(steps * timestep, dtype=np.float64)
-    # lateral is the horizontal axis of a packing in a vertical plane; elsewhere that most nearly normal to the line
+    # lateral is the horizontal axis of a packing in a vertical plane; elsewhere that most nearly
+    # normal to the line
     extended = np.ptp(assembly.positions()[:, :2], axis=0) > _FLAT * assembly.case.packing.diameter
-    # arrivals refer to the largest speed that the load gives at the start; of a force to the largest of all
+    # arrivals refer to the largest speed that the load gives at the start; of a force to the
+    # largest of all
     speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
-    reference = max([*speeds, assembly.case.load.velocity if assembly.case.load.plate is not None else 0.0])
+    reference = max(
+        [*speeds, assembly.case.load.velocity if assembly.case.load.plate is not None else 0.0]
+    )
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
     for line in assembly.case.line:
         ids = np.array(line_ids(assembly, line))
-        chosen, position = np.searchsorted(rows, ids), np.array([centre[one] for one in ids.tolist()])
+        chosen = np.searchsorted(rows, ids)
+        position = np.array([centre[one] for one in ids.tolist()])
         own = {name: values[:, chosen] for name, values in motion.items()}
         speed = np.asarray(np.linalg.norm(own["velocity"], axis=2), dtype=np.float64)
         pulses, row = first_pulses(time, speed, reference or float(speed.max(initial=0.0)))
@@ -194,7 +217,9 @@ def line_groups(
             **pulses,
             # half the sum of the contact forces along the axis at the peaks, N; NaN without a peak
             "lateral_force": np.where(
-                row >= 0, own["force_sums"][np.maximum(row, 0), np.arange(len(row)), lateral] / 2, np.nan
+                row >= 0,
+                own["force_sums"][np.maximum(row, 0), np.arange(len(row)), lateral] / 2,
+                np.nan,
             ),
             "largest_speed": speed.max(axis=0),
         }
@@ -222,8 +247,9 @@ def first_pulses(
     Returns
     -------
     columns
-        ``arrival``, ``peak_time`` and ``width`` between the half heights about the peak, s, and ``peak_speed``, m/s:
-        (n,) each, NaN where there is no pulse, of the width also if the record ends before.
+        ``arrival``, ``peak_time`` and ``width`` between the half heights about the peak, s, and
+        ``peak_speed``, m/s: (n,) each, NaN where there is no pulse, of the width also if the record
+        ends before.
     row
         Row of the peak in the record; -1: none.
     """
@@ -233,7 +259,9 @@ def first_pulses(
     return columns, np.array([row for _, row in found], dtype=np.int64)
 
 
-def _pulse(time: NDArray[np.float64], speed: NDArray[np.float64], least: float) -> tuple[tuple[float, ...], int]:
+def _pulse(
+    time: NDArray[np.float64], speed: NDArray[np.float64], least: float
+) -> tuple[tuple[float, ...], int]:
     above = np.flatnonzero(speed > least)
     if not above.size:
         return (np.nan,) * 4, -1
@@ -254,7 +282,12 @@ def _pulse(time: NDArray[np.float64], speed: NDArray[np.float64], least: float) 
     return (arrival, float(speed[row]), float(time[row]), width), row
 
 
-def _crossing(time: NDArray[np.float64], speed: NDArray[np.float64], row: int, level: float) -> float:
-    """Return the time between two rows of the record at which a speed passes a level, by a straight line."""
-    low, high = float(speed[row - 1]), float(speed[row])
+def _crossing(
+    time: NDArray[np.float64], speed: NDArray[np.float64], row: int, level: float
+) -> float:
+    """Return the time between two rows of the record at which a speed passes a level, by a straight
+    line.
+    """
+    low = float(speed[row - 1])
+    high = float(speed[row])
     return float(time[row - 1] + (level - low) / (high - low) * (time[row] - time[row - 1]))

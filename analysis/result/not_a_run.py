@@ -1,4 +1,5 @@
-"""Check of a ``result.h5`` when it is opened, and messages about paths without the result of a granular run.
+"""Check of a ``result.h5`` when it is opened, and messages about paths without the result of a
+granular run.
 
 Messages say what a path holds, and what to give instead.
 """
@@ -26,13 +27,19 @@ _MOST_NAMED = 5  # files in a message
 
 
 def why_no_run(path: Path) -> str:
-    """Describe in one line why ``path`` cannot be read as the directory of a run, or as its result.h5."""
+    """Describe in one line why ``path`` cannot be read as the directory of a run, or as its
+    result.h5.
+    """
     if not path.exists():
         return f"{path}: no such directory{similar(path)}; expected that of a run"
     if not path.is_dir():
         return f"{path}: is a file, expected the directory of a run{around(path)}"
     if (path / files.SCAN_INDEX).exists() or (path / files.SUITE_INDEX).exists():
-        scans = [path] if files.is_scan(path) else sorted(place for place in path.iterdir() if files.is_scan(place))
+        scans = (
+            [path]
+            if files.is_scan(path)
+            else sorted(place for place in path.iterdir() if files.is_scan(place))
+        )
         points = [place for scan in scans for place in sorted((scan / files.POINTS).glob("*"))]
         done = next((place for place in points if (place / files.RESULT_FILE).is_file()), None)
         if done is None:
@@ -80,7 +87,11 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
     expected
         Description of what was expected.
     """
-    inside = [name for name in found if any((path / name / file).is_file() for file in (*OF_A_RUN, files.SCAN_INDEX))]
+    inside = [
+        name
+        for name in found
+        if any((path / name / file).is_file() for file in (*OF_A_RUN, files.SCAN_INDEX))
+    ]
     if inside:
         return f"{path}: is {what}, but holds some ({few(inside)}); give those"
     holds = f"it holds {few(found)}" if found else "it is empty"
@@ -90,7 +101,11 @@ def no_results(path: Path, found: Sequence[str], what: str, expected: str) -> st
 def around(path: Path) -> str:
     """Suggest the run or scan that a file or folder belongs to; empty if there is none."""
     place = path.parent
-    return f"; did you mean {place}?" if any((place / name).is_file() for name in (*OF_A_RUN, files.SCAN_INDEX)) else ""
+    return (
+        f"; did you mean {place}?"
+        if any((place / name).is_file() for name in (*OF_A_RUN, files.SCAN_INDEX))
+        else ""
+    )
 
 
 def few(names: Sequence[str]) -> str:
@@ -123,7 +138,14 @@ def damage_of(file: h5py.File) -> str:
     """
     try:
         _check(file)
-    except (OSError, RuntimeError, KeyError, AttributeError, TypeError, ValueError) as error:  # of h5py and the parsers
+    except (
+        OSError,
+        RuntimeError,
+        KeyError,
+        AttributeError,
+        TypeError,
+        ValueError,
+    ) as error:  # of h5py and the parsers
         return " ".join(str(error.args[0] if error.args else error).split())
     return ""
 
@@ -144,16 +166,23 @@ def _check(file: h5py.File) -> None:
         first = next(iter(lengths), "")
         for column, length in lengths.items():
             if length != lengths[first]:
-                raise ValueError(f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}")
+                raise ValueError(
+                    f"{name}/{column} has {length} rows, {name}/{first} {lengths[first]}"
+                )
             if table[column].dtype.kind not in "biuf" and column not in _TEXTS:
                 raise ValueError(f"{name}/{column} does not hold numbers")
-    n_spheres, n_frames = len(file["spheres/id"]), len(file[f"{GROUP}/position/time"])
+    n_spheres = len(file["spheres/id"])
+    n_frames = len(file[f"{GROUP}/position/time"])
     if not len(file["energy/time"]) or not n_spheres:
         raise ValueError("it holds no instant or no sphere")
     if file["spheres/position"].shape[1:] != (3,):
         raise ValueError("spheres/position does not hold vectors")
     for name, element in file[GROUP].items():
-        shape = element["value"].shape[:2] if isinstance(element, h5py.Group) and "value" in element else None
+        shape = (
+            element["value"].shape[:2]
+            if isinstance(element, h5py.Group) and "value" in element
+            else None
+        )
         if shape not in (None, (n_frames, n_spheres)):
             raise ValueError(
                 f"{GROUP}/{name} holds {shape[0]} snapshots of {shape[1]} spheres, not {n_frames} of {n_spheres}"

@@ -1,9 +1,10 @@
-"""Reader of ``result.h5``: arrays on demand, with the case and its law; and the error of the energy balance.
+"""Reader of ``result.h5``: arrays on demand, with the case and its law; and the error of the energy
+balance.
 
-The error is |kinetic + elastic + dissipated - input|. It is divided by the largest |input| up to then. A prescribed
-displacement also gives the moved grains their kinetic energy, and takes it back when they stop: it is left out of that
-input, or the error of a grain that is pushed in fast and then held would be compared with an energy that no other grain
-ever had.
+The error is |kinetic + elastic + dissipated - input|. It is divided by the largest |input| up to
+then. A prescribed displacement also gives the moved grains their kinetic energy, and takes it back
+when they stop: it is left out of that input, or the error of a grain that is pushed in fast and
+then held would be compared with an energy that no other grain ever had.
 """
 
 from __future__ import annotations
@@ -52,13 +53,22 @@ def misfit(ledger: Mapping[str, Any]) -> Any:
 
 
 def work_on_packing(ledger: Mapping[str, Any], moved: float) -> Any:
-    """Return the magnitude of the input without the kinetic energy of the moved grains, of mass ``moved`` (kg), J."""
-    return abs(ledger["input"] - moved * ledger["struck_velocity"] ** 2 / 2) if moved else abs(ledger["input"])
+    """Return the magnitude of the input without the kinetic energy of the moved grains, of mass
+    ``moved`` (kg), J.
+    """
+    return (
+        abs(ledger["input"] - moved * ledger["struck_velocity"] ** 2 / 2)
+        if moved
+        else abs(ledger["input"])
+    )
 
 
 _ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds may differ from it
 _PARALLEL = 1e-9  # across each other, of the axes of two cylinders
-_REASONS = {"truncated file": "it was cut", "signature not found": "it is no HDF5 file"}  # by message of HDF5
+_REASONS = {
+    "truncated file": "it was cut",
+    "signature not found": "it is no HDF5 file",
+}  # by message of HDF5
 
 
 class Result:
@@ -83,8 +93,12 @@ class Result:
         The file is not the result of a run.
     """
 
-    def __init__(self, source: str | Path, at_once: int = AT_ONCE, case: Case | None = None) -> None:
-        path, self.at_once, self._case = Path(source), at_once, case
+    def __init__(
+        self, source: str | Path, at_once: int = AT_ONCE, case: Case | None = None
+    ) -> None:
+        path = Path(source)
+        self.at_once = at_once
+        self._case = case
         self.path = path / RESULT_FILE if path.is_dir() else path
         if not self.path.exists():
             raise MissingOutputError(why_no_run(path))
@@ -105,13 +119,20 @@ class Result:
                 fault = self.damaged(damage)
             elif newer := newer_format(made.get(RESULTS_FORMAT), made.get("granwave")):
                 fault = f"{self.path}: {newer}"
-        except (AttributeError, KeyError, OSError, RuntimeError, ValueError) as error:  # checksums of HDF5 itself, JSON
+        except (
+            AttributeError,
+            KeyError,
+            OSError,
+            RuntimeError,
+            ValueError,
+        ) as error:  # checksums of HDF5 itself, JSON
             fault = self.damaged(" ".join(str(error).split()))
         if fault:
             self.file.close()
             raise OutputFormatError(fault)
         self._read: dict[str, NDArray] = {}
-        self._part: tuple[slice, dict[str, NDArray]] | None = None  # rows of some spheres, and what was read of them
+        # rows of some spheres, and what was read of them
+        self._part: tuple[slice, dict[str, NDArray]] | None = None
 
     def _not_opened(self, given: Path, error: OSError) -> str:
         """Describe why the file cannot be opened."""
@@ -121,14 +142,19 @@ class Result:
             return f"{self.path}: cannot be read: {error.strerror or error}"
         if given.is_file() and given.name != RESULT_FILE and not h5py.is_hdf5(given):
             return why_no_run(given)
-        return self.damaged(_REASONS.get(next((known for known in _REASONS if known in str(error)), ""), error))
+        return self.damaged(
+            _REASONS.get(next((known for known in _REASONS if known in str(error)), ""), error)
+        )
 
     def damaged(self, why: object) -> str:
         """Return the message that the file is damaged."""
         return f"{self.path} is damaged ({why}): make it anew with  granwave analyse {self.path.parent}"
 
     def __reduce__(self) -> tuple[Any, ...]:
-        return type(self), (self.path, self.at_once)  # opened again, as open files cannot be sent to other processes
+        return type(self), (
+            self.path,
+            self.at_once,
+        )  # opened again, as open files cannot be sent to other processes
 
     def __enter__(self) -> Result:
         return self
@@ -146,7 +172,9 @@ class Result:
         try:
             yield
         except (KeyError, OSError, RuntimeError) as error:
-            raise OutputFormatError(self.damaged(f"{name}: {' '.join(str(error).split())}")) from None
+            raise OutputFormatError(
+                self.damaged(f"{name}: {' '.join(str(error).split())}")
+            ) from None
 
     def __getitem__(self, name: str) -> NDArray:
         """Read a data set, such as ``energy/time``, and keep it; raise as `read`."""
@@ -175,7 +203,8 @@ class Result:
         raise MissingDataError(f"{self.path} has no data set {name}; {remedy}")
 
     def blocks(self, *names: str) -> Iterator[tuple[NDArray, ...]]:
-        """Iterate over the rows of columns of one table, so many at once that they need little memory; raise as `read`.
+        """Iterate over the rows of columns of one table, so many at once that they need little
+        memory; raise as `read`.
 
         The columns of a small table are kept as by ``[]``.
         """
@@ -207,14 +236,22 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """Case that was run."""
-        return self._case or case_from_dict(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
+        return self._case or case_from_dict(
+            tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE
+        )
 
     @cached_property
     def figure_options(self) -> Figures:
-        """Table ``[figures]`` of the case.toml beside the result, which may be edited; else that of the case."""
+        """Table ``[figures]`` of the case.toml beside the result, which may be edited; else that of
+        the case.
+        """
         path = self.path.parent / CASE_FILE
         tables = read_tables(path)
-        return self.case.figures if tables is None else read_figures(tables.get(FIGURES_TABLE, {}), str(path))
+        return (
+            self.case.figures
+            if tables is None
+            else read_figures(tables.get(FIGURES_TABLE, {}), str(path))
+        )
 
     @cached_property
     def assembly(self) -> Assembly:
@@ -238,7 +275,9 @@ class Result:
 
     @property
     def has_yield_force(self) -> bool:
-        """True if contacts between two grains of the packing can yield, so that alpha_y and F_y exist."""
+        """True if contacts between two grains of the packing can yield, so that alpha_y and F_y
+        exist.
+        """
         return self.case.contact.yields and math.isfinite(self.law.yield_force)
 
     @property
@@ -282,8 +321,11 @@ class Result:
         """Rows of the two spheres of each contact: (n_contacts, 2)."""
         return self.rows(np.stack([self["contacts/i"], self["contacts/j"]], axis=1))
 
-    def of_pairs(self, column: str, first: ArrayLike, second: ArrayLike, missing: float = 0.0) -> NDArray[np.float64]:
-        """Return a column of ``/contacts``, such as ``peak_force``, of pairs of ids, with bars too: (n_pairs,).
+    def of_pairs(
+        self, column: str, first: ArrayLike, second: ArrayLike, missing: float = 0.0
+    ) -> NDArray[np.float64]:
+        """Return a column of ``/contacts``, such as ``peak_force``, of pairs of ids, with bars too:
+        (n_pairs,).
 
         Faces of bars have ids, too. ``missing`` is the value of pairs that are no contact.
         """
@@ -291,22 +333,28 @@ class Result:
         for bar in self.assembly.bars:
             here = self["wall_contacts/wall"] == bar.name
             beads = self["wall_contacts/id"][here]
-            i, j = np.append(i, beads), np.append(j, np.full(len(beads), bar.face))
+            i = np.append(i, beads)
+            j = np.append(j, np.full(len(beads), bar.face))
             values = np.append(values, self[f"wall_contacts/{column}"][here])
         pairs = np.sort(np.stack([first, second]), axis=0)
         stride = 1 + max(j.max(initial=0), pairs.max(initial=0))
-        keys, wanted = i * stride + j, pairs[0] * stride + pairs[1]
+        keys = i * stride + j
+        wanted = pairs[0] * stride + pairs[1]
         order = np.argsort(keys, kind="stable")
-        keys, values = np.append(keys[order], -1), np.append(values[order], missing)
+        keys = np.append(keys[order], -1)
+        values = np.append(values[order], missing)
         place = np.searchsorted(keys[:-1], wanted)
         return np.where(keys[place] == wanted, values[place], missing)
 
     def along_chain(self, column: str) -> NDArray[np.float64]:
-        """Return a column of ``/contacts`` in the order of the chain, with the faces of bars: (n_contacts,)."""
+        """Return a column of ``/contacts`` in the order of the chain, with the faces of bars:
+        (n_contacts,).
+        """
         return self.of_pairs(column, self["chain/contact_i"], self["chain/contact_j"])
 
     def beyond_law(self, share: float) -> NDArray[np.bool_]:
-        """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit: (n_contacts,).
+        """Return True for contacts with overlaps beyond ``share`` R*, if the law has such a limit:
+        (n_contacts,).
 
         A contact along a line has one with any law: 0.2 R* is 0.1 R of equal cylinders.
         """
@@ -316,7 +364,9 @@ class Result:
     @property
     def along_lines(self) -> NDArray[np.bool_]:
         """True for contacts of parallel cylinders: (n_contacts,)."""
-        axes = np.array([one.axis if one else (0.0, 0.0, 0.0) for one in self.assembly.grain_shapes()])
+        axes = np.array(
+            [one.axis if one else (0.0, 0.0, 0.0) for one in self.assembly.grain_shapes()]
+        )
         first, second = axes[self.ends].transpose(1, 0, 2)
         across = np.linalg.norm(np.cross(first, second), axis=1)
         return first.any(axis=1) & second.any(axis=1) & (across < _PARALLEL)
@@ -350,16 +400,32 @@ class Result:
 
     @property
     def yield_energy(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses: (n_spheres,), J."""
-        whole, others = self["spheres/dissipated_energy"], ("spheres/friction_energy", "spheres/viscous_energy")
+        """Energy dissipated by yielding by sphere, with walls, without friction and viscous losses:
+        (n_spheres,), J.
+        """
+        whole = self["spheres/dissipated_energy"]
+        others = ("spheres/friction_energy", "spheres/viscous_energy")
         rest = whole - sum(self[name] for name in others if self.has(name))
         return np.where(rest > _ROUNDING * whole, rest, 0.0)
 
     @property
     def yield_ledger(self) -> NDArray[np.float64]:
-        """Energy dissipated by yielding against time, without friction, viscous losses and dampers: (n_times,), J."""
-        others = ("friction", "rolling", "twisting", "adhesion", "viscous", "support_lost", "holder", "absorbed")
-        return self["energy/dissipated"] - sum(self[f"energy/{name}"] for name in others if f"energy/{name}" in self)
+        """Energy dissipated by yielding against time, without friction, viscous losses and dampers:
+        (n_times,), J.
+        """
+        others = (
+            "friction",
+            "rolling",
+            "twisting",
+            "adhesion",
+            "viscous",
+            "support_lost",
+            "holder",
+            "absorbed",
+        )
+        return self["energy/dissipated"] - sum(
+            self[f"energy/{name}"] for name in others if f"energy/{name}" in self
+        )
 
     @property
     def energy_input(self) -> float:
@@ -388,10 +454,14 @@ class Result:
 
     @property
     def quantities(self) -> tuple[str, ...]:
-        """Names of the quantities of a snapshot, see `frame`; results of older versions lack ``elastic_energy``."""
+        """Names of the quantities of a snapshot, see `frame`; results of older versions lack
+        ``elastic_energy``.
+        """
         return tuple(name for name in QUANTITIES if name in self.file[GROUP])
 
     def frame(self, number: int, quantity: str) -> NDArray[np.float64]:
-        """Read one quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres, 3), SI units."""
+        """Read one quantity of one snapshot, such as ``displacement``: (n_spheres,) or (n_spheres,
+        3), SI units.
+        """
         with self._intact(f"{quantity} of snapshot {number}"):
             return self.file[f"{GROUP}/{quantity}/value"][number]

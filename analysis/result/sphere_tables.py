@@ -1,8 +1,8 @@
 """Tables of contacts, wall contacts and spheres in ``result.h5``, made of parts of the spheres.
 
-A part knows all contacts of its spheres. Those of a sphere of this part with one of another are known to both, and the
-part of the sphere with the lower id writes them. So each part is made by itself, in the memory that it takes, and its
-values do not depend on how the spheres were parted.
+A part knows all contacts of its spheres. Those of a sphere of this part with one of another are
+known to both, and the part of the sphere with the lower id writes them. So each part is made by
+itself, in the memory that it takes, and its values do not depend on how the spheres were parted.
 """
 
 from __future__ import annotations
@@ -40,7 +40,9 @@ _OF_WALL_CONTACTS = (
 
 
 class AfterStaticStage(NamedTuple):
-    """Forces of contacts after the static stage: of pairs of particles (i, j, force), and by plane (id, force)."""
+    """Forces of contacts after the static stage: of pairs of particles (i, j, force), and by plane
+    (id, force).
+    """
 
     contacts: Dents
     planes: Mapping[str, Frame]
@@ -54,14 +56,17 @@ def after_static_stage(
     dump = dumps.contacts_after_static_stage(directory)
     if dump is None:
         return None
-    folder, planes = dump.path.parent, dumps.read_wall_contacts(directory, after_static_stage=True)
+    folder = dump.path.parent
+    planes = dumps.read_wall_contacts(directory, after_static_stage=True)
     for name, frame in planes.items():
         start.check_ids(folder / INITIAL_WALL_FORCES_FILE.format(name), frame)
     return AfterStaticStage(Dents(start, dump, scratch, processes), planes, folder)
 
 
 def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
-    """Return the forces (i, j, force) of contacts: (n_contacts,), N; 0 for those that are not among the rows."""
+    """Return the forces (i, j, force) of contacts: (n_contacts,), N; 0 for those that are not among
+    the rows.
+    """
     i, j = frame.pairs.T
     stride = 1 + max(j.max(initial=0), contacts["j"].max(initial=0))
     known, rows = np.unique(i * stride + j, return_inverse=True)
@@ -71,8 +76,12 @@ def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
     return np.asarray(np.where(np.append(known, -1)[found] == keys, forces[found], 0.0))
 
 
-def _force_on_wall(initial: AfterStaticStage, wall: str, ids: NDArray[np.int64]) -> NDArray[np.float64]:
-    """Return the forces of spheres, ids rising, on a plane: (n_ids,), N; raise OutputFormatError if one is missing."""
+def _force_on_wall(
+    initial: AfterStaticStage, wall: str, ids: NDArray[np.int64]
+) -> NDArray[np.float64]:
+    """Return the forces of spheres, ids rising, on a plane: (n_ids,), N; raise OutputFormatError if
+    one is missing.
+    """
     pressing = initial.planes[wall]["id"].astype(np.int64)
     if len(strange := np.setdiff1d(pressing, ids)):
         raise OutputFormatError(
@@ -113,16 +122,23 @@ def write_tables(
         first, stop = start.range(part)
         here = (at_walls >= first) & (at_walls < stop)
         at_wall = at_walls[here] - first, {name: lost[here] for name, lost in losses.items()}
-        return _Part(part, dents.of_part(part), initial and initial.contacts.of_part(part), *at_wall)
+        return _Part(
+            part, dents.of_part(part), initial and initial.contacts.of_part(part), *at_wall
+        )
 
     if start.n_parts == 1:
-        for name, columns in zip(("contacts", "spheres"), _tables(case, start, task(0)), strict=True):
+        for name, columns in zip(
+            ("contacts", "spheres"), _tables(case, start, task(0)), strict=True
+        ):
             hdf5.write_group(file, name, columns)
         return
     n_contacts = 0
-    for begin in range(0, start.n_parts, processes.number):  # so that no process holds more than one part
+    for begin in range(
+        0, start.n_parts, processes.number
+    ):  # so that no process holds more than one part
         parts = range(begin, min(begin + processes.number, start.n_parts))
-        places, made = [], processes.map(partial(_make, case, start), map(task, parts))
+        places = []
+        made = processes.map(partial(_make, case, start), map(task, parts))
         for part, (n_rows, spheres) in zip(parts, made, strict=True):
             hdf5.append_columns(file, "spheres", spheres, start.range(part)[1])
             places.append(n_contacts)
@@ -141,18 +157,24 @@ class _Part(NamedTuple):
     losses: dict[str, NDArray[np.float64]]  # dissipation in these spheres, J
 
 
-_made: list[Contacts] = []  # contacts of the part that this process has made, whose place in the file is not known yet
+_made: list[
+    Contacts
+] = []  # contacts of the part that this process has made, whose place in the file is not known yet
 
 
 def _make(case: Case, start: Start, part: _Part) -> tuple[int, dict[str, Encoded]]:
-    """Make the tables of a part; return the number of its contacts, which `_encode` then encodes, and its spheres."""
+    """Make the tables of a part; return the number of its contacts, which `_encode` then encodes,
+    and its spheres.
+    """
     contacts, spheres = _tables(case, start, part)
     _made[:] = [contacts]
     return len(contacts["i"]), hdf5.encoded_columns(spheres, start.range(part.number)[0])
 
 
 def _encode(first: int) -> tuple[int, dict[str, Encoded]]:
-    """Encode the contacts of the part that was made, from row ``first`` on; return also the row after their last."""
+    """Encode the contacts of the part that was made, from row ``first`` on; return also the row
+    after their last.
+    """
     contacts = _made.pop()
     return first + len(contacts["i"]), hdf5.encoded_columns(contacts, first)
 
@@ -163,18 +185,28 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     if part.initial is not None:
         contacts[COLUMN] = _force_of_pairs(part.initial(), contacts)
     rows = slice(*start.range(part.number))
-    ids, spheres = start.ids(rows.start, rows.stop), start.read(rows)
-    everyone = ids if start.n_parts == 1 else hdf5.sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
+    ids = start.ids(rows.start, rows.stop)
+    spheres = start.read(rows)
+    everyone = (
+        ids
+        if start.n_parts == 1
+        else hdf5.sorted_once(np.concatenate([ids, contacts["i"], contacts["j"]]))
+    )
     own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
     columns: dict[str, NDArray] = {
         "id": ids,
         "position": spheres.vector("x", "y", "z"),
         "radius": spheres["diameter"] / 2,
         "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
-        **{name: values[own] for name, values in pairs.sphere_values(everyone, contacts, share).items()},
+        **{
+            name: values[own]
+            for name, values in pairs.sphere_values(everyone, contacts, share).items()
+        },
     }
     for name, lost in part.losses.items():
-        columns[name] = np.bincount(part.at_walls, lost, minlength=len(ids)) + columns.get(name, 0.0)
+        columns[name] = np.bincount(part.at_walls, lost, minlength=len(ids)) + columns.get(
+            name, 0.0
+        )
     columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
     if start.n_parts > 1:
         listed = (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1])
@@ -185,11 +217,15 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
 def _contacts_of(
     case: Case, start: Start, part: int, dents: Callable[[], Frame]
 ) -> tuple[Contacts, NDArray[np.float64]]:
-    """Return all contacts of the spheres of a part, and the share of the first sphere in what each dissipated."""
-    tolerance, sides = TOUCHING * case.packing.diameter, periodic(case)
+    """Return all contacts of the spheres of a part, and the share of the first sphere in what each
+    dissipated.
+    """
+    tolerance = TOUCHING * case.packing.diameter
+    sides = periodic(case)
     merged = pairs.merge_dents(dents())
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
-    near_ids, radii = near["id"].astype(np.int64), near["diameter"] / 2
+    near_ids = near["id"].astype(np.int64)
+    radii = near["diameter"] / 2
 
     def laws_of(contacts: Contacts) -> dict[str, NDArray[np.float64]]:
         rows = hdf5.rows_of(near_ids, np.stack([contacts["i"], contacts["j"]], axis=1))
@@ -200,14 +236,18 @@ def _contacts_of(
     if assemble(case).has_cylinders:  # they touch at other distances
         touching = np.unique(assemble(case).contacts(), axis=0)
     else:
-        touching = pairs.touching_pairs(near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low)
+        touching = pairs.touching_pairs(
+            near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low
+        )
     if start.n_parts > 1:
         ids = start.ids(*start.range(part))
         touching = touching[((touching >= ids[0]) & (touching <= ids[-1])).any(axis=1)]
     contacts = pairs.list_contacts(merged, touching, laws_of(merged)["yield_overlap"])
     laws = laws_of(contacts)
     contacts["yielded"] = contacts.pop("grown_overlap") > laws["yielded_from"]
-    return contacts | {name: laws[name] for name in ("yield_overlap", "effective_radius")}, laws["share"]
+    return contacts | {name: laws[name] for name in ("yield_overlap", "effective_radius")}, laws[
+        "share"
+    ]
 
 
 def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
@@ -216,24 +256,40 @@ def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[n
     materials |= {wall.name: wall.material for wall in walls(case)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
     spheres = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
-    plastic_share = np.array([pairs.dissipated_share(*pair) for pair in zip(spheres, partners, strict=True)])
+    plastic_share = np.array(
+        [pairs.dissipated_share(*pair) for pair in zip(spheres, partners, strict=True)]
+    )
     friction_share = np.array([0.5 if partner else 1.0 for partner in partners])
-    others = {name: wall_contacts[name] for name in ("friction_energy", "viscous_energy") if name in wall_contacts}
+    others = {
+        name: wall_contacts[name]
+        for name in ("friction_energy", "viscous_energy")
+        if name in wall_contacts
+    }
     plastic = plastic_share * (wall_contacts["dissipated_energy"] - sum(others.values()))
-    own: dict[str, NDArray[np.float64]] = {name: friction_share * lost for name, lost in others.items()}
+    own: dict[str, NDArray[np.float64]] = {
+        name: friction_share * lost for name, lost in others.items()
+    }
     return {"dissipated_energy_wall": plastic + sum(own.values()), **own}
 
 
 def _wall_contacts(
     case: Case, planes: Mapping[str, Frame], at_bars: Frame, initial: AfterStaticStage | None
 ) -> Contacts:
-    """Return the contacts with walls, and of beads with the faces of bars, as one table; times in s (NaN: never)."""
-    columns = (*_OF_WALL_CONTACTS, *(["viscous_energy"] if case.has_loss else []), *([COLUMN] if initial else []))
+    """Return the contacts with walls, and of beads with the faces of bars, as one table; times in s
+    (NaN: never).
+    """
+    columns = (
+        *_OF_WALL_CONTACTS,
+        *(["viscous_energy"] if case.has_loss else []),
+        *([COLUMN] if initial else []),
+    )
     empty: Contacts = {"wall": np.empty(0, dtype=object), "id": np.empty(0, dtype=np.int64)}
     parts = [empty | {name: np.empty(0) for name in columns}]
     for wall, frame in planes.items():
         ids = frame["id"].astype(np.int64)
-        values: Contacts = {name: frame[name] for name in dumps.WALL_COLUMNS if name != "dissipated"}
+        values: Contacts = {
+            name: frame[name] for name in dumps.WALL_COLUMNS if name != "dissipated"
+        }
         for name in values:
             if name.startswith("time"):
                 values[name] = np.where(values[name] < 0, np.nan, values[name])
@@ -253,5 +309,7 @@ def _wall_contacts(
         merged[COLUMN] = _force_of_pairs(initial.contacts.at_bars, merged)
     for bar in assemble(case).bars:
         part = {name: column[merged["j"] == bar.face] for name, column in merged.items()}
-        parts.append(part | {"wall": np.full(len(part["i"]), bar.name, dtype=object), "id": part["i"]})
+        parts.append(
+            part | {"wall": np.full(len(part["i"]), bar.name, dtype=object), "id": part["i"]}
+        )
     return {name: np.concatenate([part[name] for part in parts]) for name in parts[0]}

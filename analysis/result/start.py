@@ -1,7 +1,8 @@
-"""Particles at the start of a run, and its contacts, in parts of so many spheres that one fits into memory.
+"""Particles at the start of a run, and its contacts, in parts of so many spheres that one fits into
+memory.
 
-A part is a range of ids. Those of a lattice are counted by layers, so that a part is a slab. What belongs to a single
-part is kept in memory, that of several in scratch files.
+A part is a range of ids. Those of a lattice are counted by layers, so that a part is a slab. What
+belongs to a single part is kept in memory, that of several in scratch files.
 """
 
 from __future__ import annotations
@@ -61,9 +62,13 @@ class Start:
     """
 
     def __init__(self, directory: Path, at_once: int, scratch: Path, processes: Processes) -> None:
-        self.path, self.at_once, self._scratch = directory / DATA_FILE, at_once, scratch
+        self.path = directory / DATA_FILE
+        self.at_once = at_once
+        self._scratch = scratch
         self._ids: NDArray[np.int64] | None = None  # None: they are 1, 2, ...
-        self._bounds: list[tuple[NDArray[np.float64], NDArray[np.float64], float]] = []  # of parts; largest radius
+        self._bounds: list[
+            tuple[NDArray[np.float64], NDArray[np.float64], float]
+        ] = []  # of parts; largest radius
         self._values: NDArray[np.float64] | None = None  # None: in the scratch file
         self.n_particles = self.n_spheres = last = 0
         with contextlib.ExitStack() as stack:
@@ -76,16 +81,21 @@ class Start:
                     self._values = frame.sorted_by("id").values
                 ids = frame["id"].astype(np.int64)
                 if np.any(np.diff(ids, prepend=last) < 1):
-                    raise OutputFormatError(f"{self.path}: the rows are not in the order of their ids; {DAMAGED}")
+                    raise OutputFormatError(
+                        f"{self.path}: the rows are not in the order of their ids; {DAMAGED}"
+                    )
                 last = int(ids[-1])
                 if self._ids is not None or last != self.n_particles + len(ids):
                     self._ids = np.concatenate([self.ids(0, self.n_particles), ids])
-                self.n_particles, self.box = self.n_particles + len(ids), frame.box
+                self.n_particles = self.n_particles + len(ids)
+                self.box = frame.box
                 spheres = frame["diameter"] > 0  # nodes of bars come after the spheres
                 self.n_spheres += int(np.count_nonzero(spheres))
                 if spheres.any():
                     places = frame.vector("x", "y", "z")[spheres]
-                    self._bounds.append((places.min(axis=0), places.max(axis=0), float(frame["diameter"].max()) / 2))
+                    self._bounds.append(
+                        (places.min(axis=0), places.max(axis=0), float(frame["diameter"].max()) / 2)
+                    )
         self.low = np.min([low for low, _, _ in self._bounds], axis=0)
 
     @property
@@ -106,7 +116,9 @@ class Start:
         """Return particles by their rows."""
         values = self._values
         if values is None:  # paged in as it is needed
-            values = np.memmap(self._scratch, np.float64, "r", shape=(self.n_particles, len(DATA_COLUMNS)))
+            values = np.memmap(
+                self._scratch, np.float64, "r", shape=(self.n_particles, len(DATA_COLUMNS))
+            )
         return Frame(0, self.box, DATA_COLUMNS, np.asarray(values[rows]))
 
     def ids(self, first: int, stop: int) -> NDArray[np.int64]:
@@ -124,11 +136,17 @@ class Start:
             if self._ids is None:
                 known = (found >= 1) & (found <= self.n_particles)
             else:
-                known = self._ids[np.minimum(np.searchsorted(self._ids, found), len(self._ids) - 1)] == found
+                known = (
+                    self._ids[np.minimum(np.searchsorted(self._ids, found), len(self._ids) - 1)]
+                    == found
+                )
             refuse_ids(path, found[~known])
 
-    def around(self, part: int, further: NDArray[np.int64], gap: float, periodic: tuple[bool, bool, bool]) -> Frame:
-        """Return the spheres of a part, those of other parts that may touch them, and further ones, sorted by id.
+    def around(
+        self, part: int, further: NDArray[np.int64], gap: float, periodic: tuple[bool, bool, bool]
+    ) -> Frame:
+        """Return the spheres of a part, those of other parts that may touch them, and further ones,
+        sorted by id.
 
         Parameters
         ----------
@@ -144,7 +162,8 @@ class Start:
         low, high, radius = self._bounds[part]
         reach = (1 + _MARGIN) * (radius + max(largest for _, _, largest in self._bounds) + gap)
         free = ~np.array(periodic)
-        low, high = (low - reach)[free], (high + reach)[free]
+        low = (low - reach)[free]
+        high = (high + reach)[free]
         rows = [np.arange(*self.range(part)), self.rows(further)]
         for other, (its_low, its_high, _) in enumerate(self._bounds):
             if other != part and np.all((its_low[free] <= high) & (its_high[free] >= low)):
@@ -163,10 +182,15 @@ class Dents:
         Contacts of spheres with the faces of bars.
     """
 
-    def __init__(self, start: Start, dump: ContactDump, scratch: Callable[[], Path], processes: Processes) -> None:
+    def __init__(
+        self, start: Start, dump: ContactDump, scratch: Callable[[], Path], processes: Processes
+    ) -> None:
         self._like, rows, expected = dump.unread(start.at_once)
-        self._places: dict[int, list[tuple[Path, int, int]]] = {}  # by part: file, byte, number of rows
-        n_rows, at_bars = 0, [self._like.values]
+        self._places: dict[
+            int, list[tuple[Path, int, int]]
+        ] = {}  # by part: file, byte, number of rows
+        n_rows = 0
+        at_bars = [self._like.values]
         tasks = ((frame, scratch()) for frame in rows)
         for n_read, others, places in processes.map(partial(_by_part, start, dump.path), tasks):
             n_rows += n_read
@@ -178,13 +202,16 @@ class Dents:
         self.at_bars = self._like.with_rows(np.concatenate(at_bars))
 
     def of_part(self, part: int) -> Callable[[], Frame]:
-        """Return the reader of the contacts of the spheres of a part with other spheres; any process can call it."""
+        """Return the reader of the contacts of the spheres of a part with other spheres; any
+        process can call it.
+        """
         return partial(_read_places, self._like, self._places.get(part, []))
 
 
 def _read_places(like: Frame, places: list[tuple[Path, int, int]]) -> Frame:
     """Read rows of scratch files, in the order in which they were written."""
-    values, at = np.empty((sum(n_rows for _, _, n_rows in places), len(like.columns))), 0
+    values = np.empty((sum(n_rows for _, _, n_rows in places), len(like.columns)))
+    at = 0
     for path, place, n_rows in places:
         rows = values[at : at + n_rows]
         rows[:] = np.fromfile(path, np.float64, rows.size, offset=place).reshape(rows.shape)
@@ -195,8 +222,11 @@ def _read_places(like: Frame, places: list[tuple[Path, int, int]]) -> Frame:
 def _by_part(
     start: Start, source: Path, task: tuple[Frame, Path]
 ) -> tuple[int, NDArray[np.float64], list[tuple[int, tuple[Path, int, int]]]]:
-    """Write contacts to a scratch file by part; return the number of all, those with bars, and where each part is."""
-    frame, path = task[0].read(), task[1]
+    """Write contacts to a scratch file by part; return the number of all, those with bars, and
+    where each part is.
+    """
+    frame = task[0].read()
+    path = task[1]
     start.check_ids(source, frame)
     pairs = frame.vector("i", "j").astype(np.int64)
     between = pairs.max(axis=1, initial=0) <= start.last_sphere

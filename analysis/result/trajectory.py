@@ -1,12 +1,14 @@
-"""Trajectory of a run in the H5MD format (version 1.1, P. de Buyl et al., doi:10.1016/j.cpc.2014.01.018).
+"""Trajectory of a run in the H5MD format (version 1.1, P. de Buyl et al.,
+doi:10.1016/j.cpc.2014.01.018).
 
-``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force`` (largest present force of a
-single contact), ``peak_force``, ``dissipated_energy`` (by yielding, friction and viscous losses), ``elastic_energy``
-(half the energy stored in each contact with another sphere; NaN if it was not recorded) and, with friction,
-``friction_energy``, with viscous losses ``viscous_energy``, each as ``value``, ``step`` and ``time`` of every snapshot;
-``id``, ``species``, ``radius`` and ``mass`` are constant. Positions are initial positions plus displacements, not
-wrapped into periodic boxes. All values are float64; overlaps should be computed from displacements, which have 17
-digits independently of the distance from the origin.
+``/particles/spheres`` holds ``position``, ``displacement``, ``velocity``, ``contact_force``
+(largest present force of a single contact), ``peak_force``, ``dissipated_energy`` (by yielding,
+friction and viscous losses), ``elastic_energy`` (half the energy stored in each contact with
+another sphere; NaN if it was not recorded) and, with friction, ``friction_energy``, with viscous
+losses ``viscous_energy``, each as ``value``, ``step`` and ``time`` of every snapshot; ``id``,
+``species``, ``radius`` and ``mass`` are constant. Positions are initial positions plus
+displacements, not wrapped into periodic boxes. All values are float64; overlaps should be computed
+from displacements, which have 17 digits independently of the distance from the origin.
 """
 
 from __future__ import annotations
@@ -38,7 +40,12 @@ _SCALARS = {
     "friction_energy": (("friction",), "J"),
     "viscous_energy": (("viscous",), "J"),
 }
-_FIXED = {"id": (np.int64, "1"), "species": (np.int32, "1"), "radius": (np.float64, "m"), "mass": (np.float64, "kg")}
+_FIXED = {
+    "id": (np.int64, "1"),
+    "species": (np.int32, "1"),
+    "radius": (np.float64, "m"),
+    "mass": (np.float64, "kg"),
+}
 QUANTITIES = (*_VECTORS, *_SCALARS)
 
 
@@ -88,16 +95,21 @@ def write_trajectory(
     OutputFormatError
         A snapshot has other spheres than the data file.
     """
-    group, n_spheres = file.create_group(GROUP), start.n_spheres
+    group = file.create_group(GROUP)
+    n_spheres = start.n_spheres
     box = group.create_group("box")
     box.attrs["dimension"] = 3
-    box.attrs["boundary"] = ["periodic" if is_periodic else "none" for is_periodic in periodic(case)]
+    box.attrs["boundary"] = [
+        "periodic" if is_periodic else "none" for is_periodic in periodic(case)
+    ]
     # lower is an extension of the standard, whose boxes start at 0
     for name, data in (("edges", start.box[:, 1] - start.box[:, 0]), ("lower", start.box[:, 0])):
         box.create_dataset(name, data=data).attrs["unit"] = "m"
     n_chunk = min(n_spheres, ROWS_IN_CHUNK)
     for name, (dtype, unit) in _FIXED.items():
-        group.create_dataset(name, n_spheres, dtype, chunks=(n_chunk,), **COMPRESSION).attrs["unit"] = unit
+        group.create_dataset(name, n_spheres, dtype, chunks=(n_chunk,), **COMPRESSION).attrs[
+            "unit"
+        ] = unit
     for columns in processes.map(partial(_fixed, start, n_chunk), range(start.n_parts)):
         for name, column in columns.items():
             store(group[name], column.pieces)
@@ -107,18 +119,26 @@ def write_trajectory(
     elements = {}
     for name in (*_VECTORS, *scalars):  # all share the step and the time of the first
         shape = (n_spheres, 3) if name in _VECTORS else (n_spheres,)
-        options: dict[str, Any] = {"maxshape": (None, *shape), "chunks": (1, n_chunk, *shape[1:]), **COMPRESSION}
+        options: dict[str, Any] = {
+            "maxshape": (None, *shape),
+            "chunks": (1, n_chunk, *shape[1:]),
+            **COMPRESSION,
+        }
         element = group.create_group(name)
         elements[name] = element.create_dataset("value", (0, *shape), np.float64, **options)
         elements[name].attrs["unit"] = _VECTORS[name] if name in _VECTORS else _SCALARS[name][1]
         for of_all, dtype, its_unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
             if name == "position":
-                element.create_dataset(of_all, (0,), dtype, maxshape=(None,)).attrs["unit"] = its_unit
+                element.create_dataset(of_all, (0,), dtype, maxshape=(None,)).attrs["unit"] = (
+                    its_unit
+                )
             else:
                 element[of_all] = group["position"][of_all]
     steps: list[int] = []
     blocks = _blocks(start, frames, source, steps)
-    for number, columns in processes.map(partial(_encoded_block, start, scalars, source, n_chunk), blocks):
+    for number, columns in processes.map(
+        partial(_encoded_block, start, scalars, source, n_chunk), blocks
+    ):
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
             store(element, columns[name].pieces, number)
@@ -138,7 +158,10 @@ def _fixed(start: Start, n_chunk: int, part: int) -> dict[str, Encoded]:
         "radius": spheres["diameter"] / 2,
         "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
     }
-    return {name: encoded(values[name].astype(dtype), first, n_chunk) for name, (dtype, _) in _FIXED.items()}
+    return {
+        name: encoded(values[name].astype(dtype), first, n_chunk)
+        for name, (dtype, _) in _FIXED.items()
+    }
 
 
 class _Block(NamedTuple):
@@ -149,13 +172,21 @@ class _Block(NamedTuple):
     frames: list[Frame]
 
 
-def _blocks(start: Start, frames: Iterable[Frame], source: Path, steps: list[int]) -> Iterator[_Block]:
-    """Iterate over the snapshots in blocks of ``start.at_once`` spheres; note the step of each snapshot."""
+def _blocks(
+    start: Start, frames: Iterable[Frame], source: Path, steps: list[int]
+) -> Iterator[_Block]:
+    """Iterate over the snapshots in blocks of ``start.at_once`` spheres; note the step of each
+    snapshot.
+    """
     first = stop = 0
     held: list[Frame] = []
     for piece in frames:
-        frame = piece if start.n_spheres == start.n_particles else piece.read().up_to(start.last_sphere)
-        stop, number, at = stop + len(frame), len(steps), 0
+        frame = (
+            piece if start.n_spheres == start.n_particles else piece.read().up_to(start.last_sphere)
+        )
+        stop = stop + len(frame)
+        number = len(steps)
+        at = 0
         if stop > start.n_spheres or (stop < start.n_spheres and not piece.more):
             raise _strange(source, number, piece.step, stop, start)
         while at < len(frame) or not piece.more:
@@ -165,7 +196,8 @@ def _blocks(start: Start, frames: Iterable[Frame], source: Path, steps: list[int
             whole = at == len(frame) and not piece.more
             if whole or sum(map(len, held)) == start.at_once:
                 yield _Block(number, first, held)
-                first, held = first + sum(map(len, held)), []
+                first = first + sum(map(len, held))
+                held = []
             if whole:
                 steps.append(piece.step)
                 first = stop = 0
@@ -177,11 +209,15 @@ def _encoded_block(
 ) -> tuple[int, dict[str, Encoded]]:
     """Read a block and encode its values."""
     like = block.frames[0]
-    frame = like.with_rows(np.concatenate([one.read().values for one in block.frames])).sorted_by("id")
-    first, stop = block.first, block.first + len(frame)
+    frame = like.with_rows(np.concatenate([one.read().values for one in block.frames])).sorted_by(
+        "id"
+    )
+    first = block.first
+    stop = block.first + len(frame)
     if not np.array_equal(frame["id"], start.ids(first, stop)):
         raise _strange(source, block.number, like.step, stop, start)
-    displacement, unknown = frame.vector("ux", "uy", "uz"), np.full(len(frame), np.nan)
+    displacement = frame.vector("ux", "uy", "uz")
+    unknown = np.full(len(frame), np.nan)
     values = {"position": start.read(slice(first, stop)).vector("x", "y", "z") + displacement}
     values |= {"displacement": displacement, "velocity": frame.vector("vx", "vy", "vz")}
     for name, columns in scalars.items():
@@ -190,7 +226,9 @@ def _encoded_block(
     return block.number, {name: encoded(column, first, n_chunk) for name, column in values.items()}
 
 
-def _strange(source: Path, number: int, step: int, n_spheres: int, start: Start) -> OutputFormatError:
+def _strange(
+    source: Path, number: int, step: int, n_spheres: int, start: Start
+) -> OutputFormatError:
     return OutputFormatError(
         f"{source}: snapshot {number} (step {step}) holds {n_spheres} spheres that are not the {start.n_spheres} of "
         f"data.granwave: spheres were lost, or the files belong to different runs; {AGAIN}"

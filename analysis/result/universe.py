@@ -1,11 +1,11 @@
 """Trajectory of a run as an MDAnalysis universe.
 
-MDAnalysis stores positions in single precision, with a spacing of 60 nm at 0.7 m, which is 5 % of a yield overlap:
-never compute overlaps from ``ts.positions``. This reader adds quantities in double precision to every snapshot:
-``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N), ``ts.data["peak_force"]`` (N),
-``ts.data["dissipated_energy"]`` (J) and, with friction, ``ts.data["friction_energy"]`` (J), with viscous losses
-``ts.data["viscous_energy"]`` (J). Lengths are in m and times
-in s, regardless of the units that MDAnalysis assumes.
+MDAnalysis stores positions in single precision, with a spacing of 60 nm at 0.7 m, which is 5 % of a
+yield overlap: never compute overlaps from ``ts.positions``. This reader adds quantities in double
+precision to every snapshot: ``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N),
+``ts.data["peak_force"]`` (N), ``ts.data["dissipated_energy"]`` (J) and, with friction,
+``ts.data["friction_energy"]`` (J), with viscous losses ``ts.data["viscous_energy"]`` (J). Lengths
+are in m and times in s, regardless of the units that MDAnalysis assumes.
 """
 
 from __future__ import annotations
@@ -30,11 +30,19 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.directories import changed_result
 
-DATA = ("displacement", "contact_force", "peak_force", "dissipated_energy", "friction_energy", "viscous_energy")
+DATA = (
+    "displacement",
+    "contact_force",
+    "peak_force",
+    "dissipated_energy",
+    "friction_energy",
+    "viscous_energy",
+)
 
 
 class ResultReader(ReaderBase):
-    """MDAnalysis reader of the trajectory in ``result.h5`` (format ``GRANWAVE``); nothing is converted.
+    """MDAnalysis reader of the trajectory in ``result.h5`` (format ``GRANWAVE``); nothing is
+    converted.
 
     Parameters
     ----------
@@ -74,8 +82,14 @@ class ResultReader(ReaderBase):
         return len(self._times)
 
     def __getstate__(self) -> dict[str, object]:
-        """Return the state without the open file, which cannot be pickled; `__setstate__` opens it again."""
-        return {name: value for name, value in self.__dict__.items() if name not in ("_file", "_spheres")}
+        """Return the state without the open file, which cannot be pickled; `__setstate__` opens it
+        again.
+        """
+        return {
+            name: value
+            for name, value in self.__dict__.items()
+            if name not in ("_file", "_spheres")
+        }
 
     def __setstate__(self, state: dict[str, object]) -> None:
         self.__dict__ = state
@@ -127,8 +141,8 @@ def universe(source: str | Path) -> MDAnalysis.Universe:
     Returns
     -------
     MDAnalysis.Universe
-        Atoms are spheres in the order of their ids, with ``ids``, ``types``, ``radii`` (m) and ``masses``
-        (kg); positions in m, velocities in m/s, and `DATA` in ``ts.data``.
+        Atoms are spheres in the order of their ids, with ``ids``, ``types``, ``radii`` (m) and
+        ``masses`` (kg); positions in m, velocities in m/s, and `DATA` in ``ts.data``.
 
     Raises
     ------

@@ -3,17 +3,20 @@
     /spheres/{id, position, radius, mass, peak_force, ...}      a row for each sphere, by id
     /contacts/{i, j, peak_overlap, peak_force, ...}             a row for each pair, sorted by (i, j)
     /wall_contacts/{wall, id, peak_overlap, ...}                a row for each sphere that touched a wall or bar;
-                                                                both with initial_force, N, where a static stage was
+                                                                both with initial_force, N, where a
+                                                                static stage was
     /energy/{time, kinetic, elastic, dissipated, input, ...}    energy ledger
     /walls/NAME/{time, force, impulse}   /probes/{time, ...}    walls and bars, and probes, at their own rates; for a
-                                                                moving wall also displacement, velocity, ground_force
+                                                                moving wall also displacement,
+                                                                velocity, ground_force
     /prestage/{residual, stored, ...}                           static stage of precompressed runs, one value each
     /chain/...   /bars/NAME/...                                 chains, see `granwave.analysis.result.histories`
     /lines/NAME/...                                             lines of grains, `granwave.analysis.result.histories`
     /h5md, /particles/spheres                                   trajectory, see `granwave.analysis.result.trajectory`
 
-The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data set has a ``unit``.
-Ids are those of the lattice; vacancies have no row, see `granwave.analysis.result.reader.Result.rows`.
+The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data
+set has a ``unit``. Ids are those of the lattice; vacancies have no row, see
+`granwave.analysis.result.reader.Result.rows`.
 """
 
 from __future__ import annotations
@@ -27,7 +30,12 @@ import numpy as np
 
 import granwave
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.lammps_output.dumps import contacts_at_end, frames_path, read_frames, read_wall_contacts
+from granwave.analysis.lammps_output.dumps import (
+    contacts_at_end,
+    frames_path,
+    read_frames,
+    read_wall_contacts,
+)
 from granwave.analysis.lammps_output.frame import CUT
 from granwave.analysis.lammps_output.time_series import Table, read_energy, read_record, read_table
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
@@ -51,12 +59,18 @@ _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's 
 
 
 def write_result(
-    directory: str | Path, *, at_once: int = AT_ONCE, case: Case | None = None, processes: Processes = ALONE
+    directory: str | Path,
+    *,
+    at_once: int = AT_ONCE,
+    case: Case | None = None,
+    processes: Processes = ALONE,
 ) -> Path:
-    """Write the output of a run to ``result.h5``; an older file is replaced when the new one is complete.
+    """Write the output of a run to ``result.h5``; an older file is replaced when the new one is
+    complete.
 
-    Packings of more spheres than ``at_once`` are read in parts, and what parts leave for each other lies in scratch
-    files: memory does not grow with the number of spheres, only with those in a cross-section.
+    Packings of more spheres than ``at_once`` are read in parts, and what parts leave for each other
+    lies in scratch files: memory does not grow with the number of spheres, only with those in a
+    cross-section.
 
     Parameters
     ----------
@@ -90,37 +104,57 @@ def write_result(
     with scratch_files(path) as scratch, new_hdf5(path, libver="v110") as file:
         case_file = directory / files.CASE_FILE
         if not case_file.exists():
-            raise MissingOutputError(f"{case_file} is missing: {directory} is not the directory of a run")
-        text, case = case_file.read_text(encoding="utf-8"), case or load_case(case_file)
+            raise MissingOutputError(
+                f"{case_file} is missing: {directory} is not the directory of a run"
+            )
+        text = case_file.read_text(encoding="utf-8")
+        case = case or load_case(case_file)
         resolved = tomllib.loads(text).get("resolved", {})
         ledger = read_energy(directory)
-        contacts = contacts_at_end(directory)  # the last file to be written: without it the run is not finished
+        contacts = contacts_at_end(
+            directory
+        )  # the last file to be written: without it the run is not finished
         start = Start(directory, at_once, scratch(), processes)
         record = read_record(directory)
         file.attrs["name"] = case.name
         file.attrs["case"] = text
         file.attrs["run"] = json.dumps(record)
-        versions = {"granwave": granwave.__version__} | record.get("versions", {}) | {RESULTS_FORMAT: str(files.FORMAT)}
+        versions = (
+            {"granwave": granwave.__version__}
+            | record.get("versions", {})
+            | {RESULTS_FORMAT: str(files.FORMAT)}
+        )
         file.attrs["versions"] = json.dumps(versions)
         write_metadata(file, versions["granwave"])
 
-        n_steps, snapshots = int(ledger["step"][-1]), frames_path(directory)
+        n_steps = int(ledger["step"][-1])
+        snapshots = frames_path(directory)
         timestep = resolved.get("timestep")
         timestep = float(ledger["time"][-1] / max(n_steps, 1) if timestep is None else timestep)
-        frames = read_frames(directory, at_once, partial=False, unread=start.n_particles == start.n_spheres)
+        frames = read_frames(
+            directory, at_once, partial=False, unread=start.n_particles == start.n_spheres
+        )
         end = write_trajectory(file, case, start, frames, timestep, snapshots, processes)
         if end < n_steps:  # the end of a run is always a snapshot
             ends = f"{snapshots} ends with the snapshot of step {end}, the run at step {n_steps}"
             raise OutputFormatError(f"{ends}: {CUT}")
         if every := resolved.get("history_every"):
-            _write_groups(file, read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every))
+            _write_groups(
+                file, read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every)
+            )
         if every := resolved.get("line_every"):
-            _write_groups(file, line_groups(directory, assemble(case), timestep, n_steps - n_steps % every))
+            _write_groups(
+                file, line_groups(directory, assemble(case), timestep, n_steps - n_steps % every)
+            )
         planes = read_wall_contacts(directory)
         for name, frame in planes.items():
             start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
         dents = Dents(start, contacts, scratch, processes)
-        initial = after_static_stage(directory, start, scratch, processes) if case.precompression else None
+        initial = (
+            after_static_stage(directory, start, scratch, processes)
+            if case.precompression
+            else None
+        )
         write_tables(file, case, start, dents, planes, initial, processes)
         tables = {"energy": ledger, "prestage": read_table(directory, files.STATIC_STAGE_FILE)}
         tables |= {"probes": read_table(directory, files.PROBES_FILE)}
@@ -136,11 +170,18 @@ def _write_groups(file: h5py.File, groups: Groups) -> None:
 
 def _walls(table: Table) -> Groups:
     """Return the group of each wall: the force on it, and the motion of a moving one."""
-    names = [name for name in table if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)]
+    names = [
+        name
+        for name in table
+        if name not in ("step", "time") and not name.endswith(_OF_MOVING_WALLS)
+    ]
     found: Groups = {}
     for name in names:
-        time, force = table["time"], table[name]
+        time = table["time"]
+        force = table[name]
         impulse = np.concatenate([[0.0], np.cumsum(0.5 * (force[1:] + force[:-1]) * np.diff(time))])
-        moving = {own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table}
+        moving = {
+            own: table[f"{name}_{own}"] for own in _OF_MOVING_WALLS if f"{name}_{own}" in table
+        }
         found[f"walls/{name}"] = {"time": time, "force": force, "impulse": impulse} | moving
     return found

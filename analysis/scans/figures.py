@@ -1,7 +1,8 @@
 """Figures of a scan: dissipation, plastic zone, peak force and wave speed against the varied keys.
 
-Only finished points are shown. Points that differ in ``packing.seed`` only are shown as their mean, with the 95 %
-confidence interval as error bar. A quantity that is 0 at all points, as dissipation without yielding, has no figure.
+Only finished points are shown. Points that differ in ``packing.seed`` only are shown as their mean,
+with the 95 % confidence interval as error bar. A quantity that is 0 at all points, as dissipation
+without yielding, has no figure.
 """
 
 from __future__ import annotations
@@ -34,14 +35,19 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
 _OF_ZONE = ("plastic_", "zone_")  # names of figures of plastic zones
-_SHOWN_IN = {"m": ("mm", 1e3), "m^3": ("mm^3", 1e9)}  # where lengths have no diameter to be divided by
+_SHOWN_IN = {
+    "m": ("mm", 1e3),
+    "m^3": ("mm^3", 1e9),
+}  # where lengths have no diameter to be divided by
 
 Value = Callable[[PointResult], float]
 
 
 @dataclasses.dataclass(frozen=True)
 class Ordinate:
-    """Quantity that is plotted: the start of the figure's name, a title for the axis, a column, a value by point."""
+    """Quantity that is plotted: the start of the figure's name, a title for the axis, a column, a
+    value by point.
+    """
 
     name: str
     title: str
@@ -67,7 +73,9 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
         "m": ("D", "diameter", lengths),
         "N": (r"F_\mathrm{y}", "yield_force", forces),
     }
-    known = {unit: scale for unit, scale in scales.items() if all(map(math.isfinite, scale[2].values()))}
+    known = {
+        unit: scale for unit, scale in scales.items() if all(map(math.isfinite, scale[2].values()))
+    }
     found = [_ordinate(name, key, known) for name, key in SCAN_FIGURES.items()]
     left_out = set()
     if not all(math.isfinite(_number(point, "restitution")) for point in done):
@@ -79,12 +87,16 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     return [one for one in found if one.name not in left_out]
 
 
-def _ordinate(name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int, float]]]) -> Ordinate:
+def _ordinate(
+    name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int, float]]]
+) -> Ordinate:
     """A value of the summary, over the scale of its unit where there is one."""
-    entry, number = QUANTITIES[key], plastic_spheres if key == "n_plastic_spheres" else value_of(key)
+    entry = QUANTITIES[key]
+    number = plastic_spheres if key == "n_plastic_spheres" else value_of(key)
     if entry.symbol and entry.unit in scales:
         symbol, words, scale = scales[entry.unit]
-        title, column = f"{entry.axis} ${entry.symbol}/{symbol}$", f"{name}_over_{words}"
+        title = f"{entry.axis} ${entry.symbol}/{symbol}$"
+        column = f"{name}_over_{words}"
         return Ordinate(name, title, column, lambda point: number(point) / scale[point.number])
     unit, factor = _SHOWN_IN.get(entry.unit, (entry.unit, 1.0))
     title = entry.title + (f" ({printed_unit(unit)})" if unit else "")
@@ -92,11 +104,16 @@ def _ordinate(name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int
     return Ordinate(name, title, column, lambda point: factor * number(point))
 
 
-def _scales(varied: Sequence[str], done: Sequence[PointResult]) -> tuple[dict[int, float], dict[int, float]]:
-    """Return diameter (m) and yield force (N) of points by number, NaN where there is none; each case is read once."""
+def _scales(
+    varied: Sequence[str], done: Sequence[PointResult]
+) -> tuple[dict[int, float], dict[int, float]]:
+    """Return diameter (m) and yield force (N) of points by number, NaN where there is none; each
+    case is read once.
+    """
     keys = [key for key in varied if not key.startswith(_UNITS_OF_ITS_OWN)]
     known: dict[tuple[Any, ...], tuple[float, float]] = {}
-    lengths, forces = {}, {}
+    lengths = {}
+    forces = {}
     for point in done:
         labels = tuple(point.labels.get(key) for key in keys)
         if labels not in known:
@@ -136,16 +153,19 @@ _OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as 
 def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> list[Path]:
     """Draw the figures of a scan into its ``figures``; those that no longer apply are removed.
 
-    For each numeric key: ``QUANTITY_vs_KEY``, with curves by the other keys. If no independent key is numeric: bars for
-    each value of the first. If velocity and material vary: ``collapse_QUANTITY``, on normalised axes. If exactly two
-    numeric keys vary and fill a grid: ``dissipated_fraction_map``.
+    For each numeric key: ``QUANTITY_vs_KEY``, with curves by the other keys. If no independent key
+    is numeric: bars for each value of the first. If velocity and material vary:
+    ``collapse_QUANTITY``, on normalised axes. If exactly two numeric keys vary and fill a grid:
+    ``dissipated_fraction_map``.
 
     Parameters
     ----------
     scan
-        Directory of the scan, or the scan itself, whose summaries are cached if figures are drawn repeatedly.
+        Directory of the scan, or the scan itself, whose summaries are cached if figures are drawn
+        repeatedly.
     pdf
-        False to omit the PDF of each figure, which saves half of the time, and to remove earlier ones.
+        False to omit the PDF of each figure, which saves half of the time, and to remove earlier
+        ones.
 
     Returns
     -------
@@ -165,7 +185,9 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
         found = drawings(result)
         for name, drawing in found.items():
             folder.save(drawing, name, formats=("pdf",) if pdf else ())
-    folder.remove(*(name for name in folder.names() if _OF_A_SCAN.fullmatch(name) and name not in found))
+    folder.remove(
+        *(name for name in folder.names() if _OF_A_SCAN.fullmatch(name) and name not in found)
+    )
     return folder.written
 
 
@@ -185,9 +207,12 @@ def drawings(result: ScanResult) -> dict[str, Drawing | NotDrawn]:
 def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
     """Return functions that draw what a scan may show, by name."""
     points = result.points
-    labels = physical({key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED})
+    labels = physical(
+        {key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED}
+    )
     free = independent_keys(labels)
-    rows, units = [row for row, point in enumerate(points) if point.status == "done"], result.units
+    rows = [row for row, point in enumerate(points) if point.status == "done"]
+    units = result.units
     if len(rows) < _FEWEST or not free:
         return {}
     keys = {name: key_of(name, labels[name], units.get(name, "")) for name in labels}
@@ -196,39 +221,73 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
     def values(value: Value) -> Series:
         return Series({row: value(points[row]) for row in rows}, dtype=float)
 
-    there = ((one, values(one.value)) for one in ordinates(result.varied, [points[row] for row in rows]))
+    there = (
+        (one, values(one.value)) for one in ordinates(result.varied, [points[row] for row in rows])
+    )
     shown = [(one, found) for one, found in there if (found.abs() > _NOTHING).any()]
     drawn: dict[str, Callable[[], Drawing | None]] = {}
     for name in _abscissae(keys, free):
-        x, others = keys[name], _others(keys, free, name)
-        joined = all(_is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others).values())
+        x = keys[name]
+        others = _others(keys, free, name)
+        joined = all(
+            _is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others).values()
+        )
         for one, found in shown:
             draw = partial(_curves, x, others, one, found, marks * one.zone, joined=joined)
             drawn[f"{one.name}_vs_{x.slug}"] = draw
     if not any(keys[name].numeric for name in free):
-        x, others = keys[free[0]], [keys[name] for name in free[1:]]
+        x = keys[free[0]]
+        others = [keys[name] for name in free[1:]]
         for one, found in shown:
-            drawn[f"{one.name}_vs_{x.slug}"] = partial(_bars, x, others, one, found, marks * one.zone)
+            drawn[f"{one.name}_vs_{x.slug}"] = partial(
+                _bars, x, others, one, found, marks * one.zone
+            )
     if "load.velocity" in free and any(name.split(".")[0] == "material" for name in free):
         others = _others(keys, free, "load.velocity")
-        fraction, volume = "dissipated_fraction", "plastic_volume_in_spheres"
+        fraction = "dissipated_fraction"
+        volume = "plastic_volume_in_spheres"
         of_volume = r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"
         for name, key, column, title, value in (
-            (f"collapse_{fraction}", "velocity_normalised", fraction, QUANTITIES[fraction].title, value_of(fraction)),
-            ("collapse_plastic_volume", "energy_input_normalised", volume, of_volume, plastic_spheres),
+            (
+                f"collapse_{fraction}",
+                "velocity_normalised",
+                fraction,
+                QUANTITIES[fraction].title,
+                value_of(fraction),
+            ),
+            (
+                "collapse_plastic_volume",
+                "energy_input_normalised",
+                volume,
+                of_volume,
+                plastic_spheres,
+            ),
         ):
-            table = points_of(values(value_of(key)), values(value), others, marks * (value is plastic_spheres))
+            table = points_of(
+                values(value_of(key)), values(value), others, marks * (value is plastic_spheres)
+            )
             if len(table) >= _FEWEST:
                 titles = QUANTITIES[key].title, title
-                drawn[name] = partial(draw_curves, table, *titles, others, (key, column), joined=False, chosen=False)
+                drawn[name] = partial(
+                    draw_curves, table, *titles, others, (key, column), joined=False, chosen=False
+                )
     if len(free) == 2 and all(keys[name].numeric for name in free):
-        maps = {one.name: partial(_map, keys[free[0]], keys[free[1]], one, found) for one, found in shown}
-        drawn |= {"dissipated_fraction_map": maps["dissipated_fraction"]} if "dissipated_fraction" in maps else {}
+        maps = {
+            one.name: partial(_map, keys[free[0]], keys[free[1]], one, found)
+            for one, found in shown
+        }
+        drawn |= (
+            {"dissipated_fraction_map": maps["dissipated_fraction"]}
+            if "dissipated_fraction" in maps
+            else {}
+        )
     return drawn
 
 
 def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
-    """Return the independent numeric keys, and those that are equivalent to one of them, except run times."""
+    """Return the independent numeric keys, and those that are equivalent to one of them, except run
+    times.
+    """
     chosen = []
     for name, key in keys.items():
         alike = [other for other in free if determines(key.labels, keys[other].labels)]
@@ -241,22 +300,37 @@ def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
 def _others(keys: dict[str, Key], free: Sequence[str], x: str) -> list[Key]:
     """Return the keys that distinguish curves over ``x``: all but those that its values determine.
 
-    A key with fewer values than ``x`` groups the points, even if no abscissa occurs with two of its values.
+    A key with fewer values than ``x`` groups the points, even if no abscissa occurs with two of its
+    values.
     """
-    chosen = [keys[name] for name in free if name != x and not determines(keys[x].labels, keys[name].labels)]
+    chosen = [
+        keys[name]
+        for name in free
+        if name != x and not determines(keys[x].labels, keys[name].labels)
+    ]
     for key in keys.values():
-        groups = determines(keys[x].labels, key.labels) and not determines(key.labels, keys[x].labels)
+        groups = determines(keys[x].labels, key.labels) and not determines(
+            key.labels, keys[x].labels
+        )
         distinguished = list(zip(*(other.labels for other in chosen), strict=True))
-        if groups and len(set(key.labels)) > 1 and not (distinguished and determines(distinguished, key.labels)):
+        if (
+            groups
+            and len(set(key.labels)) > 1
+            and not (distinguished and determines(distinguished, key.labels))
+        ):
             chosen.append(key)
     return chosen
 
 
 def _curve_rows(rows: Iterable[int], others: Sequence[Key]) -> dict[tuple[Any, ...], list[int]]:
-    """Group the points by curve: equal values of ``others``, numbers by size, text in the order of the scan."""
+    """Group the points by curve: equal values of ``others``, numbers by size, text in the order of
+    the scan.
+    """
     curves: dict[tuple[Any, ...], list[int]] = {}
     for row in rows:
-        place = tuple(key.values[row] if key.numeric else key.values.index(key.values[row]) for key in others)
+        place = tuple(
+            key.values[row] if key.numeric else key.values.index(key.values[row]) for key in others
+        )
         curves.setdefault(place, []).append(row)
     return {place: curves[place] for place in sorted(curves)}
 
@@ -264,21 +338,27 @@ def _curve_rows(rows: Iterable[int], others: Sequence[Key]) -> dict[tuple[Any, .
 def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
     """True if all other varying keys are monotonic in the abscissa, so that points may be joined."""
     for key in keys:
-        if not key.numeric or not determines([x.labels[row] for row in rows], [key.labels[row] for row in rows]):
+        if not key.numeric or not determines(
+            [x.labels[row] for row in rows], [key.labels[row] for row in rows]
+        ):
             continue
-        steps = np.diff([value for _, value in sorted({(x.values[row], key.values[row]) for row in rows})])
+        steps = np.diff(
+            [value for _, value in sorted({(x.values[row], key.values[row]) for row in rows})]
+        )
         if np.any(steps > 0) and np.any(steps < 0):
             return False
     return True
 
 
 def points_of(x: Series, y: Series, others: Sequence[Key], marks: Series) -> DataFrame:
-    """Return the points of curves, as `granwave.analysis.scans.drawing` takes them; those at one abscissa are averaged.
+    """Return the points of curves, as `granwave.analysis.scans.drawing` takes them; those at one
+    abscissa are averaged.
 
     Parameters
     ----------
     x, y, marks
-        Abscissa, value and `Mark` by row of the scan; a mean gets the most severe mark of its points.
+        Abscissa, value and `Mark` by row of the scan; a mean gets the most severe mark of its
+        points.
     others
         Keys that tell curves apart.
     """
@@ -290,23 +370,45 @@ def points_of(x: Series, y: Series, others: Sequence[Key], marks: Series) -> Dat
         means = [estimate(values.tolist()) for _, values in places.y]
         found = [(one.mean, one.deviation, one.half_width, one.n) for one in means]
         rows = [(*one, mark) for one, mark in zip(found, places["mark"].max(), strict=True)]
-        curves.append(DataFrame(rows, columns=names).assign(curve=curve, row=members[0], x=list(places.groups)))
-    return concat(curves, ignore_index=True) if curves else DataFrame(columns=["curve", "row", "x", *names])
+        curves.append(
+            DataFrame(rows, columns=names).assign(
+                curve=curve, row=members[0], x=list(places.groups)
+            )
+        )
+    return (
+        concat(curves, ignore_index=True)
+        if curves
+        else DataFrame(columns=["curve", "row", "x", *names])
+    )
 
 
 def _curves(
-    x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, marks: Series, *, joined: bool
+    x: Key,
+    others: Sequence[Key],
+    quantity: Ordinate,
+    values: Series,
+    marks: Series,
+    *,
+    joined: bool,
 ) -> Drawing | None:
     """None where there are no curves: too few points, or many settings each at one abscissa."""
     table = points_of(Series(x.values, dtype=float)[values.index], values, others, marks)
     sizes = table.groupby("curve").size()
-    if len(table) < _FEWEST or table.x.nunique() < _FEWEST or (len(sizes) > _MOST_SINGLE and (sizes == 1).all()):
+    if (
+        len(table) < _FEWEST
+        or table.x.nunique() < _FEWEST
+        or (len(sizes) > _MOST_SINGLE and (sizes == 1).all())
+    ):
         return None
     columns = (x.column, quantity.column)
-    return draw_curves(table, x.title, quantity.title, others, columns, scale=x.naming.scale, joined=joined)
+    return draw_curves(
+        table, x.title, quantity.title, others, columns, scale=x.naming.scale, joined=joined
+    )
 
 
-def _bars(x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, marks: Series) -> Drawing | None:
+def _bars(
+    x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, marks: Series
+) -> Drawing | None:
     categories = list(dict.fromkeys(x.values))
     places = Series([categories.index(value) for value in x.values])
     table = points_of(places[values.index], values, others, marks)
@@ -317,7 +419,8 @@ def _bars(x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, mar
 
 
 def _map(x: Key, y: Key, quantity: Ordinate, values: Series) -> Drawing | None:
-    columns, lines = sorted(set(x.values)), sorted(set(y.values))
+    columns = sorted(set(x.values))
+    lines = sorted(set(y.values))
     if len(set(zip(x.values, y.values, strict=True))) != len(columns) * len(lines):
         return None  # no grid
     rows = values.dropna().index

@@ -1,4 +1,5 @@
-"""Varied keys of a scan in its figures (labels, symbols, units, values to plot against), and means over replicates.
+"""Varied keys of a scan in its figures (labels, symbols, units, values to plot against), and means
+over replicates.
 
 Means are for the start of a report, and the end of a scan.
 """
@@ -14,7 +15,14 @@ from typing import Any
 
 from granwave.analysis.document.model import is_number, show
 from granwave.analysis.formatting.numbers import interval, tick
-from granwave.analysis.formatting.values import AMPLITUDE, NONE, grains_called_in, shown_unit, unique_labels, unit_of
+from granwave.analysis.formatting.values import (
+    AMPLITUDE,
+    NONE,
+    grains_called_in,
+    shown_unit,
+    unique_labels,
+    unit_of,
+)
 from granwave.analysis.quantities import SCAN_FIGURES, quantity
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
@@ -83,7 +91,10 @@ _AMPLITUDE = Naming("Amplitude of the load", r"$A$")
 _OF_MOTION = (("mm", 1e-3), ("µm", 1e-6), ("nm", 1e-9))  # units of amplitudes, from the largest on
 _SIZES = ("Spheres along x", "Rows along y", "Layers")
 _SIZE_SYMBOLS = (r"$n_x$", r"$n_y$", r"$n_z$")
-_PLANE_SIZES = ("Grains along x", "Rows")  # of a square packing and of crystals in the x-z plane, some rows of n - 1
+_PLANE_SIZES = (
+    "Grains along x",
+    "Rows",
+)  # of a square packing and of crystals in the x-z plane, some rows of n - 1
 _PLANE_SYMBOLS = (r"$n_x$", r"$n_\mathrm{rows}$")
 
 
@@ -123,7 +134,9 @@ class Key:
     @property
     def column(self) -> str:
         """Name of a column in CSV files, which hold the labels in SI units."""
-        unit = (self.unit or unit_of(self.name)).replace("^", "").replace("/", "_").replace(" ", "_")
+        unit = (
+            (self.unit or unit_of(self.name)).replace("^", "").replace("/", "_").replace(" ", "_")
+        )
         return f"{self.name}_{unit}" if unit and self.numeric else self.name
 
     @property
@@ -165,7 +178,12 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
         naming = _of_entry(name) or Naming(name, unit=shown_unit(name))
     if components := _along_one_axis(labels):
         axis, along = components
-        return Key(name, dataclasses.replace(naming, label=f"{naming.label} along {axis}"), along, tuple(labels))
+        return Key(
+            name,
+            dataclasses.replace(naming, label=f"{naming.label} along {axis}"),
+            along,
+            tuple(labels),
+        )
     texts = unique_labels(labels)
     values = tuple(
         float(f"{label / naming.scale:.12g}") if is_number(label) else text
@@ -175,16 +193,22 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
 
 
 def _amplitude(labels: Sequence[Any], unit: str) -> Naming:
-    """Return the naming of the load's amplitude: of a motion in the largest unit in which the largest is 1 or more."""
+    """Return the naming of the load's amplitude: of a motion in the largest unit in which the
+    largest is 1 or more.
+    """
     if unit != "m":
         return dataclasses.replace(_AMPLITUDE, unit=unit)
     largest = max((label for label in labels if is_number(label)), default=0.0)
-    shown_in = next(((name, scale) for name, scale in _OF_MOTION if largest >= scale), _OF_MOTION[-1])
+    shown_in = next(
+        ((name, scale) for name, scale in _OF_MOTION if largest >= scale), _OF_MOTION[-1]
+    )
     return dataclasses.replace(_AMPLITUDE, unit=shown_in[0], scale=shown_in[1])
 
 
 def _of_entry(name: str) -> Naming | None:
-    """Return the naming of a key of an entry of a list, such as ``replace.1.material.density``; None if unknown."""
+    """Return the naming of a key of an entry of a list, such as ``replace.1.material.density``;
+    None if unknown.
+    """
     table, _, rest = name.partition(".")
     number, _, key = rest.partition(".")
     found = _ENTRIES.get((table, key)) or (
@@ -200,8 +224,12 @@ def _of_entry(name: str) -> Naming | None:
 
 def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | None:
     """Return the axis and the components of vectors that are all along it; None of anything else."""
-    vectors = [vector for vector in map(_parsed, labels) if isinstance(vector, list) and len(vector) == 3]
-    if len(vectors) < len(labels) or not all(is_number(part) for vector in vectors for part in vector):
+    vectors = [
+        vector for vector in map(_parsed, labels) if isinstance(vector, list) and len(vector) == 3
+    ]
+    if len(vectors) < len(labels) or not all(
+        is_number(part) for vector in vectors for part in vector
+    ):
         return None
     axes = {axis for vector in vectors for axis in range(3) if vector[axis]}
     if len(axes) != 1:
@@ -219,15 +247,23 @@ def _parsed(label: Any) -> Any:
 
 
 def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
-    """Return the count that varies, or the number of spheres if several counts do; in a plane, the counts' product."""
+    """Return the count that varies, or the number of spheres if several counts do; in a plane, the
+    counts' product.
+    """
     lengths = {len(size) for size in sizes}
     names, symbols = (_PLANE_SIZES, _PLANE_SYMBOLS) if lengths == {2} else (_SIZES, _SIZE_SYMBOLS)
-    varying = [n for n in range(max(lengths)) if len({size[n] for size in sizes}) > 1] if len(lengths) == 1 else []
+    varying = (
+        [n for n in range(max(lengths)) if len({size[n] for size in sizes}) > 1]
+        if len(lengths) == 1
+        else []
+    )
     if len(varying) == 1 and max(lengths) > 1:
         n = varying[0]
         return Naming(names[n], symbols[n]), tuple(size[n] for size in sizes)
     if lengths == {2}:  # rows of n and n - 1 in turn have fewer grains than that
-        return Naming(f"{names[0]} times rows", f"{symbols[0]} {symbols[1]}"), tuple(math.prod(size) for size in sizes)
+        return Naming(f"{names[0]} times rows", f"{symbols[0]} {symbols[1]}"), tuple(
+            math.prod(size) for size in sizes
+        )
     return Naming("Spheres in all", r"$N$"), tuple(math.prod(size) for size in sizes)
 
 
@@ -248,12 +284,14 @@ _TRENDS = ("rises", "falls")
 
 @dataclasses.dataclass(frozen=True)
 class Means:
-    """Values of a scan: a row for each combination of its keys without the seed that has finished points.
+    """Values of a scan: a row for each combination of its keys without the seed that has finished
+    points.
 
     Attributes
     ----------
     keys
-        Varied keys that take more than one value, with their values by row; without run times that follow from others.
+        Varied keys that take more than one value, with their values by row; without run times that
+        follow from others.
     counts
         Number of points of each row.
     values
@@ -274,7 +312,9 @@ class Means:
     called: str = SPHERES
 
     def quantities(self) -> list[tuple[str, str]]:
-        """Return the quantities that have figures, by names of figure and value: those that vary first."""
+        """Return the quantities that have figures, by names of figure and value: those that vary
+        first.
+        """
         found = []
         for number, (name, key) in enumerate(SCAN_FIGURES.items()):
             values = [value for value in self.values.get(key, ()) if value is not None]
@@ -293,8 +333,11 @@ class Means:
     def sentence(self, main: str) -> str:
         """Say between which values a quantity lies, where, and how it depends on each key."""
         values = self.values[main]
-        low, high = (choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max))
-        label, unit = quantity(main).label, quantity(main).unit.replace("^", "")
+        low, high = (
+            choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max)
+        )
+        label = quantity(main).label
+        unit = quantity(main).unit.replace("^", "")
         unit = f" {unit}" if unit else ""
         least, most = (self.text(main, row) + unit for row in (low, high))
         text = f"{label}: {most} at all points."
@@ -302,13 +345,23 @@ class Means:
             text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
             said = []
             for word in _TRENDS:
-                names = [key.naming.label for n, key in enumerate(self.keys) if self._trend(main, n) == word]
-                said += [f"{word} with {' and '.join(name[:1].lower() + name[1:] for name in names)}"] if names else []
+                names = [
+                    key.naming.label
+                    for n, key in enumerate(self.keys)
+                    if self._trend(main, n) == word
+                ]
+                said += (
+                    [f"{word} with {' and '.join(name[:1].lower() + name[1:] for name in names)}"]
+                    if names
+                    else []
+                )
             text += f" It {', '.join(said)}." if said else ""
         return in_grains(text, self.called)
 
     def _trend(self, main: str, n: int) -> str:
-        """Return how a quantity changes with the n-th key, all others equal; empty if not in one direction."""
+        """Return how a quantity changes with the n-th key, all others equal; empty if not in one
+        direction.
+        """
         if not self.keys[n].numeric:
             return ""
         signs = set()
@@ -321,7 +374,8 @@ class Means:
 
     def text(self, name: str, row: int) -> str:
         """Return a mean with its interval, where it has one."""
-        mean, half = self.values[name][row], self.half_widths[name][row]
+        mean = self.values[name][row]
+        half = self.half_widths[name][row]
         return interval(mean, half) if mean is not None and half else show(mean)
 
     def setting(self, row: int) -> str:
@@ -329,15 +383,23 @@ class Means:
         parts = []
         for key in self.keys:
             unit = f" {key.naming.unit}" if key.naming.unit and key.numeric else ""
-            parts.append(f"{key.naming.label[:1].lower()}{key.naming.label[1:]} {key.tick(row)}{unit}")
+            parts.append(
+                f"{key.naming.label[:1].lower()}{key.naming.label[1:]} {key.tick(row)}{unit}"
+            )
         return ", ".join(parts)
 
     def lines_along(self, n: int) -> list[list[int]]:
-        """Return the rows along the n-th key, in its order: a list for each combination of the other keys."""
+        """Return the rows along the n-th key, in its order: a list for each combination of the
+        other keys.
+        """
         lines: dict[tuple[object, ...], list[int]] = {}
         for row in range(len(self.counts)):
-            lines.setdefault(tuple(key.values[row] for m, key in enumerate(self.keys) if m != n), []).append(row)
-        return [sorted(rows, key=lambda row: float(self.keys[n].values[row])) for rows in lines.values()]
+            lines.setdefault(
+                tuple(key.values[row] for m, key in enumerate(self.keys) if m != n), []
+            ).append(row)
+        return [
+            sorted(rows, key=lambda row: float(self.keys[n].values[row])) for rows in lines.values()
+        ]
 
 
 def means_of(scan: ScanResult) -> Means:
@@ -346,15 +408,22 @@ def means_of(scan: ScanResult) -> Means:
     if SEED in scan.varied:
         table = scan_statistics(scan)
         counts = table.get(COUNT, [])
-        columns = {key.removesuffix(MEAN): column for key, column in table.items() if key.endswith(MEAN)}
+        columns = {
+            key.removesuffix(MEAN): column for key, column in table.items() if key.endswith(MEAN)
+        }
         widths = {key: table[key + CONFIDENCE] for key in columns}
         labels = {name: table[name] for name in names}
     else:
         done = [point for point in scan.points if point.status == "done"]
         counts = [1] * len(done)
         found = dict.fromkeys(key for point in done for key in point.summary)
-        values: dict[str, list[Any]] = {key: [point.summary.get(key) for point in done] for key in found}
-        columns = {key: [float(one) if is_number(one) else None for one in column] for key, column in values.items()}
+        values: dict[str, list[Any]] = {
+            key: [point.summary.get(key) for point in done] for key in found
+        }
+        columns = {
+            key: [float(one) if is_number(one) else None for one in column]
+            for key, column in values.items()
+        }
         widths = {key: [None] * len(done) for key in found}
         labels = {name: [point.labels.get(name) for point in done] for name in names}
     kept = [row for row, count in enumerate(counts) if count]

@@ -1,8 +1,9 @@
 """Reader of the directory of a scan: points, their status and their summaries.
 
-A scan has ``scan.json`` (its points and varied keys), ``points/ID`` (directories of finished runs) and
-``unfinished/ID`` (running or failed ones). In both, ``point.json`` records the number of attempts and the reason of a
-failure. An ID is a hash of the resolved case and the versions that it was run with.
+A scan has ``scan.json`` (its points and varied keys), ``points/ID`` (directories of finished runs)
+and ``unfinished/ID`` (running or failed ones). In both, ``point.json`` records the number of
+attempts and the reason of a failure. An ID is a hash of the resolved case and the versions that it
+was run with.
 """
 
 from __future__ import annotations
@@ -18,7 +19,14 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.values import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
 from granwave.lammps_inputs.directories import case_digest, read_summary, tables_as_run
 from granwave.lammps_inputs.files import read_json, read_tables
-from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_FILE, POINTS, SCAN_INDEX, SUMMARY_FILE, UNFINISHED
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINT_FILE,
+    POINTS,
+    SCAN_INDEX,
+    SUMMARY_FILE,
+    UNFINISHED,
+)
 
 SEED = "packing.seed"  # points that differ only in this key are replicates
 
@@ -83,11 +91,17 @@ class ScanResult:
             self._points: list[dict[str, Any]] = [_checked(point) for point in index["points"]]
             self.studies: tuple[str, ...] = tuple(index.get("study", ()))
         except FileNotFoundError:
-            raise MissingOutputError(f"{path} is missing: expected the directory of a scan") from None
+            raise MissingOutputError(
+                f"{path} is missing: expected the directory of a scan"
+            ) from None
         except KeyError as error:
-            raise OutputFormatError(f"{path} lacks {error}; run the scan again with --resume") from None
+            raise OutputFormatError(
+                f"{path} lacks {error}; run the scan again with --resume"
+            ) from None
         except (OSError, ValueError, TypeError) as error:
-            raise OutputFormatError(f"{path} cannot be read ({error}); run the scan again with --resume") from None
+            raise OutputFormatError(
+                f"{path} cannot be read ({error}); run the scan again with --resume"
+            ) from None
         self._summaries: dict[str, dict[str, Any]] = {}
 
     @property
@@ -98,22 +112,30 @@ class ScanResult:
     @property
     def units(self) -> dict[str, str]:
         """SI units of the varied keys that have one."""
-        found = {key: amplitude_unit(self._load_kinds()) if key == AMPLITUDE else unit_of(key) for key in self.varied}
+        found = {
+            key: amplitude_unit(self._load_kinds()) if key == AMPLITUDE else unit_of(key)
+            for key in self.varied
+        }
         return {key: unit for key, unit in found.items() if unit}
 
     def _load_kinds(self) -> set[str]:
-        """Return the kinds of the loads: of all points if they vary, else of the first point that was started."""
+        """Return the kinds of the loads: of all points if they vary, else of the first point that
+        was started.
+        """
         if LOAD_KIND in self.varied:
             return {str(point["labels"].get(LOAD_KIND)) for point in self._points}
         for point, folder in itertools.product(self._points, (POINTS, UNFINISHED)):
-            load = (read_tables(self.directory / folder / point["id"] / CASE_FILE) or {}).get("load")
+            load = (read_tables(self.directory / folder / point["id"] / CASE_FILE) or {}).get(
+                "load"
+            )
             if isinstance(load, dict) and "kind" in load:
                 return {str(load["kind"])}
         return set()
 
     def _point(self, entry: dict[str, Any]) -> PointResult:
         name = entry["id"]
-        finished, unfinished = self.directory / POINTS / name, self.directory / UNFINISHED / name
+        finished = self.directory / POINTS / name
+        unfinished = self.directory / UNFINISHED / name
         status: Status = "missing"
         if name not in self._summaries:
             if other := other_point(finished):
@@ -127,27 +149,36 @@ class ScanResult:
         if summary:
             status = "done"
         elif noted.get("state") == "failed":
-            status, reason = "failed", noted.get("reason") or ""
+            status = "failed"
+            reason = noted.get("reason") or ""
         elif finished.is_dir():
             reason = f"its {SUMMARY_FILE} is {'damaged' if (finished / SUMMARY_FILE).exists() else 'missing'}"
         attempts = noted.get("attempts", 0)
-        return PointResult(entry["number"], name, entry["labels"], status, reason, attempts, directory, summary)
+        return PointResult(
+            entry["number"], name, entry["labels"], status, reason, attempts, directory, summary
+        )
 
 
 def _checked(entry: dict[str, Any]) -> dict[str, Any]:
     """Check a point of the index; raise KeyError, TypeError or ValueError if it is incomplete."""
-    number, name, labels = entry["number"], entry["id"], entry["labels"]
+    number = entry["number"]
+    name = entry["id"]
+    labels = entry["labels"]
     if not isinstance(number, int) or not isinstance(name, str) or not isinstance(labels, dict):
         raise ValueError(f"a point has no number, id or labels: {entry}")
     return entry
 
 
 def other_point(directory: Path) -> str:
-    """Say that the directory of a finished point holds another point or another run; empty if it does not."""
+    """Say that the directory of a finished point holds another point or another run; empty if it
+    does not.
+    """
     noted = read_point(directory)
     way = "move it away: --resume then runs the point again"
     if (other := noted.get("id", directory.name)) != directory.name:
-        return f"{directory}: holds the point {other} of the scan; move it to its own place, or {way}"
+        return (
+            f"{directory}: holds the point {other} of the scan; move it to its own place, or {way}"
+        )
     tables = tables_as_run(directory) if "case" in noted else None
     if tables is not None and case_digest(tables) != noted["case"]:
         return f"{directory}: holds a run of another case than that of the point; {way}"
@@ -166,7 +197,8 @@ _WORTH = 1e-3  # difference from 1 below which nothing is protected, as by a sin
 
 
 def protects(varied: Sequence[str], summaries: Iterable[Mapping[str, Any]]) -> bool:
-    """Return True for a scan of targets, or of one that is no rigid wall, of which some packing takes a share.
+    """Return True for a scan of targets, or of one that is no rigid wall, of which some packing
+    takes a share.
 
     Parameters
     ----------

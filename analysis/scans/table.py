@@ -1,7 +1,9 @@
-"""Table of a scan with a row for each point, as CSV and HDF5, and its reader for scripts and notebooks.
+"""Table of a scan with a row for each point, as CSV and HDF5, and its reader for scripts and
+notebooks.
 
-Columns: varied keys, status of the point, and all values of its ``summary.json``. If ``packing.seed`` varies, a second
-table has the means over points that differ only in it, with 95 % confidence intervals and standard deviations.
+Columns: varied keys, status of the point, and all values of its ``summary.json``. If
+``packing.seed`` varies, a second table has the means over points that differ only in it, with 95 %
+confidence intervals and standard deviations.
 """
 
 from __future__ import annotations
@@ -38,7 +40,10 @@ if TYPE_CHECKING:
 MEAN_GROUP = "mean"
 #: Prefixes of keys without physical meaning beside keys that they follow.
 TIMES = ("run.", "output.")
-MEAN, DEVIATION, CONFIDENCE, COUNT = ".mean", ".std", ".ci95", "n"
+MEAN = ".mean"
+DEVIATION = ".std"
+CONFIDENCE = ".ci95"
+COUNT = "n"
 
 _INT64 = range(-(2**63), 2**63)
 
@@ -46,34 +51,40 @@ Columns = dict[str, list[Any]]
 
 
 def scan_table(result: ScanResult) -> Columns:
-    """Return the scan as columns of equal length, a row for each point in order; None for missing values.
+    """Return the scan as columns of equal length, a row for each point in order; None for missing
+    values.
 
     Returns
     -------
     dict
-        Varied keys; ``status``, ``reason``, ``directory`` (relative to that of the scan; empty if there is none),
-        ``attempts``; all values of the summaries, in their order and SI units, versions as ``versions.NAME``, lists as
-        text, ``none`` if empty. A summary value whose name is taken is called ``summary.NAME``.
+        Varied keys; ``status``, ``reason``, ``directory`` (relative to that of the scan; empty if
+        there is none), ``attempts``; all values of the summaries, in their order and SI units,
+        versions as ``versions.NAME``, lists as text, ``none`` if empty. A summary value whose name
+        is taken is called ``summary.NAME``.
     """
     points = result.points
     table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
     table["status"] = [point.status for point in points]
     table["reason"] = [point.reason for point in points]
     places = [point.directory for point in points]
-    table["directory"] = ["" if place is None else os.path.relpath(place, result.directory) for place in places]
+    table["directory"] = [
+        "" if place is None else os.path.relpath(place, result.directory) for place in places
+    ]
     table["attempts"] = [point.attempts for point in points]
     return table | _summaries(points, taken=table)
 
 
 def scan_statistics(result: ScanResult) -> Columns:
-    """Return means, deviations and intervals over seeds: a row for each set of points that differ only in the seed.
+    """Return means, deviations and intervals over seeds: a row for each set of points that differ
+    only in the seed.
 
     Returns
     -------
     dict
-        Other varied keys; ``n``, the number of finished points of the set; for each numeric summary value
-        ``NAME.mean``, ``NAME.std`` (over n - 1) and ``NAME.ci95``, the half-width of the 95 % confidence interval of
-        the mean (both None for fewer than two). Empty if the seed does not vary.
+        Other varied keys; ``n``, the number of finished points of the set; for each numeric summary
+        value ``NAME.mean``, ``NAME.std`` (over n - 1) and ``NAME.ci95``, the half-width of the 95 %
+        confidence interval of the mean (both None for fewer than two). Empty if the seed does not
+        vary.
     """
     if SEED not in result.varied:
         return {}
@@ -88,24 +99,33 @@ def scan_statistics(result: ScanResult) -> Columns:
     for name, column in _summaries(points, taken=()).items():
         if not _is_numeric(column):
             continue
-        found = [[column[row] for row in rows if column[row] is not None] for rows in groups.values()]
+        found = [
+            [column[row] for row in rows if column[row] is not None] for rows in groups.values()
+        ]
         estimates = [estimate(values) if values else None for values in found]
         table[name + MEAN] = [one.mean if one else None for one in estimates]
-        table[name + DEVIATION] = [one.deviation if one and one.n > 1 else None for one in estimates]
-        table[name + CONFIDENCE] = [one.half_width if one and one.n > 1 else None for one in estimates]
+        table[name + DEVIATION] = [
+            one.deviation if one and one.n > 1 else None for one in estimates
+        ]
+        table[name + CONFIDENCE] = [
+            one.half_width if one and one.n > 1 else None for one in estimates
+        ]
     return table
 
 
 def write_scan_table(scan: str | Path | ScanResult) -> Path:
-    """Write ``scan.csv`` and ``scan.h5``, and ``scan_mean.csv`` if the seed varies, each atomically.
+    """Write ``scan.csv`` and ``scan.h5``, and ``scan_mean.csv`` if the seed varies, each
+    atomically.
 
-    In ``scan.h5`` every column is a data set with its unit ("1" if dimensionless): numbers as float64 (NaN if missing),
-    or int64 if all are integers and none is missing; other values as UTF-8 text. The means are in the group ``/mean``.
+    In ``scan.h5`` every column is a data set with its unit ("1" if dimensionless): numbers as
+    float64 (NaN if missing), or int64 if all are integers and none is missing; other values as
+    UTF-8 text. The means are in the group ``/mean``.
 
     Parameters
     ----------
     scan
-        Directory of the scan, or the scan itself, whose summaries are cached if the table is written repeatedly.
+        Directory of the scan, or the scan itself, whose summaries are cached if the table is
+        written repeatedly.
 
     Returns
     -------
@@ -122,7 +142,8 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
         A file of such a name exists, and granwave did not write it.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
-    table, means = scan_table(result), scan_statistics(result)
+    table = scan_table(result)
+    means = scan_statistics(result)
     claim(result.directory, [SCAN_TABLE, SCAN_DATA, *([SCAN_MEANS] if means else [])])
     _write_csv(table, result.directory / SCAN_TABLE)
     if means:
@@ -139,10 +160,17 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
 
 
 def column_unit(name: str, units: Mapping[str, str]) -> str:
-    """Return the unit of a column of the table of a scan whose keys have these units, "1" if dimensionless."""
+    """Return the unit of a column of the table of a scan whose keys have these units, "1" if
+    dimensionless.
+    """
     if unit := units.get(name) or unit_of(name):
         return unit
-    name = name.removeprefix("summary.").removesuffix(MEAN).removesuffix(DEVIATION).removesuffix(CONFIDENCE)
+    name = (
+        name.removeprefix("summary.")
+        .removesuffix(MEAN)
+        .removesuffix(DEVIATION)
+        .removesuffix(CONFIDENCE)
+    )
     return "1" if "." in name else quantity(name).unit or "1"
 
 
@@ -174,7 +202,9 @@ class ScanData(Mapping[str, NDArray]):
         try:
             return self.columns[name]
         except KeyError:
-            raise KeyError(f"scan {self.name} has no column {name}; it has {', '.join(self.columns)}") from None
+            raise KeyError(
+                f"scan {self.name} has no column {name}; it has {', '.join(self.columns)}"
+            ) from None
 
     def __iter__(self) -> Iterator[str]:
         return iter(self.columns)
@@ -206,12 +236,15 @@ class ScanData(Mapping[str, NDArray]):
         status
             ``done``, ``failed`` or ``missing``.
         values
-            Required values of further columns, ``material="brass"``; dotted names through ``**{"load.velocity": 5}``.
+            Required values of further columns, ``material="brass"``; dotted names through
+            ``**{"load.velocity": 5}``.
         """
         chosen = self["status"] == status
         for name, value in values.items():
             chosen &= self[name] == value
-        return dataclasses.replace(self, columns={name: column[chosen] for name, column in self.columns.items()})
+        return dataclasses.replace(
+            self, columns={name: column[chosen] for name, column in self.columns.items()}
+        )
 
     def to_pandas(self) -> pandas.DataFrame:
         """Convert the table to a DataFrame, with the unit of every column in ``attrs["units"]``."""
@@ -238,7 +271,9 @@ class ScanData(Mapping[str, NDArray]):
         values = {key: list(dict.fromkeys(labels[key])) for key in axes}
         shape = tuple(len(found) for found in values.values())
         place = tuple([values[key].index(label) for label in labels[key]] for key in axes)
-        flat = np.ravel_multi_index(place, shape) if axes else np.zeros(self.n_points, dtype=np.int64)
+        flat = (
+            np.ravel_multi_index(place, shape) if axes else np.zeros(self.n_points, dtype=np.int64)
+        )
         if self.n_points != math.prod(shape) or len(np.unique(flat)) != self.n_points:
             size = " x ".join(map(str, shape)) or "1"
             raise ValueError(
@@ -247,15 +282,27 @@ class ScanData(Mapping[str, NDArray]):
             )
         order = np.argsort(flat)
         variables = {
-            name: (tuple(axes), column[order].reshape(shape), {"units": column_unit(name, self.units)})
+            name: (
+                tuple(axes),
+                column[order].reshape(shape),
+                {"units": column_unit(name, self.units)},
+            )
             for name, column in self.columns.items()
             if name not in self.varied
         }
         coordinates = {}
         for key in self.varied:
-            leader = key if key in axes else next(axis for axis in axes if determines(labels[axis], labels[key]))
+            leader = (
+                key
+                if key in axes
+                else next(axis for axis in axes if determines(labels[axis], labels[key]))
+            )
             follows = dict(zip(labels[leader], labels[key], strict=True))
-            coordinates[key] = (leader, list(follows.values()), {"units": column_unit(key, self.units)})
+            coordinates[key] = (
+                leader,
+                list(follows.values()),
+                {"units": column_unit(key, self.units)},
+            )
         return xarray.Dataset(variables, coordinates, {"name": self.name, "case": self.case_name})
 
 
@@ -271,14 +318,20 @@ def read_scan(directory: str | Path) -> ScanData:
     """
     result = ScanResult(directory)
     columns = {name: _array(column) for name, column in scan_table(result).items()}
-    texts = {name: np.array(column, dtype=str) for name, column in columns.items() if column.dtype == object}
+    texts = {
+        name: np.array(column, dtype=str)
+        for name, column in columns.items()
+        if column.dtype == object
+    }
     return ScanData(result.name, result.case_name, result.varied, columns | texts, result.units)
 
 
 def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
-    """Return the independent keys, without constant ones and those that another key determines (zipped keys).
+    """Return the independent keys, without constant ones and those that another key determines
+    (zipped keys).
 
-    Of keys that determine each other the first is kept, except that keys of ``run`` and ``output`` are dropped first.
+    Of keys that determine each other the first is kept, except that keys of ``run`` and ``output``
+    are dropped first.
     """
     kept = [key for key, column in labels.items() if len(set(column)) > 1]
     for key in sorted(reversed(kept), key=lambda key: not key.startswith(("run.", "output."))):
@@ -307,7 +360,10 @@ def _summaries(points: Sequence[PointResult], taken: Any) -> Columns:
     """Return the values of the summaries by column, None for points without the value."""
     rows = [_flat(point.summary) for point in points]
     names = dict.fromkeys(itertools.chain.from_iterable(rows))
-    return {f"summary.{name}" if name in taken else name: [row.get(name) for row in rows] for name in names}
+    return {
+        f"summary.{name}" if name in taken else name: [row.get(name) for row in rows]
+        for name in names
+    }
 
 
 def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
@@ -326,7 +382,9 @@ def _is_numeric(column: Sequence[Any]) -> bool:
 
 
 def _text(value: Any) -> str:
-    """Convert a value to text of the table: booleans as in TOML, without characters that UTF-8 or HDF5 lack."""
+    """Convert a value to text of the table: booleans as in TOML, without characters that UTF-8 or
+    HDF5 lack.
+    """
     if value is None:
         return ""
     text = str(value).lower() if isinstance(value, bool) else str(value)
@@ -343,7 +401,10 @@ def _array(column: Sequence[Any]) -> NDArray:
 
 
 def _write_csv(table: Columns, path: Path) -> None:
-    columns = [[value if is_number(value) else _text(value) for value in column] for column in table.values()]
+    columns = [
+        [value if is_number(value) else _text(value) for value in column]
+        for column in table.values()
+    ]
     with replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
         write_csv_rows(file, [list(table), *zip(*columns, strict=True)])
 

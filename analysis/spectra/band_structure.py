@@ -1,4 +1,6 @@
-"""Bands of an endless packing with all that follows from them: gaps, speeds, attenuation, curves over a plane."""
+"""Bands of an endless packing with all that follows from them: gaps, speeds, attenuation, curves
+over a plane.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,15 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.spectra.bands import ROLLING, Bands, Gap, band_edges, describe_floppy, gaps, solve_bands
+from granwave.analysis.spectra.bands import (
+    ROLLING,
+    Bands,
+    Gap,
+    band_edges,
+    describe_floppy,
+    gaps,
+    solve_bands,
+)
 from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, cell_state
@@ -19,13 +29,15 @@ from granwave.lammps_inputs.errors import InputError
 
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 _LONG = 1e-3  # |k| times the largest period: long waves, whose dispersion is 1e-7
-_ANGLES, _GRID = 180, 61
+_ANGLES = 180
+_GRID = 61
 _MOST_FREEDOMS = 48  # of a cell whose whole spectrum is found at all points of the grid
 _RIGID = 1e-9  # (c k)^2 over the largest omega^2 times (k a)^2
 _MOST_POINTS = 100_000
 _FREQUENCIES = 401  # for attenuation
 _BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
-NEAR_TOP = 0.25  # of the depth of a slab: grains whose part of the energy tells waves of its surface
+# of the depth of a slab: grains whose part of the energy tells waves of its surface
+NEAR_TOP = 0.25
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -43,7 +55,8 @@ class Surface:
     k
         Components of wave vectors along each axis: (n,), rad/m.
     frequency
-        Of the lowest bands: (n, n, n_bands), Hz; rows along the second axis; NaN where nothing resists.
+        Of the lowest bands: (n, n, n_bands), Hz; rows along the second axis; NaN where nothing
+        resists.
     """
 
     plane: str
@@ -59,14 +72,17 @@ class Surface:
 
 
 def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
-    """Return the speeds of long waves along unit vectors (n, 3), rising: (n, n_waves), m/s; NaN where nothing resists.
+    """Return the speeds of long waves along unit vectors (n, 3), rising: (n, n_waves), m/s; NaN
+    where nothing resists.
 
     As many as there are directions in which the grains can be displaced together.
     """
     network = stiffness.network
     n_waves = int(network.moves[:, :3].all(axis=0).sum()) if network.n_grains else 0
     if len(network.supports):
-        held = (np.abs(network.supports.normal).max(axis=0) > 0) | (network.supports.tangential.max() > 0)
+        held = (np.abs(network.supports.normal).max(axis=0) > 0) | (
+            network.supports.tangential.max() > 0
+        )
         n_waves = int((network.moves[:, :3].all(axis=0) & ~held).sum())
     size = float(np.linalg.norm(network.periods, axis=1).max())
     k = directions * (_LONG / size)
@@ -76,7 +92,9 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
 
 
 def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | None:
-    """Return slowness and frequencies over a plane; None for large cells, and if the packing does not repeat there."""
+    """Return slowness and frequencies over a plane; None for large cells, and if the packing does
+    not repeat there.
+    """
     network, (a, b) = stiffness.network, PLANES[plane]
     if network.n_freedoms > _MOST_FREEDOMS or len(network.periods) < 2:
         return None
@@ -91,12 +109,20 @@ def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | Non
     k = np.linspace(-reach, reach, _GRID)
     grid = np.zeros((_GRID * _GRID, 3))
     grid[:, a], grid[:, b] = (one.ravel() for one in np.meshgrid(k, k))
-    square = np.concatenate([np.linalg.eigvalsh(stiffness.dense(part)) for part in np.array_split(grid, 16)])
+    square = np.concatenate(
+        [np.linalg.eigvalsh(stiffness.dense(part)) for part in np.array_split(grid, 16)]
+    )
     with np.errstate(invalid="ignore"):
         frequency = np.sqrt(square[:, :n_bands]) / (2 * np.pi)
     centre = np.argmin(np.abs(grid).sum(axis=1))
     frequency[centre] = np.nan_to_num(frequency[centre])
-    return Surface(plane, angle, long_wave_speeds(stiffness, directions), k, frequency.reshape(_GRID, _GRID, -1))
+    return Surface(
+        plane,
+        angle,
+        long_wave_speeds(stiffness, directions),
+        k,
+        frequency.reshape(_GRID, _GRID, -1),
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -112,7 +138,8 @@ class BandStructure:
     gaps
         Gaps between them.
     complex_bands
-        Attenuation along the first stretch of the path; None for large cells, and where it is not defined.
+        Attenuation along the first stretch of the path; None for large cells, and where it is not
+        defined.
     surface
         Waves over a plane; None for rows and large cells.
     speeds
@@ -131,7 +158,9 @@ class BandStructure:
 
     @property
     def unit_frequency(self) -> float:
-        """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: that of normalised axes."""
+        """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: that of
+        normalised axes.
+        """
         network = self.state.network
         return float(np.sqrt(network.contacts.stiffness.mean() / network.mass.mean()) / (2 * np.pi))
 
@@ -142,11 +171,14 @@ class BandStructure:
 
     def summary(self) -> dict[str, Any]:
         """Return the values of bands.json."""
-        network, between = self.state.network, [gap for gap in self.gaps if gap.below and np.isfinite(gap.high)]
+        network = self.state.network
+        between = [gap for gap in self.gaps if gap.below and np.isfinite(gap.high)]
         widest = max(between, key=lambda gap: gap.high - gap.low, default=None)
         inside = None
         if self.complex_bands is not None and widest is not None:
-            there = (self.complex_bands.frequency > widest.low) & (self.complex_bands.frequency < widest.high)
+            there = (self.complex_bands.frequency > widest.low) & (
+                self.complex_bands.frequency < widest.high
+            )
             decay = self.complex_bands.least[there & np.isfinite(self.complex_bands.least)]
             inside = float(decay.max()) if len(decay) else None
         return {
@@ -160,7 +192,9 @@ class BandStructure:
             "n_freedoms": network.n_freedoms,
             "n_bands": self.bands.square.shape[1],
             "static_force_N": float(network.springs.force.mean()) if len(network.springs) else 0.0,
-            "contact_stiffness_N_per_m": float(network.springs.stiffness.mean()) if len(network.springs) else 0.0,
+            "contact_stiffness_N_per_m": float(network.springs.stiffness.mean())
+            if len(network.springs)
+            else 0.0,
             "unit_frequency_Hz": self.unit_frequency,
             "highest_frequency_Hz": float(np.nanmax(self.bands.frequency)),
             "speeds_m_s": self.speeds.tolist(),
@@ -169,7 +203,9 @@ class BandStructure:
             "widest_gap_Hz": None if widest is None else [widest.low, widest.high],
             "widest_gap_relative": None if widest is None else widest.relative_width,
             "attenuation_in_widest_gap": inside,
-            "attenuation_spacing_m": None if self.complex_bands is None else self.complex_bands.spacing,
+            "attenuation_spacing_m": None
+            if self.complex_bands is None
+            else self.complex_bands.spacing,
             "n_floppy": int(self.bands.floppy.sum(axis=1).max()),
             "static_residual": self.state.residual,
             "state_spread": self.state.spread,
@@ -200,7 +236,8 @@ def band_structure(
     directions
         Directions in which the grains move, of "xyz"; empty for those of the packing.
     plane
-        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the packing.
+        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the
+        packing.
     allow_floppy
         True to go on where motions meet no resistance; their frequencies are NaN.
     slab
@@ -209,10 +246,13 @@ def band_structure(
     Raises
     ------
     InputError
-        The packing does not repeat or bears no load, the path is wrong, or motions meet no resistance.
+        The packing does not repeat or bears no load, the path is wrong, or motions meet no
+        resistance.
     """
     if set(directions) - set("xyz"):
-        raise InputError(f'--directions: found "{directions}", expected some of the letters x, y and z')
+        raise InputError(
+            f'--directions: found "{directions}", expected some of the letters x, y and z'
+        )
     if not 2 <= points <= _MOST_POINTS:
         raise InputError(f"--points: found {points}, expected 2 to {_MOST_POINTS} in each stretch")
     if plane and plane not in PLANES:
@@ -236,7 +276,8 @@ def band_structure(
             f"{state.name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes "
             "blank"
         )
-    start, towards = way.k[0], way.k[1] - way.k[0]
+    start = way.k[0]
+    towards = way.k[1] - way.k[0]
     direction = towards / np.linalg.norm(towards)
     top = float(np.nanmax(bands.frequency, initial=0.0))
     frequency = np.linspace(0.0, _BEYOND * top, _FREQUENCIES)[1:]

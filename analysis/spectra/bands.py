@@ -1,8 +1,10 @@
-"""Bands of an endless packing along a path of wave vectors, gaps between them, and modes of a finite packing.
+"""Bands of an endless packing along a path of wave vectors, gaps between them, and modes of a
+finite packing.
 
-Participation ratio of a mode with the energies e_i of its grains: (sum e)^2/(n sum e^2); 1: all grains move alike,
-1/n: one moves. The density of states of a large packing is that of its lowest modes; for the whole range, its moments
-over Chebyshev polynomials are found with random vectors (kernel polynomial method, doi:10.1103/RevModPhys.78.275).
+Participation ratio of a mode with the energies e_i of its grains: (sum e)^2/(n sum e^2); 1: all
+grains move alike, 1/n: one moves. The density of states of a large packing is that of its lowest
+modes; for the whole range, its moments over Chebyshev polynomials are found with random vectors
+(kernel polynomial method, doi:10.1103/RevModPhys.78.275).
 """
 
 from __future__ import annotations
@@ -25,14 +27,24 @@ _TURNING = 0.99  # of the energy in rotations: grains that roll
 ROLLING = "like gears: they roll on each other, which friction does not resist"
 _LEAST = 1e-6  # of the highest frequency: bands that only touch leave no gap
 ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
-_BINS, _MOMENTS, _VECTORS, _SEED = 120, 240, 12, 1
-_WORDS = {place: f"along {name}" if place < 3 else f"turning about {name[1]}" for place, name in enumerate(FREEDOMS)}
+_BINS = 120
+_MOMENTS = 240
+_VECTORS = 12
+_SEED = 1
+_WORDS = {
+    place: f"along {name}" if place < 3 else f"turning about {name[1]}"
+    for place, name in enumerate(FREEDOMS)
+}
 
 
 def _hertz(square: Array, largest: float, rigid: NDArray[np.bool_] | bool = True) -> Array:
-    """Frequencies of omega^2, s^-2; 0 where nothing resists what is ``rigid``, NaN where a motion grows by itself."""
+    """Frequencies of omega^2, s^-2; 0 where nothing resists what is ``rigid``, NaN where a motion
+    grows by itself.
+    """
     zero = _ZERO * largest
-    hertz = np.where((np.abs(square) <= zero) & rigid, 0.0, np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi))
+    hertz = np.where(
+        (np.abs(square) <= zero) & rigid, 0.0, np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
+    )
     return np.where(square < -zero, np.nan, hertz)
 
 
@@ -51,11 +63,13 @@ class Bands:
     velocity
         Group velocities: (n_k, n_bands, 3), m/s; NaN where the frequency is zero.
     shape
-        Mode shapes at the corners of the path, in units of M^(-1/2): (n_corners, n_freedoms, n_bands).
+        Mode shapes at the corners of the path, in units of M^(-1/2): (n_corners, n_freedoms,
+        n_bands).
     largest
         Upper bound of omega^2, s^-2.
     share
-        Part of the energy that chosen degrees of freedom have: (n_k, n_bands); None if none were chosen.
+        Part of the energy that chosen degrees of freedom have: (n_k, n_bands); None if none were
+        chosen.
     """
 
     stiffness: Stiffness
@@ -73,7 +87,9 @@ class Bands:
 
     @cached_property
     def frequency(self) -> Array:
-        """Frequencies: (n_k, n_bands), Hz; 0 where nothing resists, NaN where a motion grows by itself."""
+        """Frequencies: (n_k, n_bands), Hz; 0 where nothing resists, NaN where a motion grows by
+        itself.
+        """
         return _hertz(self.square, self.largest, self.uniform[:, None])
 
     @property
@@ -97,7 +113,10 @@ class Bands:
 
 
 def solve_bands(
-    stiffness: Stiffness, path: Path, n_bands: int | None = None, chosen: NDArray[np.bool_] | None = None
+    stiffness: Stiffness,
+    path: Path,
+    n_bands: int | None = None,
+    chosen: NDArray[np.bool_] | None = None,
 ) -> Bands:
     """Find the bands along a path, the lowest ones of a large cell.
 
@@ -108,10 +127,12 @@ def solve_bands(
     chosen
         Degrees of freedom whose part of the energy is sought: (n_freedoms,).
     """
-    n, n_k = stiffness.network.n_freedoms, len(path.k)
+    n = stiffness.network.n_freedoms
+    n_k = len(path.k)
     wanted = min(n, n_bands or (n if stiffness.small else MOST_BANDS))
     corners = [row for row, _ in path.corners]
-    square, velocity = np.empty((n_k, wanted)), np.empty((n_k, wanted, 3))
+    square = np.empty((n_k, wanted))
+    velocity = np.empty((n_k, wanted, 3))
     shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
     share = None if chosen is None else np.empty((n_k, wanted))
     for start in range(0, n_k, stiffness.at_once):
@@ -125,7 +146,9 @@ def solve_bands(
         for place, corner in enumerate(corners):
             if start <= corner < part.stop:
                 shape[place] = vectors[corner - start]
-    largest = max(float(square.max()), stiffness.largest / 2) if stiffness.small else stiffness.largest
+    largest = (
+        max(float(square.max()), stiffness.largest / 2) if stiffness.small else stiffness.largest
+    )
     there = square > _ZERO * largest
     omega = np.sqrt(np.where(there, square, 1.0))[:, :, None]
     velocity = np.where(there[:, :, None], velocity / (2 * omega), np.nan)
@@ -133,9 +156,12 @@ def solve_bands(
 
 
 def describe_floppy(bands: Bands) -> str:
-    """Describe the modes without resistance: how many, where, which grains move how; empty if there are none."""
+    """Describe the modes without resistance: how many, where, which grains move how; empty if there
+    are none.
+    """
     counts = bands.floppy.sum(axis=1)
-    row, at = int(np.argmax(counts)), int(np.count_nonzero(counts))
+    row = int(np.argmax(counts))
+    at = int(np.count_nonzero(counts))
     if not at:
         return ""
     with warnings.catch_warnings():
@@ -150,7 +176,9 @@ def describe_floppy(bands: Bands) -> str:
 
 
 def growing(square: Array, largest: float) -> str:
-    """Describe the modes that grow, given omega^2 (..., n_modes) and its upper bound, s^-2; empty if there are none."""
+    """Describe the modes that grow, given omega^2 (..., n_modes) and its upper bound, s^-2; empty
+    if there are none.
+    """
     grow = square < -_ZERO * largest
     if not grow.any():
         return ""
@@ -160,7 +188,9 @@ def growing(square: Array, largest: float) -> str:
 
 
 def who_moves(network: Network, share: Array) -> str:
-    """Describe which grains move in which directions, given the energies of the degrees of freedom (n_freedoms,)."""
+    """Describe which grains move in which directions, given the energies of the degrees of freedom
+    (n_freedoms,).
+    """
     grain, direction = network.freedoms
     total = share.sum()
     along = np.bincount(direction, share, 6) / total
@@ -200,7 +230,9 @@ class Gap:
 
 
 def band_edges(bands: Bands) -> Array:
-    """Return the lowest and highest frequency of each band along the path: (n_bands, 2), Hz; NaN without any."""
+    """Return the lowest and highest frequency of each band along the path: (n_bands, 2), Hz; NaN
+    without any.
+    """
     frequency = bands.frequency
     low = np.where(np.isnan(frequency), np.inf, frequency).min(axis=0)
     high = np.where(np.isnan(frequency), -np.inf, frequency).max(axis=0)
@@ -209,14 +241,18 @@ def band_edges(bands: Bands) -> Array:
 
 
 def gaps(bands: Bands) -> list[Gap]:
-    """Return the gaps between the bands of a path, and those below the first and above the last, by rising frequency.
+    """Return the gaps between the bands of a path, and those below the first and above the last, by
+    rising frequency.
 
     Of a large cell the last one is left out where only the lowest bands were sought.
     """
     edges = band_edges(bands)
     found: list[Gap] = []
-    top, least = 0.0, _LEAST * float(np.nanmax(edges, initial=0.0))
-    for n, (low, high) in enumerate(edges[np.argsort(edges[:, 0])].tolist()):  # bands without any frequency are last
+    top = 0.0
+    least = _LEAST * float(np.nanmax(edges, initial=0.0))
+    for n, (low, high) in enumerate(
+        edges[np.argsort(edges[:, 0])].tolist()
+    ):  # bands without any frequency are last
         if low > top + least:
             found.append(Gap(top, low, n))
         top = max(top, high)
@@ -234,7 +270,8 @@ class Modes:
     square
         omega^2, rising: (n_modes,), s^-2.
     shape
-        Displacements and rotations of unit kinetic energy: (n_freedoms, n_modes), kg^-1/2 (rotations: kg^-1/2 m^-1).
+        Displacements and rotations of unit kinetic energy: (n_freedoms, n_modes), kg^-1/2
+        (rotations: kg^-1/2 m^-1).
     participation
         Participation ratios: (n_modes,).
     density_frequency, density
@@ -285,15 +322,18 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
     """
     network = stiffness.network
     n = network.n_freedoms
-    matrix, largest = stiffness.matrix(np.zeros(3)).real.tocsr(), stiffness.largest
+    matrix = stiffness.matrix(np.zeros(3)).real.tocsr()
+    largest = stiffness.largest
     if n <= ALL_UP_TO:
         square, vectors = np.linalg.eigh(matrix.toarray())
         known = np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
         n_bins = int(np.clip(len(square) / 8, 10, _BINS))
         counts, edges = np.histogram(known, n_bins, (0.0, 1.02 * known.max()))
-        frequency, density = (edges[1:] + edges[:-1]) / 2, counts / (len(square) * np.diff(edges))
+        frequency = (edges[1:] + edges[:-1]) / 2
+        density = counts / (len(square) * np.diff(edges))
         if n_modes is not None:
-            square, vectors = square[:n_modes], vectors[:, :n_modes]
+            square = square[:n_modes]
+            vectors = vectors[:, :n_modes]
     else:
         square, vectors = lowest(matrix, min(n_modes or MOST_MODES, n - 2), largest)
         frequency, density = _chebyshev(matrix, largest)
@@ -316,7 +356,8 @@ def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[n
     def scaled(one: Array) -> Array:
         return np.asarray((matrix @ one - middle * one) / (1.01 * width))
 
-    before, now = vector, scaled(vector)
+    before = vector
+    now = scaled(vector)
     moments = [float((vector * before).sum()), float((vector * now).sum())]
     for _ in range(_MOMENTS - 2):
         before, now = now, 2 * scaled(now) - before
@@ -328,7 +369,9 @@ def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[n
     frequency = (np.arange(_BINS) + 0.5) / _BINS * np.sqrt(largest) / (2 * np.pi)
     square = (2 * np.pi * frequency) ** 2
     x = np.clip((square - middle) / (1.01 * width), -1 + 1e-9, 1 - 1e-9)
-    density = np.cos(np.outer(np.arccos(x), m)) @ weights / (np.pi * np.sqrt(1 - x**2) * 1.01 * width)
+    density = (
+        np.cos(np.outer(np.arccos(x), m)) @ weights / (np.pi * np.sqrt(1 - x**2) * 1.01 * width)
+    )
     found = density * 8 * np.pi**2 * frequency
     kept = frequency <= frequency[np.flatnonzero(found > 1e-4 * found.max())[-1]] * 1.02
     return frequency[kept], np.maximum(found[kept], 0.0)

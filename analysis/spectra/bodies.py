@@ -1,4 +1,6 @@
-"""Grains of a unit cell or of a finite packing at places of their own, with walls and loads, and the contacts there."""
+"""Grains of a unit cell or of a finite packing at places of their own, with walls and loads, and
+the contacts there.
+"""
 
 from __future__ import annotations
 
@@ -16,9 +18,12 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
 
-_OF_SPHERE, _OF_CYLINDER = 0.4, 0.5  # moments of inertia over m R^2, the second about the axis
+# moments of inertia over m R^2, the second about the axis
+_OF_SPHERE = 0.4
+_OF_CYLINDER = 0.5
 _NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
-_UNLOADED = 1e-7  # of the largest force: contacts that bear nothing but what the search for balance left
+# of the largest force: contacts that bear nothing but what the search for balance left
+_UNLOADED = 1e-7
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -75,7 +80,8 @@ class Bodies:
     dead_load
         Constant forces: (n, 3), N.
     stress
-        Load on the cell: forces times lengths for each strain that is free, ``{(2, 2): N m}``; compression positive.
+        Load on the cell: forces times lengths for each strain that is free, ``{(2, 2): N m}``;
+        compression positive.
     touched
         Grains on which a wall acts, by its name: (n,); of walls that are not there: all.
     """
@@ -97,7 +103,9 @@ class Bodies:
     @property
     def inertia(self) -> Array:
         """Moments of inertia, of cylinders about their axis: (n,), kg m^2."""
-        factor = np.array([_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes])[self.kind]
+        factor = np.array(
+            [_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes]
+        )[self.kind]
         return np.asarray(factor * self.mass * self.radius**2)
 
     def part(self, rows: Ints, periods: Array) -> Bodies:
@@ -110,32 +118,43 @@ class Bodies:
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
     ) -> tuple[Contacts, NDArray[np.bool_]]:
-        """Return pairs of rows from the vectors between their centres (n, 3), m, and True where nothing touches.
+        """Return pairs of rows from the vectors between their centres (n, 3), m, and True where
+        nothing touches.
 
-        That is where the nearest places are beyond the end of a cylinder. Distances may be given: (n,), m.
+        That is where the nearest places are beyond the end of a cylinder. Distances may be given:
+        (n,), m.
         """
-        apart, turns, beyond = step, np.empty((len(first), 3, 3)), np.zeros(len(first), dtype=bool)
+        apart = step
+        turns = np.empty((len(first), 3, 3))
+        beyond = np.zeros(len(first), dtype=bool)
         if self.laws.has_cylinders:
             apart = np.empty_like(step)
             shapes = self.laws.shapes
             code = self.kind[first] * len(shapes) + self.kind[second]
             for each in np.unique(code).tolist():
-                rows, pair = np.flatnonzero(code == each), (shapes[each // len(shapes)], shapes[each % len(shapes)])
+                rows = np.flatnonzero(code == each)
+                pair = (shapes[each // len(shapes)], shapes[each % len(shapes)])
                 apart[rows], past = nearest_vectors(step[rows], *pair)
                 beyond[rows] = past > -_NEGLIGIBLE * self.spacing
-                normal = apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
+                normal = (
+                    apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
+                )
                 turns[rows] = turning_projection(normal, *pair)
         distance = np.linalg.norm(apart, axis=1)
         radii = np.stack([self.radius[first], self.radius[second]], axis=1)
         if lengths is not None:
-            apart, distance = apart * (lengths / distance)[:, None], lengths
+            apart = apart * (lengths / distance)[:, None]
+            distance = lengths
         with np.errstate(invalid="ignore"):
             normal = apart / distance[:, None]
         if not self.laws.has_cylinders:
             turns = across(normal)
-        names, overlap = np.full(len(first), "", dtype=object), radii.sum(axis=1) - distance
+        names = np.full(len(first), "", dtype=object)
+        overlap = radii.sum(axis=1) - distance
         shift = image @ self.periods
-        return Contacts(first, second, image, normal, distance, turns, names, overlap, radii, shift), beyond
+        return Contacts(
+            first, second, image, normal, distance, turns, names, overlap, radii, shift
+        ), beyond
 
     @property
     def spacing(self) -> float:
@@ -143,7 +162,9 @@ class Bodies:
         return float(2 * self.radius.mean())
 
     def _at_walls(self, position: Array, gap: float) -> Iterator[Contacts]:
-        """Give the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do not touch."""
+        """Give the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do not
+        touch.
+        """
         for wall in self.walls:
             if wall.held_layer:
                 continue
@@ -152,11 +173,16 @@ class Bodies:
             if wall.name in self.touched:
                 near &= self.touched[wall.name]
             if self.laws.has_cylinders and not wall.tube:
-                ends = [shape is not None and abs(shape.axis[wall.axis]) > 0.5 for shape in self.laws.shapes]
+                ends = [
+                    shape is not None and abs(shape.axis[wall.axis]) > 0.5
+                    for shape in self.laws.shapes
+                ]
                 near &= ~np.array(ends)[self.kind]
             rows = np.flatnonzero(near)
             n = len(rows)
-            normal, around, distance = np.zeros((n, 3)), np.zeros((n, 3)), np.full(n, np.inf)
+            normal = np.zeros((n, 3))
+            around = np.zeros((n, 3))
+            distance = np.full(n, np.inf)
             if wall.tube:
                 distance = -np.maximum(np.hypot(*position[rows].T[:2]), 1e-300)
                 normal[:, :2] = position[rows, :2] / -distance[:, None]
@@ -169,31 +195,53 @@ class Bodies:
                 np.stack([self.radius[rows], np.full(n, np.inf)], axis=1), np.zeros((n, 3)),
             )  # fmt: skip
 
-    def near(self, position: Array, periods: Array, gap: float, wall_gap: float | None = None) -> Contacts:
-        """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than ``wall_gap``."""
+    def near(
+        self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
+    ) -> Contacts:
+        """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than
+        ``wall_gap``.
+        """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[self.kind]
-        around = np.where(half > 0, np.hypot(self.radius, half), self.radius)  # radii of spheres around the grains
+        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[
+            self.kind
+        ]
+        around = np.where(
+            half > 0, np.hypot(self.radius, half), self.radius
+        )  # radii of spheres around the grains
         reach = 2 * float(around.max()) + gap
         tree = KDTree(position)
         pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
-        found = [(pairs.min(axis=1), pairs.max(axis=1), np.zeros((len(pairs), len(periods)), dtype=np.int64))]
-        low, high = position.min(axis=0) - reach, position.max(axis=0) + reach
+        found = [
+            (
+                pairs.min(axis=1),
+                pairs.max(axis=1),
+                np.zeros((len(pairs), len(periods)), dtype=np.int64),
+            )
+        ]
+        low = position.min(axis=0) - reach
+        high = position.max(axis=0) + reach
         for image in _images(position, periods, reach):
             shifted = position + np.array(image) @ periods
             inside = np.flatnonzero(((shifted >= low) & (shifted <= high)).all(axis=1))
             if not len(inside):
                 continue
-            table = tree.sparse_distance_matrix(KDTree(shifted[inside]), reach, output_type="coo_matrix")
-            first, second = np.asarray(table.row, dtype=np.int64), inside[table.col]
+            table = tree.sparse_distance_matrix(
+                KDTree(shifted[inside]), reach, output_type="coo_matrix"
+            )
+            first = np.asarray(table.row, dtype=np.int64)
+            second = inside[table.col]
             found.append((first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1))))
         first, second, shifts = (np.concatenate(part) for part in zip(*found, strict=True))
-        near, beyond = self.pairs(first, second, shifts, position[second] - position[first] + shifts @ periods)
+        near, beyond = self.pairs(
+            first, second, shifts, position[second] - position[first] + shifts @ periods
+        )
         at_walls = self._at_walls(position, gap if wall_gap is None else wall_gap)
         return joined([joined([near], (-near.overlap <= gap) & ~beyond), *at_walls])
 
-    def network(self, position: Array, periods: Array, peak: Callable[[Contacts], Array] | None = None) -> Network:
+    def network(
+        self, position: Array, periods: Array, peak: Callable[[Contacts], Array] | None = None
+    ) -> Network:
         """Return the springs of the contacts that bear force in a state.
 
         Parameters
@@ -203,12 +251,15 @@ class Bodies:
         periods
             Periods in the static state: (n_periods, 3), m.
         peak
-            Function that gives the largest overlaps of contacts so far, m; by default those of the state.
+            Function that gives the largest overlaps of contacts so far, m; by default those of the
+            state.
         """
         near = self.near(position, periods, -_NEGLIGIBLE * self.spacing)
         springs = self.springs(near, None if peak is None else peak(near))
         least = _UNLOADED * springs.force.max(initial=0.0)
-        return self.with_springs(joined([springs], (springs.force > least) & (springs.stiffness > 0)))
+        return self.with_springs(
+            joined([springs], (springs.force > least) & (springs.stiffness > 0))
+        )
 
     def with_springs(self, springs: Springs) -> Network:
         """Return the network of these contacts, without grains that nothing touches."""
@@ -216,12 +267,18 @@ class Bodies:
         return Network(*given, springs).without_idle()
 
     def springs(self, contacts: Contacts, peak: Array | None = None) -> Springs:
-        """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by default those now."""
+        """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by
+        default those now.
+        """
         most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
         force, stiffness, tangential = np.zeros((3, len(most)))
         for law, rows, scale in self.laws_of(contacts):
-            force[rows], stiffness[rows], tangential[rows] = law.small(contacts.overlap[rows], most[rows], scale)
-        lever = np.where(np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0)
+            force[rows], stiffness[rows], tangential[rows] = law.small(
+                contacts.overlap[rows], most[rows], scale
+            )
+        lever = np.where(
+            np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0
+        )
         return Springs(
             contacts.first, contacts.second, contacts.image, contacts.normal, contacts.distance, force, stiffness,
             tangential, lever, contacts.turns, contacts.wall,
@@ -229,8 +286,12 @@ class Bodies:
 
     def laws_of(self, contacts: Contacts) -> Iterator[Part]:
         """Give the laws of contacts, each with its rows and their scales."""
-        pairs, kind, radii = np.flatnonzero(contacts.second >= 0), self.kind[contacts.first], contacts.radii
-        for law, rows, scale in self.laws.pairs(kind[pairs], self.kind[contacts.second[pairs]], radii[pairs]):
+        pairs = np.flatnonzero(contacts.second >= 0)
+        kind = self.kind[contacts.first]
+        radii = contacts.radii
+        for law, rows, scale in self.laws.pairs(
+            kind[pairs], self.kind[contacts.second[pairs]], radii[pairs]
+        ):
             yield law, pairs[rows], scale
         for wall in self.walls:
             own = np.flatnonzero(contacts.wall == wall.name)
@@ -239,7 +300,9 @@ class Bodies:
 
 
 def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:
-    """Whole numbers of periods to cells that may hold neighbours, of each pair of opposite ones only the first."""
+    """Whole numbers of periods to cells that may hold neighbours, of each pair of opposite ones
+    only the first.
+    """
     if not len(periods):
         return []
     inverse = np.linalg.pinv(periods)  # rows of the cell to numbers of periods

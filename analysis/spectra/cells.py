@@ -1,9 +1,9 @@
 """Unit cells of the packings that are endless: lattices, chains, grains of a file with a cell.
 
-A lattice of like spheres has its primitive cell, whatever its size and boundaries in the case are: it stands for the
-inside of the packing. A chain has the shortest sequence of beads that it repeats. Packings with disorder, and chains
-that repeat nothing, are their own cell where the case makes them endless (``boundary.bottom = "periodic"``), and so are
-the grains of a file with ``packing.cell``.
+A lattice of like spheres has its primitive cell, whatever its size and boundaries in the case are:
+it stands for the inside of the packing. A chain has the shortest sequence of beads that it repeats.
+Packings with disorder, and chains that repeat nothing, are their own cell where the case makes them
+endless (``boundary.bottom = "periodic"``), and so are the grains of a file with ``packing.cell``.
 """
 
 from __future__ import annotations
@@ -28,22 +28,27 @@ from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import touched_by, walls
 
-_ALONG = 1e-9  # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
+# 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
+_ALONG = 1e-9
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
 
 
 class UnitCell(NamedTuple):
-    """Rows of the packing that make a unit cell, (n,), and the vectors after which it repeats, (n_periods, 3), m."""
+    """Rows of the packing that make a unit cell, (n,), and the vectors after which it repeats,
+    (n_periods, 3), m.
+    """
 
     rows: Ints
     periods: Array
 
 
 def primitive_vectors(kind: Kind) -> tuple[Array, int]:
-    """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the cell.
+    """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the
+    cell.
 
-    Along the axes that it has; the spheres are those of the first sites of successive layers. Where the supports of a
-    sphere are three lattice vectors, they are taken: the standard names of directions then fit the load along z.
+    Along the axes that it has; the spheres are those of the first sites of successive layers. Where
+    the supports of a sphere are three lattice vectors, they are taken: the standard names of
+    directions then fit the load along z.
     """
     found, n = _repeats(kind)
     primitive = n == 1 and len(kind.supports) == len(found) == 3
@@ -57,7 +62,9 @@ def vectors_of_layer(kind: Kind) -> Array:
 
 
 def _repeats(kind: Kind) -> tuple[list[Array], int]:
-    """Shortest vectors along a row, to an equal row and to an equal layer, and the layers before that one."""
+    """Shortest vectors along a row, to an equal row and to an equal layer, and the layers before
+    that one.
+    """
 
     def site(i: int, j: int, k: int) -> Array:
         return np.array([float(one) for one in kind.site(*(np.asarray(n) for n in (i, j, k)))])
@@ -67,10 +74,16 @@ def _repeats(kind: Kind) -> tuple[list[Array], int]:
         here = site(*base)
         steps = itertools.product(range(-3, 4), range(-2, 3), range(-1, 2))
         places = (site(*(a + b for a, b in zip(base, step, strict=True))) - here for step in steps)
-        return {tuple(np.round(one, 6) + 0.0) for one in places if abs(np.linalg.norm(one) - 1) < TOUCHING}
+        return {
+            tuple(np.round(one, 6) + 0.0)
+            for one in places
+            if abs(np.linalg.norm(one) - 1) < TOUCHING
+        }
 
-    origin, own = site(0, 0, 0), around(0, 0)
-    found, n = [], 1
+    origin = site(0, 0, 0)
+    own = around(0, 0)
+    found = []
+    n = 1
     if "x" in kind.axes:
         found.append(site(1, 0, 0) - origin)
     if "y" in kind.axes:
@@ -89,10 +102,13 @@ def unit_cell(assembly: Assembly) -> UnitCell:
     InputError
         The packing does not repeat.
     """
-    case, lattice = assembly.case, assembly.lattice
+    case = assembly.case
+    lattice = assembly.lattice
     n = lattice.n_spheres
     if assembly.bars:
-        raise InputError(f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat")
+        raise InputError(
+            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
+        )
     endless = case.boundary.bottom == "periodic"
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
@@ -102,10 +118,13 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             )
         return UnitCell(np.arange(n), np.array(case.packing.cell))
     if lattice.kind == "chain":
-        period, length = 1, lattice.diameter
+        period = 1
+        length = lattice.diameter
         if not assembly.sites.uniform:
             if not assembly.sites.present.all():
-                raise InputError(f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load")
+                raise InputError(
+                    f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load"
+                )
             period = assembly.sites.period_of_chain(whole=endless) or n
             length = float(assembly.sites.nominal[:period].sum())
             if period == n and not endless:
@@ -113,7 +132,9 @@ def unit_cell(assembly: Assembly) -> UnitCell:
                     f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
                     'boundary.bottom = "periodic" the whole chain is the unit cell'
                 )
-        start = period * (n // (2 * period)) if holds_some(case) else 0  # in the middle, where some beads are held
+        start = (
+            period * (n // (2 * period)) if holds_some(case) else 0
+        )  # in the middle, where some beads are held
         start = start if start + period <= n else 0
         return UnitCell(np.arange(start, start + period), np.array([[0.0, 0.0, length]]))
     if assembly.sites.uniform and not holds_some(case):
@@ -125,7 +146,11 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             )
         return UnitCell(np.arange(spheres) * nx * ny, vectors * lattice.diameter)
     if not endless and not ("z" not in lattice.rule.axes and lattice.periodic):
-        what = "grains that are held" if assembly.sites.uniform else "spheres that differ, or vacancies"
+        what = (
+            "grains that are held"
+            if assembly.sites.uniform
+            else "spheres that differ, or vacancies"
+        )
         raise InputError(
             f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that does; with "
             'boundary.sides = "periodic" and boundary.bottom = "periodic" the whole packing is the unit cell, and with '
@@ -138,12 +163,17 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             f"endless {lattice.kind}"
         )
     periods = np.diag([*lattice.lengths, nz * lattice.rule.layer_spacing * lattice.diameter])
-    return UnitCell(np.arange(assembly.sites.count), periods[[axis in lattice.rule.axes for axis in "xyz"]])
+    return UnitCell(
+        np.arange(assembly.sites.count), periods[[axis in lattice.rule.axes for axis in "xyz"]]
+    )
 
 
 def holds_some(case: Case) -> bool:
     """Return True if some grains are held or guided, and others not."""
-    return any(hold.axes and len(held_ids(case, hold)) < math.prod(case.packing.size) for hold in case.holds.values())
+    return any(
+        hold.axes and len(held_ids(case, hold)) < math.prod(case.packing.size)
+        for hold in case.holds.values()
+    )
 
 
 def cell_bodies(case: Case) -> Bodies:
@@ -165,8 +195,14 @@ def cell_bodies(case: Case) -> Bodies:
     if stage.kind == "gravity":
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
     base = packing_bodies(assembly).part(cell.rows, cell.periods)
-    across = np.abs(cell.periods).max(axis=0) > 0  # axes along which a wall would cut the endless packing
-    planes = tuple(wall for wall in base.walls if wall.name != "bottom" and (wall.tube or not across[wall.axis]))
+    across = (
+        np.abs(cell.periods).max(axis=0) > 0
+    )  # axes along which a wall would cut the endless packing
+    planes = tuple(
+        wall
+        for wall in base.walls
+        if wall.name != "bottom" and (wall.tube or not across[wall.axis])
+    )
     of_file = not isinstance(assembly.lattice, Lattice)
     bodies = dataclasses.replace(
         base,
@@ -177,7 +213,8 @@ def cell_bodies(case: Case) -> Bodies:
     if not of_file:
         return bodies
     # grains of a file may overlap each other, or images of each other
-    shortest, largest = float(np.linalg.norm(bodies.periods, axis=1).min()), float(bodies.radius.max())
+    shortest = float(np.linalg.norm(bodies.periods, axis=1).min())
+    largest = float(bodies.radius.max())
     if not bodies.laws.has_cylinders and 2 * largest - shortest > LARGEST * largest / 2:
         raise InputError(
             f"{case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
@@ -188,7 +225,8 @@ def cell_bodies(case: Case) -> Bodies:
     if share.max(initial=0.0) <= LARGEST:
         return bodies
     worst = int(np.argmax(share))
-    i, j = bodies.ids[near.first[worst]], bodies.ids[near.second[worst]]
+    i = bodies.ids[near.first[worst]]
+    j = bodies.ids[near.second[worst]]
     of = "an image of " * bool(near.image[worst].any())
     raise InputError(
         f"{case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
@@ -197,17 +235,21 @@ def cell_bodies(case: Case) -> Bodies:
 
 
 def packing_bodies(assembly: Assembly) -> Bodies:
-    """Return the spheres of a packing, without strikers and without dead loads, in the order of their ids.
+    """Return the spheres of a packing, without strikers and without dead loads, in the order of
+    their ids.
 
     Raises
     ------
     InputError
         There is friction, and the axis of a cylinder is not along x, y or z.
     """
-    case, sites, inside = assembly.case, assembly.sites, assembly.ids <= assembly.lattice.n_spheres
+    case = assembly.case
+    sites = assembly.sites
+    inside = assembly.ids <= assembly.lattice.n_spheres
     ids = assembly.ids[inside]
     there, kind = np.unique(sites.body[sites.present], return_inverse=True)
-    kinds, kind = [sites.bodies[number] for number in there.tolist()], kind.astype(np.int64)
+    kinds = [sites.bodies[number] for number in there.tolist()]
+    kind = kind.astype(np.int64)
     lacking = np.zeros((len(kinds), 6), dtype=bool)  # cylinders turn about their axis alone
     for row, (_, shape) in enumerate(kinds):
         if shape is not None:
@@ -225,7 +267,8 @@ def packing_bodies(assembly: Assembly) -> Bodies:
             held[chosen, "xyz".index(axis)] = True
         if entry.rotation:
             held[chosen, 3:] = True
-    position, around = assembly.positions()[inside], walls(assembly)
+    position = assembly.positions()[inside]
+    around = walls(assembly)
     acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
         case, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
@@ -235,7 +278,9 @@ def packing_bodies(assembly: Assembly) -> Bodies:
 
 
 def moving(directions: str, case: Case) -> NDArray[np.bool_]:
-    """Degrees of freedom: those directions; with friction, rotations that contacts along them resist."""
+    """Degrees of freedom: those directions; with friction, rotations that contacts along them
+    resist.
+    """
     there = [axis in directions for axis in "xyz"]
     turns = [case.has_friction and sum(there) - there[axis] > 1 for axis in range(3)]
     return np.array([there + turns])
@@ -243,10 +288,15 @@ def moving(directions: str, case: Case) -> NDArray[np.bool_]:
 
 def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
-    case, stage, lattice = assembly.case, assembly.case.precompression, assembly.lattice
+    case = assembly.case
+    stage = assembly.case.precompression
+    lattice = assembly.lattice
     assert stage is not None
-    lengths, row = np.abs(cell.periods).max(axis=0), len(cell.periods) == 1
-    along_z, force, uniaxial = float(lengths[2]), stage.force, stage.kind == "uniaxial"
+    lengths = np.abs(cell.periods).max(axis=0)
+    row = len(cell.periods) == 1
+    along_z = float(lengths[2])
+    force = stage.force
+    uniaxial = stage.kind == "uniaxial"
     fault = ""
     if stage.moves_walls:
         if force is not None and (not row or along_z == 0):
@@ -266,7 +316,9 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     if stage.moves_walls or row:
         return {} if force is None else {(2, 2): force * along_z}
     if uniaxial and force is not None:
-        if assembly.sites.uniform:  # a force on each sphere of a layer, of which the cell has one in each of its layers
+        if (
+            assembly.sites.uniform
+        ):  # a force on each sphere of a layer, of which the cell has one in each of its layers
             spheres = len(cell.rows) if len(cell.periods) == 3 else 1
             return {(2, 2): force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
         nx, ny, _ = lattice.shape
@@ -278,4 +330,6 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     if uniaxial:
         return {(2, 2): load}
     axes = np.flatnonzero(lengths > 0).tolist()
-    return {(axis, axis): load for axis in axes} | {pair: 0.0 for pair in itertools.combinations(axes, 2)}
+    return {(axis, axis): load for axis in axes} | {
+        pair: 0.0 for pair in itertools.combinations(axes, 2)
+    }

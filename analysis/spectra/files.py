@@ -1,4 +1,6 @@
-"""File ``spectra.h5`` with the groups ``/bands``, ``/modes`` and ``/transmission``; each data set has a ``unit``."""
+"""File ``spectra.h5`` with the groups ``/bands``, ``/modes`` and ``/transmission``; each data set
+has a ``unit``.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,11 @@ def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None
             for kind in file.keys() - {name.partition("/")[0] for name in tables}:
                 earlier |= _tables(file[kind])
     with new_hdf5(path) as file:
-        file.attrs["name"], file.attrs["kind"], file.attrs["case"] = state.name, "spectra", state.case.to_toml()
+        file.attrs["name"], file.attrs["kind"], file.attrs["case"] = (
+            state.name,
+            "spectra",
+            state.case.to_toml(),
+        )
         file.attrs["versions"] = json.dumps(versions_of(()))
         for group, table in (earlier | dict(tables)).items():
             for name, (values, unit) in table.items():
@@ -91,7 +97,9 @@ def case_in(path: Path) -> str:
 
 
 def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
-    """Return the tables of the case, and versions of the programs, of spectra.h5; empty where it cannot be read."""
+    """Return the tables of the case, and versions of the programs, of spectra.h5; empty where it
+    cannot be read.
+    """
     try:
         with h5py.File(directory / SPECTRA_FILE, "r") as file:
             return tomllib.loads(str(file.attrs["case"])), json.loads(str(file.attrs["versions"]))
@@ -102,7 +110,8 @@ def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
 def tables_of_network(group: str, state: State) -> dict[str, Table]:
     """Return the grains and springs of a state."""
     network: Network = state.network
-    springs, walls = network.springs, network.supports
+    springs = network.springs
+    walls = network.supports
     return {
         f"{group}/grains": {
             "id": (network.ids, "1"),
@@ -133,7 +142,8 @@ def tables_of_network(group: str, state: State) -> dict[str, Table]:
 
 def tables_of_bands(found: BandStructure) -> dict[str, Table]:
     """Return the groups of bands."""
-    bands, path = found.bands, found.bands.path
+    bands = found.bands
+    path = found.bands.path
     grain, direction = found.state.network.freedoms
     share = {} if bands.share is None else {"surface_share": (bands.share, "1")}
     tables: dict[str, Table] = {
@@ -151,7 +161,10 @@ def tables_of_bands(found: BandStructure) -> dict[str, Table]:
             **share,
         },
         "bands/shapes": {
-            "amplitude": (bands.shape / np.sqrt(found.state.network.masses)[None, :, None], "kg-1/2"),
+            "amplitude": (
+                bands.shape / np.sqrt(found.state.network.masses)[None, :, None],
+                "kg-1/2",
+            ),
             "id": (found.state.network.ids[grain], "1"),
             "freedom": ([FREEDOMS[one] for one in direction], "1"),
         },

@@ -1,16 +1,19 @@
 """Springs between grains: what remains of a packing for small motions about its static state.
 
-A contact of the grains i and j, with the unit vector e from i to j, the distance d of their centres, the static force F
-and the normal and tangential stiffnesses k_n and k_t, stores for small displacements u and rotations q
+A contact of the grains i and j, with the unit vector e from i to j, the distance d of their
+centres, the static force F and the normal and tangential stiffnesses k_n and k_t, stores for small
+displacements u and rotations q
 
-    E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |T (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j q_j) x e|^2
+    E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |T (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j
+    q_j) x e|^2
 
 with P = 1 - e e and the lever arms l. The second term is of the static force, which turns with the contact: T = P for
 spheres, T = P - a a at the side of a cylinder with the axis a, along which nothing turns (d is then the distance from
 the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is
 + F/(2 (R - r)) times the square of the motion around the axis.
 
-The numbers may come from a packing (`granwave.analysis.spectra.bodies`), or from anything else that acts like springs.
+The numbers may come from a packing (`granwave.analysis.spectra.bodies`), or from anything else that
+acts like springs.
 """
 
 from __future__ import annotations
@@ -52,7 +55,8 @@ class Springs:
     lever
         Lever arms of both grains: (n, 2), m.
     turns
-        Projections T, see the module; of spheres as of `across`, in a tube on the direction around it: (n, 3, 3).
+        Projections T, see the module; of spheres as of `across`, in a tube on the direction around
+        it: (n, 3, 3).
     wall
         Names of the walls, empty for pairs: (n,); None if there are pairs alone.
     """
@@ -82,7 +86,10 @@ def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(Non
     """Put tables of arrays below each other, and return the rows that are kept."""
     names = [field.name for field in dataclasses.fields(tables[0])]
     columns: dict[str, Any] = {name: [getattr(table, name) for table in tables] for name in names}
-    whole = {name: None if parts[0] is None else np.concatenate(parts)[kept] for name, parts in columns.items()}
+    whole = {
+        name: None if parts[0] is None else np.concatenate(parts)[kept]
+        for name, parts in columns.items()
+    }
     return type(tables[0])(**whole)
 
 
@@ -101,7 +108,8 @@ class Network:
     moves
         True for the directions in which a grain moves, in the order of `FREEDOMS`: (n, 6).
     periods
-        Vectors after which the packing repeats, before the load: (n_periods, 3), m; none of a finite packing.
+        Vectors after which the packing repeats, before the load: (n_periods, 3), m; none of a
+        finite packing.
     contacts
         All contacts; ``springs`` are those of grains, ``supports`` those with walls.
     left_out
@@ -134,13 +142,17 @@ class Network:
 
     @property
     def freedoms(self) -> tuple[Ints, Ints]:
-        """Row of the grain and direction (a place in `FREEDOMS`) of each degree of freedom: (n_freedoms,) each."""
+        """Row of the grain and direction (a place in `FREEDOMS`) of each degree of freedom:
+        (n_freedoms,) each.
+        """
         grain, direction = np.nonzero(self.moves)
         return grain, direction
 
     @property
     def numbers(self) -> Ints:
-        """Number of the degree of freedom of each grain and direction, -1 where it does not move: (n, 6)."""
+        """Number of the degree of freedom of each grain and direction, -1 where it does not move:
+        (n, 6).
+        """
         return np.where(self.moves, np.cumsum(self.moves).reshape(self.moves.shape) - 1, -1)
 
     @property
@@ -155,18 +167,29 @@ class Network:
         return np.where(direction < 3, self.mass[grain], self.inertia[grain])
 
     def turned_off(self, directions: str) -> Network:
-        """Return the network with grains that move in some directions only, of "xyz", and turn as these allow."""
+        """Return the network with grains that move in some directions only, of "xyz", and turn as
+        these allow.
+        """
         kept = np.array([letter in directions for letter in "xyz"])
         turns = np.array([kept[[b for b in range(3) if b != a]].any() for a in range(3)])
         return dataclasses.replace(self, moves=self.moves & np.concatenate([kept, turns]))
 
     def without_idle(self) -> Network:
-        """Return the network without the grains that bear no static load, which nothing touches: they are left out."""
-        contacts, present = self.contacts, np.zeros(self.n_grains + 1, dtype=bool)
-        present[contacts.first] = present[contacts.second] = True  # walls are the row beyond the last
+        """Return the network without the grains that bear no static load, which nothing touches:
+        they are left out.
+        """
+        contacts = self.contacts
+        present = np.zeros(self.n_grains + 1, dtype=bool)
+        # walls are the row beyond the last
+        present[contacts.first] = present[contacts.second] = True
         present = present[:-1]
         row = np.append(np.cumsum(present) - 1, -1)
-        own = {name: getattr(self, name)[present] for name in ("ids", "position", "mass", "inertia", "moves")}
-        contacts = dataclasses.replace(contacts, first=row[contacts.first], second=row[contacts.second])
+        own = {
+            name: getattr(self, name)[present]
+            for name in ("ids", "position", "mass", "inertia", "moves")
+        }
+        contacts = dataclasses.replace(
+            contacts, first=row[contacts.first], second=row[contacts.second]
+        )
         left_out = np.concatenate([self.left_out, self.ids[~present]])
         return dataclasses.replace(self, **own, contacts=contacts, left_out=left_out)

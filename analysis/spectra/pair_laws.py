@@ -1,8 +1,9 @@
 """Forces, stiffnesses and energies of many contacts at once, by the laws of the plugin.
 
-A law of a contact in a point at an effective radius R* follows from that at R* = 1 m: overlaps grow with R*, forces
-with R*^2, stiffnesses with R*, energies with R*^3. Contacts along a line, and powers of the overlap, have no such
-scale: each size has a law of its own, which stands in the same formulas at a scale of 1 m.
+A law of a contact in a point at an effective radius R* follows from that at R* = 1 m: overlaps grow
+with R*, forces with R*^2, stiffnesses with R*, energies with R*^3. Contacts along a line, and
+powers of the overlap, have no such scale: each size has a law of its own, which stands in the same
+formulas at a scale of 1 m.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ class Touches:
     scaled: bool = True
 
     def evaluate(self, overlap: Array, scale: Array) -> tuple[Array, Array, Array]:
-        """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are first reached.
+        """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are
+        first reached.
 
         Parameters
         ----------
@@ -68,13 +70,15 @@ class Touches:
         slope = self._unloading(a, peak)
         if loading.any():
             one = a[loading]
-            slope[loading] = (self.law.loading_force(one * (1 + _STEP)) - self.law.loading_force(one * (1 - _STEP))) / (
-                2 * _STEP * one
-            )
+            slope[loading] = (
+                self.law.loading_force(one * (1 + _STEP))
+                - self.law.loading_force(one * (1 - _STEP))
+            ) / (2 * _STEP * one)
         return scale**2 * force, scale * slope, scale**3 * work
 
     def small(self, overlap: Array, peak: Array, scale: Array) -> tuple[Array, Array, Array]:
-        """Return force, N, and normal and tangential stiffness of small motions, N/m, at a state with a past.
+        """Return force, N, and normal and tangential stiffness of small motions, N/m, at a state
+        with a past.
 
         Parameters
         ----------
@@ -86,18 +90,30 @@ class Touches:
         a = np.maximum(overlap, 0.0) / scale
         most = np.maximum.reduce([a, peak / scale, np.full_like(a, self.dent)])
         tangential = self.law.tangential_stiffness(a, most) if self.friction else np.zeros_like(a)
-        return scale**2 * self.law.force(a, most), scale * self._unloading(a, most), scale * tangential
+        return (
+            scale**2 * self.law.force(a, most),
+            scale * self._unloading(a, most),
+            scale * tangential,
+        )
 
     def _unloading(self, a: Array, peak: Array) -> Array:
-        """Slope of the branch that a contact un- and reloads on: n F/(alpha - alpha_R), N/m at R* = 1."""
+        """Slope of the branch that a contact un- and reloads on: n F/(alpha - alpha_R), N/m at R* =
+        1.
+        """
         if not self.scaled:  # no power of the overlap, or one of its own; elastic
             return np.where(a > 0, self.law.tangent_stiffness(a, a), 0.0)
         above = a - self.law.residual_overlap(peak)
-        slope: Array = self.law.unloading_exponent(peak) * self.law.force(a, peak) / np.where(above > 0, above, 1.0)
+        slope: Array = (
+            self.law.unloading_exponent(peak)
+            * self.law.force(a, peak)
+            / np.where(above > 0, above, 1.0)
+        )
         return np.where(above > 0, slope, 0.0)
 
 
-Part = tuple[Touches, Ints, Array]  # a law, the rows that it belongs to, and their scales (n_rows,), m
+Part = tuple[
+    Touches, Ints, Array
+]  # a law, the rows that it belongs to, and their scales (n_rows,), m
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -123,7 +139,9 @@ class PairLaws:
             The dents come from a file, or belong to regions.
         """
         given = self.case.contact.initial_overlap
-        if isinstance(given, str) or (isinstance(given, tuple) and any(one.low or one.high for one in given)):
+        if isinstance(given, str) or (
+            isinstance(given, tuple) and any(one.low or one.high for one in given)
+        ):
             raise InputError(
                 f"{self.case.name}: contact.initial_overlap: found dents that differ from place to place; "
                 "run the case, and give the directory of the run"
@@ -148,64 +166,105 @@ class PairLaws:
             Radii of both grains: (n, 2), m.
         """
         swap = one > other
-        low, high = np.where(swap, other, one), np.where(swap, one, other)
+        low = np.where(swap, other, one)
+        high = np.where(swap, one, other)
         radii = np.where(swap[:, None], radii[:, ::-1], radii)
         found: list[Part] = []
         code = low * len(self.bodies) + high
         for each in np.unique(code).tolist():
-            rows, bodies = np.flatnonzero(code == each), [self.bodies[n] for n in divmod(each, len(self.bodies))]
+            rows = np.flatnonzero(code == each)
+            bodies = [self.bodies[n] for n in divmod(each, len(self.bodies))]
             (first, shape), (second, partner) = bodies
             geometry = cylinder_pair(shape, partner) if shape or partner else None
-            contact, own, scale = self.case.contact_between(first, second), radii[rows], None
+            contact = self.case.contact_between(first, second)
+            own = radii[rows]
+            scale = None
             if not contact.entry.is_power and geometry is None:
                 scale = own.prod(axis=1) / own.sum(axis=1)
             elif not contact.entry.is_power and geometry is not None and not geometry.parallel:
                 sizes, which = np.unique(own, axis=0, return_inverse=True)
-                scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[which.ravel()]
+                scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[
+                    which.ravel()
+                ]
             found += self._parts(bodies[0], bodies[1], contact.friction, rows, own, scale)
         return found
 
     def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
-        """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows and their scales."""
+        """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows
+        and their scales.
+        """
         found: list[Part] = []
         for n, (material, shape) in enumerate(self.bodies):
             if len(rows := np.flatnonzero(kind == n)):
-                by_size = shape is not None or self.case.contact_between(material, wall.material).entry.is_power
+                by_size = (
+                    shape is not None
+                    or self.case.contact_between(material, wall.material).entry.is_power
+                )
                 radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
-                scale, friction = wall.effective_radii(radius[rows]), wall_friction(self.case, wall, material)
+                scale = wall.effective_radii(radius[rows])
+                friction = wall_friction(self.case, wall, material)
                 flat = (wall.material, None)
-                found += self._parts(self.bodies[n], flat, friction, rows, radii, None if by_size else scale)
+                found += self._parts(
+                    self.bodies[n], flat, friction, rows, radii, None if by_size else scale
+                )
         return found
 
     def _parts(
-        self, first: Body, second: Partner, friction: float, rows: Ints, radii: Array, scale: Array | None
+        self,
+        first: Body,
+        second: Partner,
+        friction: float,
+        rows: Ints,
+        radii: Array,
+        scale: Array | None,
     ) -> Iterator[Part]:
-        """Give the law at R* = 1 m of two bodies with its scales, or, without these, one for each pair of radii."""
-        sizes, which, scaled = np.full((1, 2), 2.0), np.zeros(len(rows), dtype=np.int64), scale is not None
+        """Give the law at R* = 1 m of two bodies with its scales, or, without these, one for each
+        pair of radii.
+        """
+        sizes = np.full((1, 2), 2.0)
+        which = np.zeros(len(rows), dtype=np.int64)
+        scaled = scale is not None
         if scale is None:
             sizes, which = np.unique(radii, axis=0, return_inverse=True)
         else:
-            first, second = (first[0], None), (second[0], None)
+            first = (first[0], None)
+            second = (second[0], None)
         scales = np.ones(len(rows)) if scale is None else scale
         for number, size in enumerate(sizes.tolist()):
             key = first, second, *size, friction, scaled
             if key not in self._known:
-                self._known[key] = self._touches(first, second, (size[0], size[1]), friction, scaled=scaled)
+                self._known[key] = self._touches(
+                    first, second, (size[0], size[1]), friction, scaled=scaled
+                )
             own = which.ravel() == number
             yield self._known[key], rows[own], scales[own]
 
     def _touches(
-        self, first: Body, second: Partner, radii: tuple[float, float], friction: float, *, scaled: bool
+        self,
+        first: Body,
+        second: Partner,
+        radii: tuple[float, float],
+        friction: float,
+        *,
+        scaled: bool,
     ) -> Touches:
         """Return the law of two bodies of these radii, m, with its initial dent over R*."""
-        case, bodies, shapes = self.case, (first[0], second[0]), (first[1], second[1])
-        line, given = case.contact.line == "plane-strain", case.contact.initial_overlap
-        law = law_between(case.contact_between(*bodies), bodies, radii, shapes=shapes, plane_strain=line)
-        dent, radius = 0.0, case.packing.diameter / 4
+        case = self.case
+        bodies = (first[0], second[0])
+        shapes = (first[1], second[1])
+        line = case.contact.line == "plane-strain"
+        given = case.contact.initial_overlap
+        law = law_between(
+            case.contact_between(*bodies), bodies, radii, shapes=shapes, plane_strain=line
+        )
+        dent = 0.0
+        radius = case.packing.diameter / 4
         if scaled and given and law.entry.yields:
             if isinstance(given, float | int):
                 dent = float(given) / radius
             else:
-                own = law_between(case.contact, (case.material, case.material), (2 * radius, 2 * radius))
+                own = law_between(
+                    case.contact, (case.material, case.material), (2 * radius, 2 * radius)
+                )
                 dent = largest_dent(case, own) / radius
         return Touches(law, friction, dent, scaled)

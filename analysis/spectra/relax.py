@@ -1,10 +1,12 @@
 """Static state of grains under load, by Newton's method.
 
-Unknown are the displacements of the grains and the strains of the cell that are free. The energy of the contacts and
-of the loads is smallest in the static state; contacts are loaded for the first time, without friction.
+Unknown are the displacements of the grains and the strains of the cell that are free. The energy of
+the contacts and of the loads is smallest in the static state; contacts are loaded for the first
+time, without friction.
 
-A packing that buckles has no such state near the places that it is given. Newton's method with the turning of forces
-then finds the one in which all forces balance and from which it buckles: some motions lower its energy.
+A packing that buckles has no such state near the places that it is given. Newton's method with the
+turning of forces then finds the one in which all forces balance and from which it buckles: some
+motions lower its energy.
 """
 
 from __future__ import annotations
@@ -26,16 +28,25 @@ from granwave.lammps_inputs.packing.assembly import assemble
 
 _MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 _ROUNDS = 200
-_BALANCED, _BALANCED_OF_MANY = 1e-11, 1e-9  # net force over the largest contact force; of many grains
+# net force over the largest contact force; of many grains
+_BALANCED = 1e-11
+_BALANCED_OF_MANY = 1e-9
 _TOLERATED = 1e-6  # the same where rounding leaves more
-_STALLED, _OF_STALLED = 6, 100.0  # steps without progress, and how much more net force is then allowed
+# steps without progress, and how much more net force is then allowed
+_STALLED = 6
+_OF_STALLED = 100.0
 _SMALLEST_STEP = 2.0**-10
 _FARTHEST = 1e3  # mean diameters: steps beyond it are those of motions that nothing resists
-_DIRECT_UP_TO = 1500  # unknowns, factorised; more by conjugate gradients, except in slender packings
-_OF_A_ROW, _SLENDER = 6, 120  # entries by unknown in a row of grains; bandwidth: some 6 x 6 grains across
-_BUCKLED_UP_TO = 6000  # unknowns: whose balance is sought with the turning of forces, by factors with pivots
+# unknowns, factorised; more by conjugate gradients, except in slender packings
+_DIRECT_UP_TO = 1500
+# entries by unknown in a row of grains; bandwidth: some 6 x 6 grains across
+_OF_A_ROW = 6
+_SLENDER = 120
+# unknowns: whose balance is sought with the turning of forces, by factors with pivots
+_BUCKLED_UP_TO = 6000
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
-_FIRST_STRAIN, _LARGEST_STRAIN = 1e-7, 0.05
+_FIRST_STRAIN = 1e-7
+_LARGEST_STRAIN = 0.05
 _ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
 _HALVINGS = 5  # of the interval in which the first strain is sought
 
@@ -47,14 +58,18 @@ class _At:
     energy: float
     gradient: Array
     contacts: Contacts  # of grains near each other, and near walls
-    tables: list[tuple[Array, sparse.csr_array]]  # slopes of forces with the derivatives of distances, which are first
+    tables: list[
+        tuple[Array, sparse.csr_array]
+    ]  # slopes of forces with the derivatives of distances, which are first
     largest: float
     rounding: float
 
     @property
     def hessian(self) -> sparse.csr_array:
         """Second derivatives of the energy."""
-        return sparse.csr_array(sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables))
+        return sparse.csr_array(
+            sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables)
+        )
 
 
 class _Problem:
@@ -65,7 +80,9 @@ class _Problem:
         self.with_turning = with_turning
         self.free = bodies.moves[:, :3].copy()
         number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
-        self.number = np.append(number, np.full((1, 3), -1), axis=0)  # the last row is that of walls
+        self.number = np.append(
+            number, np.full((1, 3), -1), axis=0
+        )  # the last row is that of walls
         self.strains = list(bodies.stress)
         self.n_motions = int(self.free.sum())
         self.n = self.n_motions + len(self.strains)
@@ -117,7 +134,9 @@ class _Problem:
         tables = [(slope, stretch)]
         if self.with_turning:
             weight = -force / contacts.distance
-            tables += [(weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)]
+            tables += [
+                (weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)
+            ]
         span = float(np.abs(position).max()) if len(position) else 0.0
         rounding = _ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
         return _At(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
@@ -132,7 +151,9 @@ class _Problem:
         return max(along, float(np.linalg.norm(between, axis=1).max(initial=0.0)))
 
     def by_linear_springs(self) -> Array:
-        """Unknowns under the dead loads if all contacts were linear springs, which bear tension too."""
+        """Unknowns under the dead loads if all contacts were linear springs, which bear tension
+        too.
+        """
         bodies = self.bodies
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
         contacts = bodies.near(bodies.position, bodies.periods, gap, _MARGIN * bodies.spacing)
@@ -142,8 +163,12 @@ class _Problem:
         return _move(static_stiffness(assemble(bodies.case)) * (stretch.T @ stretch), gradient)
 
     def _stretch(self, contacts: Contacts, direction: Array) -> sparse.csr_array:
-        """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n, n_unknowns)."""
-        moved = self._approach(contacts.first, direction) - self._approach(contacts.second, direction)
+        """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,
+        n_unknowns).
+        """
+        moved = self._approach(contacts.first, direction) - self._approach(
+            contacts.second, direction
+        )
         strained = np.zeros((len(direction), len(self.strains)))
         for place, (a, b) in enumerate(self.strains):
             strained[:, place] = direction[:, a] * contacts.shift[:, b]
@@ -151,15 +176,20 @@ class _Problem:
         return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained]))
 
     def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
-        """Derivatives by the unknowns of gaps in front of grains along normals (n, 3): (n, n_unknowns)."""
+        """Derivatives by the unknowns of gaps in front of grains along normals (n, 3): (n,
+        n_unknowns).
+        """
         number = self.number[grain]
         kept = number >= 0
         row = np.repeat(np.arange(len(grain)), 3).reshape(len(grain), 3)[kept]
-        return sparse.coo_array((-normal[kept], (row, number[kept])), shape=(len(grain), self.n)).tocsr()
+        return sparse.coo_array(
+            (-normal[kept], (row, number[kept])), shape=(len(grain), self.n)
+        ).tocsr()
 
 
 def relax(bodies: Bodies) -> tuple[Array, Array, float]:
-    """Find the static state of grains under their loads, or, if they buckle, the balance from which they do.
+    """Find the static state of grains under their loads, or, if they buckle, the balance from which
+    they do.
 
     Returns
     -------
@@ -181,7 +211,10 @@ def relax(bodies: Bodies) -> tuple[Array, Array, float]:
         turning = _Problem(bodies, with_turning=True)
         there, at, more = _search(turning, _start(turning))
         if _balanced(turning, at):
-            problem, x, now, steps = turning, there, at, steps + more
+            problem = turning
+            x = there
+            now = at
+            steps = steps + more
     net = _net(problem, now)
     residual = net / now.largest if now.largest else 0.0
     if now.largest and not _balanced(problem, now):
@@ -198,9 +231,12 @@ def _balanced(problem: _Problem, now: _At) -> bool:
 
 def _search(problem: _Problem, x: Array) -> tuple[Array, _At, int]:
     """Return the unknowns, what they give, and the steps, of Newton's method from a start."""
-    bodies, now = problem.bodies, problem.at(x)
+    bodies = problem.bodies
+    now = problem.at(x)
     balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
-    best, since, steps = np.inf, 0, 0
+    best = np.inf
+    since = 0
+    steps = 0
     for rounds in range(_ROUNDS):
         steps = rounds
         net = _net(problem, now)
@@ -228,7 +264,8 @@ def _search(problem: _Problem, x: Array) -> tuple[Array, _At, int]:
             size /= 2
         if size < _SMALLEST_STEP:
             break
-        x, now = x + size * move, there
+        x = x + size * move
+        now = there
     return x, now, steps
 
 
@@ -241,7 +278,9 @@ def _net(problem: _Problem, now: _At) -> float:
 
 
 def _move(hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False) -> Array:
-    """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are no minimum."""
+    """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are
+    no minimum.
+    """
     diagonal = hessian.diagonal()
     soft = _SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
     matrix = (hessian + (soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
@@ -251,21 +290,29 @@ def _move(hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False) -
     direct = len(diagonal) <= _DIRECT_UP_TO or matrix.nnz <= _OF_A_ROW * matrix.shape[0]
     if not direct:
         place = np.empty(matrix.shape[0], dtype=np.int64)
-        place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(len(place))
+        place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(
+            len(place)
+        )
         rows, columns = matrix.nonzero()
         direct = bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
     if direct:
         return np.asarray(factorised(matrix).solve(-gradient))
-    found, _ = cg(matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal()))
+    found, _ = cg(
+        matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal())
+    )
     return np.asarray(found)
 
 
 def _start(problem: _Problem) -> Array:
     """Unknowns at which the even strain of the cell bears the load: contacts are closed there."""
-    diagonal = [place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b]
+    diagonal = [
+        place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b
+    ]
     load = sum(problem.bodies.stress[one] for one in problem.strains if one[0] == one[1])
     if not diagonal or not load:
-        return problem.by_linear_springs() if problem.bodies.dead_load.any() else np.zeros(problem.n)
+        return (
+            problem.by_linear_springs() if problem.bodies.dead_load.any() else np.zeros(problem.n)
+        )
 
     def excess(strain: float) -> float:
         return float(problem.at(problem.uniform(strain)).gradient[diagonal].sum())

@@ -1,4 +1,6 @@
-"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static stage left it."""
+"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static
+stage left it.
+"""
 
 from __future__ import annotations
 
@@ -52,7 +54,8 @@ class State:
     periods
         Periods under the load: (n_periods, 3), m.
     spread
-        Largest difference of overlaps from their means in cells of a run, over the largest; 0 of a case.
+        Largest difference of overlaps from their means in cells of a run, over the largest; 0 of a
+        case.
     """
 
     name: str
@@ -75,7 +78,8 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
     Raises
     ------
     InputError
-        The packing does not repeat, bears no load, or the state of the run is not the same everywhere.
+        The packing does not repeat, bears no load, or the state of the run is not the same
+        everywhere.
     """
     if slab:
         return _slab_state(source)
@@ -110,7 +114,9 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
         return _state(result.case, network, "run", np.nan, bodies.periods)
 
 
-def _state(case: Case, network: Network, source: str, residual: float, periods: Array, spread: float = 0.0) -> State:
+def _state(
+    case: Case, network: Network, source: str, residual: float, periods: Array, spread: float = 0.0
+) -> State:
     """Return a state; raise InputError if no contact bears a force."""
     if not len(network.contacts):
         raise InputError(
@@ -131,7 +137,9 @@ def _in_own_cell(case: Case, bodies: Bodies) -> State:
 
 
 def _slab_state(source: Case | Path) -> State:
-    """Return the state of a column of a packing that repeats sideways, or of all of it where its grains differ."""
+    """Return the state of a column of a packing that repeats sideways, or of all of it where its
+    grains differ.
+    """
     found = source if isinstance(source, Case) else packing_state(source)
     case = found if isinstance(found, Case) else found.case
     assembly = assemble(case)
@@ -147,7 +155,9 @@ def _slab_state(source: Case | Path) -> State:
     lattice = assembly.lattice
     if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(case):
         nx, ny, nz = lattice.shape
-        bodies = bodies.part(np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter)
+        bodies = bodies.part(
+            np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter
+        )
     return _in_own_cell(case, bodies)
 
 
@@ -155,7 +165,9 @@ def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     case = assembly.case
     support = case.boundary.bottom_support
     if assembly.bars:
-        raise InputError(f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone")
+        raise InputError(
+            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone"
+        )
     if support is not None and not (damped and support.kind == "damper"):
         raise InputError(
             f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom that stays, or "
@@ -169,8 +181,11 @@ def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
 
 
 def _whole(assembly: Assembly) -> Bodies:
-    """Return all grains of a finite packing with their dead loads; those of a held layer do not move."""
-    case, lattice = assembly.case, assembly.lattice
+    """Return all grains of a finite packing with their dead loads; those of a held layer do not
+    move.
+    """
+    case = assembly.case
+    lattice = assembly.lattice
     bodies = packing_bodies(assembly)
     load = np.zeros_like(bodies.dead_load)
     if case.precompression is not None and case.packing.grains is None:
@@ -184,11 +199,15 @@ def _whole(assembly: Assembly) -> Bodies:
     if lattice.periodic:
         across = [axis in axes for axis in "xy"]
         periods = np.diag([*lattice.lengths, 0.0])[:2][across]
-    return dataclasses.replace(bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods)
+    return dataclasses.replace(
+        bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods
+    )
 
 
 def _as_left(result: Result) -> tuple[Bodies, Network, Callable[[Contacts | Springs], Array]]:
-    """Return the grains of a run, their springs after the static stage, and the function of `_peaks`."""
+    """Return the grains of a run, their springs after the static stage, and the function of
+    `_peaks`.
+    """
     bodies = _whole(result.assembly)
     peaks = _peaks(result, bodies.ids)
     position = bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)]
@@ -196,7 +215,9 @@ def _as_left(result: Result) -> tuple[Bodies, Network, Callable[[Contacts | Spri
 
 
 def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
-    """Return a function that gives the largest overlaps of contacts before the impact, given rows of these ids."""
+    """Return a function that gives the largest overlaps of contacts before the impact, given rows
+    of these ids.
+    """
     known = pd.Series(dtype=float)
     for group, names in (("contacts", ("i", "j")), ("wall_contacts", ("id", "wall"))):
         if f"{group}/initial_overlap" in result:
@@ -220,28 +241,39 @@ def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
 
 def _mean_cell(result: Result) -> State:
     """Return the mean state of the unit cells inside a run."""
-    case, assembly = result.case, result.assembly
+    case = result.case
+    assembly = result.assembly
     cell = unit_cell(assembly)
     if not isinstance(assembly.lattice, Lattice):
-        raise InputError(f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell")
+        raise InputError(
+            f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell"
+        )
     bodies, whole, peaks = _as_left(result)
     _state(case, whole, "run", np.nan, bodies.periods)  # bears forces
     basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
     # grains far from the faces at which the packing ends
-    low, high = bodies.position.min(axis=0), bodies.position.max(axis=0)
+    low = bodies.position.min(axis=0)
+    high = bodies.position.max(axis=0)
     ends = ~np.abs(bodies.periods).any(axis=0) if len(bodies.periods) else np.ones(3, dtype=bool)
-    near_middle = np.abs(bodies.position - (high + low) / 2) <= _INSIDE * (high - low) / 2 + 0.5 * bodies.spacing
+    near_middle = (
+        np.abs(bodies.position - (high + low) / 2)
+        <= _INSIDE * (high - low) / 2 + 0.5 * bodies.spacing
+    )
     inside = (near_middle | ~ends).all(axis=1)
     row = np.searchsorted(bodies.ids, whole.ids)
-    first, second = row[whole.springs.first], row[whole.springs.second]
+    first = row[whole.springs.first]
+    second = row[whole.springs.second]
     springs = dataclasses.replace(whole.springs, first=first, second=second)
     kept = inside[first] & (basis[first] >= 0) & (basis[second] >= 0)
     jump = np.rint(springs.image @ bodies.periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
     image = place[second] + jump - place[first]
     # each contact of the cell once, from its first grain
-    leading = image[np.arange(len(image)), (image != 0).argmax(axis=1)]  # first number other than zero
+    leading = image[
+        np.arange(len(image)), (image != 0).argmax(axis=1)
+    ]  # first number other than zero
     swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & (leading < 0))
-    one, other = np.where(swap, basis[second], basis[first]), np.where(swap, basis[first], basis[second])
+    one = np.where(swap, basis[second], basis[first])
+    other = np.where(swap, basis[first], basis[second])
     overlap = bodies.radius[first] + bodies.radius[second] - springs.distance
     sign = np.where(swap, -1, 1)[:, None]
     keys = ["first", "second", *(f"image{axis}" for axis in range(image.shape[1]))]
@@ -252,7 +284,9 @@ def _mean_cell(result: Result) -> State:
     if not cells.ngroups:
         raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
     mean = cells.mean().reset_index()
-    spread = float((table["overlap"] - cells["overlap"].transform("mean")).abs().max() / mean["overlap"].max())
+    spread = float(
+        (table["overlap"] - cells["overlap"].transform("mean")).abs().max() / mean["overlap"].max()
+    )
     if spread > _ALIKE:
         raise InputError(
             f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
@@ -260,7 +294,9 @@ def _mean_cell(result: Result) -> State:
             "a packing"
         )
     moves = np.broadcast_to(bodies.moves.any(axis=0), (len(cell.rows), 6))
-    unit = dataclasses.replace(bodies.part(cell.rows, cell.periods), moves=moves, walls=(), touched={})
+    unit = dataclasses.replace(
+        bodies.part(cell.rows, cell.periods), moves=moves, walls=(), touched={}
+    )
     i, j = (mean[name].to_numpy() for name in keys[:2])
     # the mean overlap, which the length of the mean vector differs from by rounding
     length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()
@@ -270,7 +306,9 @@ def _mean_cell(result: Result) -> State:
 
 
 def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
-    """Grain of the cell that each grain is an image of, -1 for none, and the periods between: (n,), (n, n_periods)."""
+    """Grain of the cell that each grain is an image of, -1 for none, and the periods between: (n,),
+    (n, n_periods).
+    """
     inverse = np.linalg.pinv(cell.periods)
     which = np.full(len(position), -1, dtype=np.int64)
     place = np.zeros((len(position), len(cell.periods)), dtype=np.int64)

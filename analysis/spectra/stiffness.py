@@ -1,10 +1,12 @@
 """Stiffness and dynamical matrices of a network of springs.
 
-The stiffness between the cells at 0 and at the vector R of periods is K_R; with the phase k.R between them
+The stiffness between the cells at 0 and at the vector R of periods is K_R; with the phase k.R
+between them
 
     K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R)),   D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
 
-where the sum has each pair of opposite R once. dD/dk gives the group velocities (Hellmann, Feynman).
+where the sum has each pair of opposite R once. dD/dk gives the group velocities (Hellmann,
+Feynman).
 """
 
 from __future__ import annotations
@@ -22,15 +24,20 @@ from granwave.analysis.spectra.network import Array, Network, across
 from granwave.lammps_inputs.errors import InputError, RunError
 
 Complex = NDArray[np.complex128]
-DENSE_UP_TO = 600  # degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
-_FACTORISED_UP_TO = 3000  # degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
-_PRECISION, _MOST_RESTARTS = 1e-9, 20_000
+# degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
+DENSE_UP_TO = 600
+# degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
+_FACTORISED_UP_TO = 3000
+_PRECISION = 1e-9
+_MOST_RESTARTS = 20_000
 _BATCH = 2**24  # numbers in the matrices that are solved at once
 _BELOW = 1e-7  # of the largest omega^2, where values are sought from
 
 
 def factorised(matrix: sparse.sparray) -> Any:
-    """Factorise a matrix whose pattern is symmetric; SuperLU's default for others fills in ten times as much."""
+    """Factorise a matrix whose pattern is symmetric; SuperLU's default for others fills in ten
+    times as much.
+    """
     options = {"SymmetricMode": True}
     return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
@@ -43,10 +50,14 @@ def _cross(vectors: Array) -> Array:
 
 
 def _strains(network: Network) -> tuple[list[Array], list[Array]]:
-    """Stretch, turning and slip of each contact by the motion of its first and of its second grain: (n, 1 or 3, 6)."""
+    """Stretch, turning and slip of each contact by the motion of its first and of its second grain:
+    (n, 1 or 3, 6).
+    """
     springs = network.contacts
-    normal, turn = springs.normal, _cross(springs.normal)
-    none, aside = np.zeros_like(turn), across(normal)
+    normal = springs.normal
+    turn = _cross(springs.normal)
+    none = np.zeros_like(turn)
+    aside = across(normal)
     found = []
     for side, lever in ((1.0, springs.lever[:, 0]), (-1.0, springs.lever[:, 1])):
         stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
@@ -58,7 +69,10 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
 
 def _block(one: list[Array], other: list[Array], weights: list[Array]) -> Array:
     """Sum of the products of strains, with their stiffnesses: (n, 6, 6)."""
-    return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in zip(one, other, weights, strict=True)], axis=0)
+    return np.sum(
+        [np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in zip(one, other, weights, strict=True)],
+        axis=0,
+    )
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -110,12 +124,16 @@ class Stiffness:
         return sparse.csr_array(sum((one + one.T for one in self.others), start=self.own))
 
     def _phases(self, k: Array, axis: int | None) -> Complex:
-        """Factors of the K_R at wave vectors (n_k, 3), or their slopes along an axis: (n_k, n_images)."""
+        """Factors of the K_R at wave vectors (n_k, 3), or their slopes along an axis: (n_k,
+        n_images).
+        """
         phases = np.exp(1j * k @ self.shifts.T)
         return np.asarray(phases if axis is None else 1j * self.shifts[:, axis] * phases)
 
     def dense(self, k: Array, axis: int | None = None) -> Complex:
-        """Return D(k), or dD/dk along an axis, for wave vectors (n_k, 3), rad/m: (n_k, n_freedoms, n_freedoms)."""
+        """Return D(k), or dD/dk along an axis, for wave vectors (n_k, 3), rad/m: (n_k, n_freedoms,
+        n_freedoms).
+        """
         own, others = self._dense
         half = np.tensordot(self._phases(k, axis), others, axes=1)
         return np.asarray((own if axis is None else 0.0) + half + half.conj().transpose(0, 2, 1))
@@ -123,7 +141,11 @@ class Stiffness:
     def matrix(self, k: Array, axis: int | None = None) -> sparse.csr_array:
         """Return D(k), or dD/dk along an axis, of one wave vector (3,), rad/m, as a sparse matrix."""
         own, others = self._scaled
-        found = own.astype(np.complex128) if axis is None else sparse.csr_array(own.shape, dtype=np.complex128)
+        found = (
+            own.astype(np.complex128)
+            if axis is None
+            else sparse.csr_array(own.shape, dtype=np.complex128)
+        )
         for phase, one in zip(self._phases(k[None], axis)[0], others, strict=True):
             part = one * phase
             found = found + part + part.conj().T
@@ -151,13 +173,17 @@ class Stiffness:
             values, vectors = np.linalg.eigh(self.dense(k))
             return values[:, :wanted], vectors[:, :, :wanted]
         found = [lowest(self.matrix(one), wanted, self.largest) for one in k]
-        return np.array([values for values, _ in found]), np.array([vectors for _, vectors in found])
+        return np.array([values for values, _ in found]), np.array(
+            [vectors for _, vectors in found]
+        )
 
     def slope(self, k: Array, axis: int, vectors: Complex) -> Complex:
         """Return dD/dk along an axis times vectors, as `spectrum` gives them."""
         if self.small:
             return np.asarray(self.dense(k, axis) @ vectors)
-        return np.array([self.matrix(one, axis) @ part for one, part in zip(k, vectors, strict=True)])
+        return np.array(
+            [self.matrix(one, axis) @ part for one, part in zip(k, vectors, strict=True)]
+        )
 
 
 def stiffness_of(network: Network) -> Stiffness:
@@ -169,17 +195,25 @@ def stiffness_of(network: Network) -> Stiffness:
         Nothing in it can move.
     """
     if not network.n_freedoms:
-        raise InputError("found no grain that can move; take out [[hold]], or give other --directions")
+        raise InputError(
+            "found no grain that can move; take out [[hold]], or give other --directions"
+        )
     springs = network.contacts
     first, second = _strains(network)
     weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
-    n, number = network.n_freedoms, np.append(network.numbers, np.full((1, 6), -1), axis=0)  # the last row is walls'
+    # the last row is walls'
+    n = network.n_freedoms
+    number = np.append(network.numbers, np.full((1, 6), -1), axis=0)
 
-    def gathered(rows: NDArray[np.int64], columns: NDArray[np.int64], blocks: Array) -> sparse.csr_array:
+    def gathered(
+        rows: NDArray[np.int64], columns: NDArray[np.int64], blocks: Array
+    ) -> sparse.csr_array:
         row = np.repeat(number[rows], 6, axis=1).reshape(-1)
         column = np.tile(number[columns], (1, 6)).reshape(-1)
         kept = (row >= 0) & (column >= 0)
-        return sparse.coo_array((blocks.reshape(-1)[kept], (row[kept], column[kept])), shape=(n, n)).tocsr()
+        return sparse.coo_array(
+            (blocks.reshape(-1)[kept], (row[kept], column[kept])), shape=(n, n)
+        ).tocsr()
 
     own = gathered(springs.first, springs.first, _block(first, first, weights))
     own = own + gathered(springs.second, springs.second, _block(second, second, weights))
@@ -206,13 +240,17 @@ def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # typ
     try:
         if matrix.shape[0] > _FACTORISED_UP_TO:
             basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
-            values, vectors = eigsh(matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS)
+            values, vectors = eigsh(
+                matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS
+            )
         else:
             shift = -_BELOW * largest
             inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
             operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
             values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
     except ArpackNoConvergence as error:
-        raise RunError(f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)") from None
+        raise RunError(
+            f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)"
+        ) from None
     order = np.argsort(values)
     return values[order], vectors[:, order]

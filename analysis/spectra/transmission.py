@@ -4,20 +4,21 @@ One grain is moved along an axis by exp(-i omega t); all others follow
 
     (K + S(omega) - omega^2 M) u = 0
 
-with S of the end: none (reflecting), a matched one, or a layer. Behind a matched end the packing goes on without end:
-with the stiffness A of the contacts of a grain of the last layer with those before it, along each principal direction
+with S of the end: none (reflecting), a matched one, or a layer. Behind a matched end the packing
+goes on without end: with the stiffness A of the contacts of a grain of the last layer with those
+before it, along each principal direction
 
     S = A (1 - exp(i q)),   cos q = 1 - m omega^2/(2 A),   for long waves the damper  -i omega sqrt(m A)
 
-which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a layer the grains are
-damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest frequency of the packing over 20. Where the
-ends are, walls do not hold. Grains that the case lets absorb waves are damped as in its runs, and contacts lose what
-they do there, -i omega C.
+which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a
+layer the grains are damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest
+frequency of the packing over 20. Where the ends are, walls do not hold. Grains that the case lets
+absorb waves are damped as in its runs, and contacts lose what they do there, -i omega C.
 
-A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss time A
-(``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the effective mass m*, as in
-the runs. A network whose springs have c for k, no static force and no friction has the matrix of these dampers for its
-stiffness.
+A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
+time A (``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the
+effective mass m*, as in the runs. A network whose springs have c for k, no static force and no
+friction has the matrix of these dampers for its stiffness.
 """
 
 from __future__ import annotations
@@ -42,8 +43,12 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
 
-REFLECTING, MATCHED, LAYER = "reflecting", "matched", "layer"
-BOTTOM, _Z = "bottom", 2  # wall, and direction of its damper
+REFLECTING = "reflecting"
+MATCHED = "matched"
+LAYER = "layer"
+# wall, and direction of its damper
+BOTTOM = "bottom"
+_Z = 2
 _END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
 _SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
 _FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
@@ -62,7 +67,8 @@ class Transmission:
     frequency
         (n_frequencies,), Hz.
     ratio
-        Complex ratios of displacements: (n_frequencies, n_sensors); the phase is that of a motion cos(2 pi f t).
+        Complex ratios of displacements: (n_frequencies, n_sensors); the phase is that of a motion
+        cos(2 pi f t).
     end
         Kind of the far end.
     together
@@ -84,7 +90,9 @@ class Transmission:
 
     @property
     def phase(self) -> Array:
-        """Phases of the sensors behind the drive, -pi to pi: (n_frequencies, n_sensors), rad; negative: later."""
+        """Phases of the sensors behind the drive, -pi to pi: (n_frequencies, n_sensors), rad;
+        negative: later.
+        """
         return np.asarray(-np.angle(self.ratio))
 
 
@@ -112,13 +120,16 @@ def transmission(
     end
         Far end: ``reflecting``, ``matched`` or ``layer:N``.
     dampers
-        Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m s; none by default.
+        Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m
+        s; none by default.
     losses
-        The network with the damping constants of its contacts for stiffnesses, N s/m; none by default.
+        The network with the damping constants of its contacts for stiffnesses, N s/m; none by
+        default.
     together
         Ids of grains that are moved as the drive is.
     bottom
-        Constant of the damper under the bottom, whose plate has no mass, N s/m; None for a bottom that stays.
+        Constant of the damper under the bottom, whose plate has no mass, N s/m; None for a bottom
+        that stays.
 
     Raises
     ------
@@ -129,7 +140,8 @@ def transmission(
     layer = re.fullmatch(rf"{LAYER}:([1-9]\d*)", end)
     if end not in (REFLECTING, MATCHED) and not layer:
         raise InputError(f"--end: found {end!r}, expected {_FORM}")
-    network, direction = stiffness.network, "xyz".index(axis)
+    network = stiffness.network
+    direction = "xyz".index(axis)
     resisting = np.zeros((network.n_grains, 6)) if dampers is None else dampers
     matched: Callable[[float], sparse.csc_array] | None = None
     if end != REFLECTING:
@@ -148,7 +160,9 @@ def transmission(
     def place_of(grain: int, option: str) -> int:
         place = int(network.numbers[_row(network, grain, option), direction])
         if place < 0:
-            raise InputError(f"{option}: grain {grain} is held along {axis}, expected one that moves")
+            raise InputError(
+                f"{option}: grain {grain} is held along {axis}, expected one that moves"
+            )
         return place
 
     driven = [place_of(grain, "--drive") for grain in dict.fromkeys((drive, *together))]
@@ -197,27 +211,39 @@ def _row(network: Network, grain: int, option: str) -> int:
     if len(rows):
         return int(rows[0])
     if grain in network.left_out:
-        raise InputError(f"{option}: grain {grain} bears no static load, so that no small wave reaches it")
-    raise InputError(f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}")
+        raise InputError(
+            f"{option}: grain {grain} bears no static load, so that no small wave reaches it"
+        )
+    raise InputError(
+        f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}"
+    )
 
 
-def _far(network: Network, drive: int, direction: int, n_layer: float) -> tuple[NDArray[np.int64], Array]:
-    """Rows of the grains at the end that is farther from the drive, and their places in the layer from 0 to 1."""
+def _far(
+    network: Network, drive: int, direction: int, n_layer: float
+) -> tuple[NDArray[np.int64], Array]:
+    """Rows of the grains at the end that is farther from the drive, and their places in the layer
+    from 0 to 1.
+    """
     place = network.position[:, direction]
     here = place[_row(network, drive, "--drive")]
-    low, high = float(place.min()), float(place.max())
+    low = float(place.min())
+    high = float(place.max())
     away = high - place if high - here >= here - low else place - low
     spacing = float(2 * np.median(network.springs.lever))
     depth = max(n_layer - 0.5, 0.0) * spacing if n_layer else _END_LAYER * spacing
     last = np.flatnonzero(away <= depth)
     if np.isin(_row(network, drive, "--drive"), last):
-        raise InputError(f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner layer")
+        raise InputError(
+            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner layer"
+        )
     return last, 1 - away[last] / max(depth, 1e-300)
 
 
 def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], sparse.csc_array]:
     """Return S of a matched end, (n_freedoms, n_freedoms), N/m, as a function of omega, rad/s."""
-    springs, inside = network.springs, np.zeros(network.n_grains, dtype=bool)
+    springs = network.springs
+    inside = np.zeros(network.n_grains, dtype=bool)
     inside[last] = True
     stiffness = np.zeros((network.n_grains, 3, 3))
     for one, other in ((springs.first, springs.second), (springs.second, springs.first)):
@@ -226,9 +252,12 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
         parallel = normal[:, :, None] * normal[:, None, :]
         block = springs.stiffness[across, None, None] * parallel
         block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
-        block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turns[across]
+        block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turns[
+            across
+        ]
         np.add.at(stiffness, one[across], block)
-    number, n = network.numbers[last, :3], network.n_freedoms
+    number = network.numbers[last, :3]
+    n = network.n_freedoms
     rows, columns = np.broadcast_arrays(number[:, :, None], number[:, None, :])
     kept = (rows >= 0) & (columns >= 0)
     strength, axes = np.linalg.eigh(np.where(kept, stiffness[last], 0.0))
@@ -245,7 +274,9 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
 
 
 def dampers_of(assembly: Assembly, network: Network) -> Array:
-    """Return force over velocity, and moment over angular velocity, of each grain: (n_grains, 6), N s/m and N m s."""
+    """Return force over velocity, and moment over angular velocity, of each grain: (n_grains, 6), N
+    s/m and N m s.
+    """
     found = np.zeros((network.n_grains, 6))
     for entry in assembly.case.absorb:
         rows = np.flatnonzero(np.isin(network.ids, absorbing_ids(assembly, entry)))
@@ -262,19 +293,26 @@ def dampers_of(assembly: Assembly, network: Network) -> Array:
 
 
 def losses_of(assembly: Assembly, network: Network) -> Network | None:
-    """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if they lose nothing."""
+    """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if
+    they lose nothing.
+    """
     if not assembly.case.has_loss:
         return None
-    case, contacts, partners = assembly.case, network.contacts, {wall.name: wall.material for wall in walls(assembly)}
+    case = assembly.case
+    contacts = network.contacts
+    partners = {wall.name: wall.material for wall in walls(assembly)}
 
     @cache
-    def loss_of(materials: tuple[Material, Material], shapes: tuple[Shape, Shape] | None) -> Viscous | None:
+    def loss_of(
+        materials: tuple[Material, Material], shapes: tuple[Shape, Shape] | None
+    ) -> Viscous | None:
         """Loss of a pair, or without shapes of a contact with a wall."""
         more: dict[str, Any] = {"flat": True} if shapes is None else {"shapes": shapes}
         return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
 
     damping = np.zeros(len(contacts))
-    one, other = network.mass[contacts.first], np.where(contacts.second < 0, np.inf, network.mass[contacts.second])
+    one = network.mass[contacts.first]
+    other = np.where(contacts.second < 0, np.inf, network.mass[contacts.second])
     effective = one / (1 + one / other)
     ids = np.stack([network.ids[contacts.first], network.ids[contacts.second]], axis=1).tolist()
     names = [""] * len(contacts) if contacts.wall is None else contacts.wall.tolist()
@@ -287,7 +325,9 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
         if loss is not None:
             kind, size = loss
             k = float(contacts.stiffness[row])
-            damping[row] = size * (k if kind == "time" else math.sqrt(2 / 3 * float(effective[row]) * k))
+            damping[row] = size * (
+                k if kind == "time" else math.sqrt(2 / 3 * float(effective[row]) * k)
+            )
     none = np.zeros(len(contacts))
     damped = dataclasses.replace(contacts, stiffness=damping, tangential=none, force=none)
     return dataclasses.replace(network, contacts=damped)

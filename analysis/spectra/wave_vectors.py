@@ -5,24 +5,27 @@ Paths are given in rad/m, or by the standard names of points of the Brillouin zo
     0,0,0; 0,0,314.2; 100,0,0      wave vectors in rad/m, straight between them
     G-X-M-G,  GXMG,  G-X|R-M       names of points; | begins a new stretch
 
-Names and places of the points are those of ASE (Setyawan, Curtarolo, doi:10.1016/j.commatsci.2010.05.010) for the cell
-before the load; a row has G and X.
+Names and places of the points are those of ASE (Setyawan, Curtarolo,
+doi:10.1016/j.commatsci.2010.05.010) for the cell before the load; a row has G and X.
 
-Complex wave vectors give the attenuation of waves inside gaps. Along a direction in which planes of the lattice lie h
-apart, all phases are powers of lambda = exp(i s h), and
+Complex wave vectors give the attenuation of waves inside gaps. Along a direction in which planes of
+the lattice lie h apart, all phases are powers of lambda = exp(i s h), and
 
     sum_m K_m lambda^m u = omega^2 M u
 
-is an eigenvalue problem in lambda at a given frequency. |lambda| = 1 are waves; |lambda| < 1 falls by -ln |lambda| from
-plane to plane. The whole spectrum of a small cell is found from the dense matrix of all its unknowns.
+is an eigenvalue problem in lambda at a given frequency. |lambda| = 1 are waves; |lambda| < 1 falls
+by -ln |lambda| from plane to plane. The whole spectrum of a small cell is found from the dense
+matrix of all its unknowns.
 
-A larger cell is first condensed to its faces. Of the unknowns only those in A touch the next cell, and only those in B
-the one before, by the stiffness C between them; with G the inverse of K_0 - omega^2 M, and p = u_A, q = lambda u_B,
+A larger cell is first condensed to its faces. Of the unknowns only those in A touch the next cell,
+and only those in B the one before, by the stiffness C between them; with G the inverse of K_0 -
+omega^2 M, and p = u_A, q = lambda u_B,
 
     lambda [[1, G_AA C], [0, G_BA C]] (p, q) = -[[G_AB C^H, 0], [G_BB C^H, 1]] (p, q)
 
-which is as exact, and has as many unknowns as the faces. Where planes lie closer than cells reach, as many cells are
-taken as one that it reaches the next alone; the phase is then known up to whole parts of 2 pi, and left out.
+which is as exact, and has as many unknowns as the faces. Where planes lie closer than cells reach,
+as many cells are taken as one that it reaches the next alone; the phase is then known up to whole
+parts of 2 pi, and left out.
 """
 
 from __future__ import annotations
@@ -45,11 +48,17 @@ _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
 _EPSILON = 1e-3  # of a cell, for recognising its symmetry
 MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
-MOST_ON_FACES, _MOST_CONDENSED = 400, 6000  # unknowns of a condensed problem, and of the cells that are condensed
-_FLOPS, _FEWEST = 5e8, 16  # cubes of unknowns times frequencies, to which their number is reduced; fewest of them
+# unknowns of a condensed problem, and of the cells that are condensed
+MOST_ON_FACES = 400
+_MOST_CONDENSED = 6000
+# cubes of unknowns times frequencies, to which their number is reduced; fewest of them
+_FLOPS = 5e8
+_FEWEST = 16
 _WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
 _WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
-_SMALLEST, _LARGEST = 1e-12, 1e12  # of |lambda|; beyond are the infinite ones of a singular pencil
+# of |lambda|; beyond are the infinite ones of a singular pencil
+_SMALLEST = 1e-12
+_LARGEST = 1e12
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -81,7 +90,9 @@ class Path:
 
 
 def zone(periods: Array) -> tuple[dict[str, Array], str]:
-    """Return the special points of the Brillouin zone by name, (3,), rad/m, and the standard path by names."""
+    """Return the special points of the Brillouin zone by name, (3,), rad/m, and the standard path
+    by names.
+    """
     from ase.cell import Cell  # takes longer to load than most commands need
 
     n = len(periods)
@@ -91,17 +102,21 @@ def zone(periods: Array) -> tuple[dict[str, Array], str]:
     beside = np.linalg.svd(periods)[2][n:]  # complete one or two periods to three
     try:
         if n == 1:
-            points, path = {"G": np.zeros(3), "X": np.array([0.5, 0.0, 0.0])}, "GX"
+            points = {"G": np.zeros(3), "X": np.array([0.5, 0.0, 0.0])}
+            path = "GX"
         else:
             pbc = [True] * n + [False] * (3 - n)
             cell = Cell(np.concatenate([periods / unit, beside]))
             found = cell.bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
-            points, path = found.special_points, found.path
+            points = found.special_points
+            path = found.path
     except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot name
         points = {"G": np.zeros(3)} | dict(zip("XYZ"[:n], np.eye(3) / 2, strict=False))
         path = "".join([*points, "G"])
     stretches = ("-".join(_NAMES.findall(stretch)) for stretch in path.split(","))
-    return {name: np.asarray(point, dtype=float) @ reciprocal for name, point in points.items()}, "|".join(stretches)
+    return {
+        name: np.asarray(point, dtype=float) @ reciprocal for name, point in points.items()
+    }, "|".join(stretches)
 
 
 def make_path(text: str, periods: Array, points: int) -> Path:
@@ -119,7 +134,8 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     Raises
     ------
     InputError
-        The text names no path, an unknown point, or leaves the directions in which the packing repeats.
+        The text names no path, an unknown point, or leaves the directions in which the packing
+        repeats.
     """
     inside = periods.T @ np.linalg.pinv(periods.T)  # the span of the periods
     k: list[Array] = []
@@ -127,8 +143,14 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     breaks: list[int] = []
     for stretch in _corners(text, periods):
         for _, place in stretch:
-            if np.linalg.norm(place - inside @ place) > 1e-9 * max(float(np.linalg.norm(place)), 1e-300):
-                axes = "".join(a for a, one in zip("xyz", np.abs(inside).sum(axis=0), strict=True) if one > 1e-9)
+            if np.linalg.norm(place - inside @ place) > 1e-9 * max(
+                float(np.linalg.norm(place)), 1e-300
+            ):
+                axes = "".join(
+                    a
+                    for a, one in zip("xyz", np.abs(inside).sum(axis=0), strict=True)
+                    if one > 1e-9
+                )
                 where = ", ".join(f"{one:g}" for one in place)
                 raise InputError(
                     f"--path: found ({where}) rad/m, but the packing repeats along {axes} alone; expected wave vectors "
@@ -139,13 +161,19 @@ def make_path(text: str, periods: Array, points: int) -> Path:
         k.append(stretch[0][1])
         for (_, start), (name, end) in pairwise(stretch):
             if np.array_equal(start, end):
-                where = show(name) if name else "(" + ", ".join(f"{one:g}" for one in end) + ") rad/m"
-                raise InputError(f"--path: found {where} twice in a row, expected points that differ")
+                where = (
+                    show(name) if name else "(" + ", ".join(f"{one:g}" for one in end) + ") rad/m"
+                )
+                raise InputError(
+                    f"--path: found {where} twice in a row, expected points that differ"
+                )
             k += [start + share * (end - start) for share in np.linspace(0, 1, points)[1:]]
             corners.append((len(k) - 1, name))
     steps = np.linalg.norm(np.diff(k, axis=0), axis=1)
     steps[[row - 1 for row in breaks]] = 0.0
-    return Path(np.array(k), np.concatenate([[0.0], np.cumsum(steps)]), tuple(corners), tuple(breaks))
+    return Path(
+        np.array(k), np.concatenate([[0.0], np.cumsum(steps)]), tuple(corners), tuple(breaks)
+    )
 
 
 def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
@@ -157,17 +185,24 @@ def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
             except ValueError:
                 place = np.empty(0)
             if len(place) != 3 or not np.isfinite(place).all():
-                raise InputError(f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m")
+                raise InputError(
+                    f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m"
+                )
             corners.append(("" if place.any() else "G", place))
         if len(corners) < 2:
-            raise InputError(f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}")
+            raise InputError(
+                f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}"
+            )
         return [corners]
     known, standard = zone(periods)
-    text, found = text or standard, []
+    text = text or standard
+    found = []
     for stretch in text.replace("Γ", "G").replace("Gamma", "G").split("|"):
         names = _NAMES.findall(stretch)
         if "".join(names) != re.sub(r"[-\s]", "", stretch) or len(names) < 2:
-            raise InputError(f"--path: found {show(text)}, expected {_FORM}; points: {', '.join(known)}")
+            raise InputError(
+                f"--path: found {show(text)}, expected {_FORM}; points: {', '.join(known)}"
+            )
         if unknown := [name for name in names if name not in known]:
             raise InputError(
                 f"--path: found the point {unknown[0]}, expected one of {', '.join(known)}, those of this cell; "
@@ -216,7 +251,8 @@ def plane_spacing(stiffness: Stiffness, direction: Array) -> float:
         return 0.0
     spacing = float(places.min())
     for place in np.unique(places):  # Euclid's algorithm
-        a, b = float(place), spacing
+        a = float(place)
+        b = spacing
         while b > 10 * _WHOLE * size:
             a, b = b, abs(a - b * round(a / b))
         spacing = a
@@ -224,23 +260,30 @@ def plane_spacing(stiffness: Stiffness, direction: Array) -> float:
     return spacing if np.abs(numbers - np.round(numbers)).max() < 100 * _WHOLE else 0.0
 
 
-def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequency: Array) -> ComplexBands | None:
-    """Find the complex wave vectors along a direction from a wave vector, rad/m, at frequencies (n,), Hz.
+def complex_bands(
+    stiffness: Stiffness, start: Array, direction: Array, frequency: Array
+) -> ComplexBands | None:
+    """Find the complex wave vectors along a direction from a wave vector, rad/m, at frequencies
+    (n,), Hz.
 
     Returns
     -------
     ComplexBands or None
-        None if the cell is too large, or the direction has no planes. Of a large cell there are fewer frequencies.
+        None if the cell is too large, or the direction has no planes. Of a large cell there are
+        fewer frequencies.
     """
     spacing = plane_spacing(stiffness, direction)
     if not spacing:
         return None
     numbers = np.rint(stiffness.shifts @ direction / spacing).astype(int)
-    most, n = int(np.abs(numbers).max()), stiffness.network.n_freedoms
+    most = int(np.abs(numbers).max())
+    n = stiffness.network.n_freedoms
     condensed = 2 * most * n > MOST_UNKNOWNS
     if condensed and most * n > _MOST_CONDENSED:
         return None
-    own, others = stiffness._scaled  # K_m of the powers of lambda, by the numbers of planes that cells are apart
+    own, others = (
+        stiffness._scaled
+    )  # K_m of the powers of lambda, by the numbers of planes that cells are apart
     parts = {m: sparse.csc_array(own.shape, dtype=np.complex128) for m in range(-most, most + 1)}
     parts[0] = parts[0] + own
     for number, shift, one in zip(numbers.tolist(), stiffness.shifts, others, strict=True):
@@ -267,13 +310,22 @@ def complex_bands(stiffness: Stiffness, start: Array, direction: Array, frequenc
     return ComplexBands(direction, spacing, frequency, attenuation / most, phase)
 
 
-def _of_faces(parts: dict[int, sparse.csc_array], most: int, frequency: Array) -> tuple[Array, list[np.ndarray]] | None:
-    """Return some of the frequencies, and the lambda of a large cell from its faces; None if these are too large."""
-    ahead = [[[parts.get(away + column - row) for column in range(most)] for row in range(most)] for away in (0, most)]
+def _of_faces(
+    parts: dict[int, sparse.csc_array], most: int, frequency: Array
+) -> tuple[Array, list[np.ndarray]] | None:
+    """Return some of the frequencies, and the lambda of a large cell from its faces; None if these
+    are too large.
+    """
+    ahead = [
+        [[parts.get(away + column - row) for column in range(most)] for row in range(most)]
+        for away in (0, most)
+    ]
     middle, coupling = (sparse.block_array(blocks, format="csc") for blocks in ahead)
     coupling.eliminate_zeros()
-    on_next, on_last = np.unique(coupling.nonzero()[0]), np.unique(coupling.nonzero()[1])
-    n, size = len(on_next), len(on_next) + len(on_last)
+    on_next = np.unique(coupling.nonzero()[0])
+    on_last = np.unique(coupling.nonzero()[1])
+    n = len(on_next)
+    size = len(on_next) + len(on_last)
     if not size or size > MOST_ON_FACES:
         return None
     kept = max(_FEWEST, int(_FLOPS / (size + 40) ** 3))
@@ -285,9 +337,12 @@ def _of_faces(parts: dict[int, sparse.csc_array], most: int, frequency: Array) -
     found = []
     for one in frequency:
         square = (2 * np.pi * one) ** 2
-        inverse = splu((middle - square * sparse.eye_array(middle.shape[0])).tocsc())  # indefinite: with pivots
+        inverse = splu(
+            (middle - square * sparse.eye_array(middle.shape[0])).tocsc()
+        )  # indefinite: with pivots
         response = inverse.solve(loads)[faces]
-        left, right = -np.eye(size, dtype=np.complex128), np.eye(size, dtype=np.complex128)
+        left = -np.eye(size, dtype=np.complex128)
+        right = np.eye(size, dtype=np.complex128)
         left[:, :n] = -response[:, n:] @ between.conj().T
         right[:, n:] = response[:, :n] @ between
         found.append(_decaying(left, right))
@@ -298,7 +353,8 @@ def _of_cell(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> 
     """Return the lambda that do not grow, from the matrices of a cell of n unknowns."""
     size = 2 * most * n
     scale = max(float(np.abs(parts[0]).max()), square)
-    left, right = np.zeros((size, size), dtype=np.complex128), np.eye(size, dtype=np.complex128)
+    left = np.zeros((size, size), dtype=np.complex128)
+    right = np.eye(size, dtype=np.complex128)
     left[: size - n, n:] = np.eye(size - n)
     for m in range(-most, most):
         block = parts[m] - (square * np.eye(n) if m == 0 else 0.0)

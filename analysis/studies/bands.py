@@ -1,12 +1,14 @@
 """Bands of precompressed rows and packings beside the space-time transforms of their runs.
 
-A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the layers, are
-transformed in space and time, and the ridges of the transform compared with the bands of the same static state.
+A weak hit on the first bead or layer holds all frequencies. The velocities along the row, or of the
+layers, are transformed in space and time, and the ridges of the transform compared with the bands
+of the same static state.
 
-Of a packing of scattered diameters, a piece that repeats in all directions tells the frequencies at which it answers to
-a plane wave along z. Each mode at a wave vector k holds a share of the plane wave, in which the spheres move along z by
-exp(i k z). The line that a transform of the motion shows is at the mode of the largest share; the mean of it and of
-those near to it, weighed by their shares, is taken.
+Of a packing of scattered diameters, a piece that repeats in all directions tells the frequencies at
+which it answers to a plane wave along z. Each mode at a wave vector k holds a share of the plane
+wave, in which the spheres move along z by exp(i k z). The line that a transform of the motion shows
+is at the mode of the largest share; the mean of it and of those near to it, weighed by their
+shares, is taken.
 """
 
 from __future__ import annotations
@@ -22,7 +24,12 @@ import numpy as np
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.hertz_lattices import line_of
-from granwave.analysis.measures.line_waves import SpaceTime, space_time_transform, speed_along_layers, velocities_along
+from granwave.analysis.measures.line_waves import (
+    SpaceTime,
+    space_time_transform,
+    speed_along_layers,
+    velocities_along,
+)
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import BandStructure, band_structure, long_wave_speeds
@@ -41,7 +48,8 @@ TEXT = (
     "Bands from the springs of the static state (dynamical matrix), beside closed forms; and the places of the ridges "
     "of the space-time transform of the velocities of each run. Wave numbers and speeds over places before the load."
 )
-_POINTS, _FREQUENCIES = 101, 601
+_POINTS = 101
+_FREQUENCIES = 601
 _SHARES = (0.3, 0.5, 0.7)  # of the zone, where ridges are read
 _SMALL = 0.1  # of omega alpha0: hits up to which contacts stay linear
 _STRONGEST = 0.05  # of the largest amplitude, for a ridge
@@ -57,7 +65,9 @@ class Wave(FinishedRun):
     @cached_property
     def structure(self) -> BandStructure:
         """Bands along the line; with scattered diameters those of like spheres."""
-        spacing = 1.0 if self.case.packing.kind == "chain" or self.along_x else self._rule.layer_spacing
+        spacing = (
+            1.0 if self.case.packing.kind == "chain" or self.along_x else self._rule.layer_spacing
+        )
         edge = math.pi / (spacing * self.case.packing.diameter)
         path = f"0,0,0; {edge!r},0,0" if self.along_x else f"0,0,0; 0,0,{edge!r}"
         case = without_scatter(self.case) if self.scattered else self.case
@@ -89,37 +99,54 @@ class Wave(FinishedRun):
     @property
     def label_of_kind(self) -> str:
         """Name of the packing and of its load."""
-        stage, kind = self.case.precompression, KINDS[self.case.packing.kind].label
+        stage = self.case.precompression
+        kind = KINDS[self.case.packing.kind].label
         assert stage is not None
         load = f"{stage.force:g} N" if stage.force is not None else f"{stage.pressure:.3g} Pa"
         other = " of two materials" if self.case.replace else ""
-        other += f" of diameters scattered by {1e6 * self.case.packing.diameter_scatter:g} um" if self.scattered else ""
+        other += (
+            f" of diameters scattered by {1e6 * self.case.packing.diameter_scatter:g} um"
+            if self.scattered
+            else ""
+        )
         return f"{kind}{other}, {load}"
 
     def band_at(self, k: float, frequency: float) -> float:
-        """Frequency of the band along the line that is nearest, Hz; of scattered diameters, of the plane wave."""
+        """Frequency of the band along the line that is nearest, Hz; of scattered diameters, of the
+        plane wave.
+        """
         if self.scattered:
             return scattered_line(self.case, k)
         bands = self.structure.bands
-        known = [np.interp(k, bands.path.distance, one) for one in bands.frequency.T if np.isfinite(one).all()]
+        known = [
+            np.interp(k, bands.path.distance, one)
+            for one in bands.frequency.T
+            if np.isfinite(one).all()
+        ]
         return float(min(known, key=lambda one: abs(one - frequency)))
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
     """Chains of one or two sorts of beads and lattices under a static load, hit weakly along it.
 
-    Lattices with layers have periodic sides, and may have scattered diameters; those of one layer are free all around.
+    Lattices with layers have periodic sides, and may have scattered diameters; those of one layer
+    are free all around.
     """
     found = [run.seen_as(Wave) for run in runs if _fits(run)]
     return [found] if found else []
 
 
 def _fits(run: FinishedRun) -> bool:
-    case, kind = run.case, run.case.packing.kind
-    flat, layered = (kind != "chain" and ("z" in KINDS[kind].axes) == there for there in (False, True))
+    case = run.case
+    kind = run.case.packing.kind
+    flat, layered = (
+        kind != "chain" and ("z" in KINDS[kind].axes) == there for there in (False, True)
+    )
     if case.precompression is None or case.load.kind != "impact" or case.packing.grains is not None:
         return False
-    if case.precompression.kind != ("uniform" if flat else "uniaxial") or (flat and not run.assembly.plain):
+    if case.precompression.kind != ("uniform" if flat else "uniaxial") or (
+        flat and not run.assembly.plain
+    ):
         return False
     unlike = case.packing.vacancies or case.replace or case.striker
     if layered and (case.boundary.sides != "periodic" or unlike):
@@ -137,7 +164,15 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
         structure = run.structure
         if len(structure.speeds) and run.case.packing.kind in ("fcc", "hcp") and not run.scattered:
             quantity = f"Speed of long waves along the stacking, {run.label_of_kind}"
-            yield Row(quantity, "m/s", None, _speed(run), "dynamical matrix", "", float(structure.speeds[-1]))
+            yield Row(
+                quantity,
+                "m/s",
+                None,
+                _speed(run),
+                "dynamical matrix",
+                "",
+                float(structure.speeds[-1]),
+            )
         ridge = run.transform.ridge(_STRONGEST)
         for share in _SHARES:
             at = int(np.argmin(np.abs(run.transform.k - share * run.transform.k[-1])))
@@ -154,16 +189,24 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
 
 def _closed_forms(run: Wave) -> Iterator[Row]:
     """Edges of the chains of one and of two masses."""
-    network, edges = run.structure.state.network, run.structure.edges
+    network = run.structure.state.network
+    edges = run.structure.edges
     if run.case.packing.kind != "chain" or network.n_grains > 2:
         return
-    stiffness, mass = float(network.springs.stiffness[0]), network.mass
+    stiffness = float(network.springs.stiffness[0])
+    mass = network.mass
     if network.n_grains == 1:
         known = {"Cut-off, 2 sqrt(k/m)": (edges[0, 1], 2 * math.sqrt(stiffness / mass[0]))}
     elif np.ptp(network.springs.stiffness) < 1e-9 * stiffness:
         known = {
-            "Top of the acoustic band, sqrt(2 k/M)": (edges[0, 1], math.sqrt(2 * stiffness / mass.max())),
-            "Bottom of the optical band, sqrt(2 k/m)": (edges[1, 0], math.sqrt(2 * stiffness / mass.min())),
+            "Top of the acoustic band, sqrt(2 k/M)": (
+                edges[0, 1],
+                math.sqrt(2 * stiffness / mass.max()),
+            ),
+            "Bottom of the optical band, sqrt(2 k/m)": (
+                edges[1, 0],
+                math.sqrt(2 * stiffness / mass.min()),
+            ),
             "Top of the optical band, sqrt(2 k (1/m + 1/M))": (
                 edges[1, 1],
                 math.sqrt(2 * stiffness * (1 / mass).sum()),
@@ -172,7 +215,16 @@ def _closed_forms(run: Wave) -> Iterator[Row]:
     else:
         return
     for name, (ours, theory) in known.items():
-        yield Row(f"{name}, {run.label_of_kind}", "Hz", None, float(ours), "", "", theory / (2 * math.pi), True)
+        yield Row(
+            f"{name}, {run.label_of_kind}",
+            "Hz",
+            None,
+            float(ours),
+            "",
+            "",
+            theory / (2 * math.pi),
+            True,
+        )
 
 
 def _speed(run: Wave) -> float:
@@ -185,19 +237,29 @@ def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
     """Transforms with the bands over them, a panel for each run."""
     for number, run in enumerate(runs, start=1):
         figure, axes = panels(2.6)
-        found, bands = run.transform, run.structure.bands
+        found = run.transform
+        bands = run.structure.bands
         scale = found.k[-1] / np.pi
         level = np.maximum(20 * np.log10(np.maximum(found.amplitude, 1e-6)), -60)
         image = axes.pcolormesh(
-            found.k / scale / np.pi, 1e-3 * found.frequency, level, cmap="Greys", rasterized=True, shading="nearest"
+            found.k / scale / np.pi,
+            1e-3 * found.frequency,
+            level,
+            cmap="Greys",
+            rasterized=True,
+            shading="nearest",
         )
         figure.colorbar(image, ax=axes, label="Amplitude (dB)")
         columns: dict[str, Array] = {"k_rad_per_m": found.k, "ridge_Hz": found.ridge(_STRONGEST)}
         columns["band_k_rad_per_m"] = bands.path.distance
         for n, one in enumerate(bands.frequency.T, start=1):
-            axes.plot(bands.path.distance / scale / np.pi, 1e-3 * one, color="#D55E00", lw=0.8, ls="--")
+            axes.plot(
+                bands.path.distance / scale / np.pi, 1e-3 * one, color="#D55E00", lw=0.8, ls="--"
+            )
             columns[f"band{n}_Hz"] = one
-        axes.set(xlabel="Wave number (π/spacing)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
+        axes.set(
+            xlabel="Wave number (π/spacing)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None)
+        )
         axes.set_title(run.label_of_kind)
         name = f"_transform_{number}"
         caption = (
@@ -213,13 +275,17 @@ def without_scatter(case: Case) -> Case:
 
 
 def scattered_line(case: Case, k: float) -> float:
-    """Return the frequency of the plane longitudinal wave of the wave number k along z, rad/m, in Hz."""
+    """Return the frequency of the plane longitudinal wave of the wave number k along z, rad/m, in
+    Hz.
+    """
     stiffness = _piece(case.to_toml())
     network = stiffness.network
     values, vectors = np.linalg.eigh(stiffness.dense(np.array([[0.0, 0.0, k]]))[0])
     grain, direction = network.freedoms
     # the phase between cells is that of their periods alone; within a cell it is that of the places
-    wave = np.where(direction == 2, np.sqrt(network.masses) * np.exp(1j * k * network.position[grain, 2]), 0.0)
+    wave = np.where(
+        direction == 2, np.sqrt(network.masses) * np.exp(1j * k * network.position[grain, 2]), 0.0
+    )
     share: Array = np.abs(wave.conj() @ vectors) ** 2
     frequency = np.sqrt(np.maximum(values, 0.0)) / (2 * math.pi)
     near = np.abs(frequency / frequency[int(np.argmax(share))] - 1) < _WIDTH
@@ -231,27 +297,45 @@ def _piece(case: str) -> Stiffness:
     whole = case_from_dict(tomllib.loads(case), "case")
     nx, ny, _ = whole.packing.size
     return stiffness_of(
-        cell_state(_changed(whole, {"size": [nx, ny, _LAYERS]}, {"sides": "periodic", "bottom": "periodic"})).network
+        cell_state(
+            _changed(
+                whole, {"size": [nx, ny, _LAYERS]}, {"sides": "periodic", "bottom": "periodic"}
+            )
+        ).network
     )
 
 
 def _changed(case: Case, packing: dict[str, object], boundary: dict[str, object]) -> Case:
     data = case.to_dict()
-    keep = {name: data[name] for name in ("name", "material", "contact", "precompression") if name in data}
+    keep = {
+        name: data[name]
+        for name in ("name", "material", "contact", "precompression")
+        if name in data
+    }
     return case_from_dict(
-        keep | {"packing": data["packing"] | packing, "boundary": data.get("boundary", {}) | boundary}
+        keep
+        | {"packing": data["packing"] | packing, "boundary": data.get("boundary", {}) | boundary}
     )
 
 
 def rows_of_square(like: Case) -> Iterator[Row]:
-    """Edges at X of a square packing of such spheres with friction under pressure: closed forms, to rounding."""
+    """Edges at X of a square packing of such spheres with friction under pressure: closed forms, to
+    rounding.
+    """
     case = _case(like, {"kind": "square", "size": [4, 4]}, 1e5, {"bottom": "free"}, friction=0.3)
     network = cell_state(case).network
-    springs, mass, inertia = network.springs, float(network.mass[0]), float(network.inertia[0])
-    k, kt, f, d = (float(one[0]) for one in (springs.stiffness, springs.tangential, springs.force, springs.distance))
+    springs = network.springs
+    mass = float(network.mass[0])
+    inertia = float(network.inertia[0])
+    k, kt, f, d = (
+        float(one[0])
+        for one in (springs.stiffness, springs.tangential, springs.force, springs.distance)
+    )
     lever = float(springs.lever[0, 0])
     at_edge = np.array([[math.pi / like.packing.diameter, 0.0, 0.0]])
-    ours = np.sqrt(np.sort(np.linalg.eigvalsh(stiffness_of(network).dense(at_edge)[0]))) / (2 * math.pi)
+    ours = np.sqrt(np.sort(np.linalg.eigvalsh(stiffness_of(network).dense(at_edge)[0]))) / (
+        2 * math.pi
+    )
     known = {
         "longitudinal, 4 k/m": 4 * k / mass,
         "transverse, 4 (k_t - F/d)/m": 4 * (kt - f / d) / mass,
@@ -266,7 +350,9 @@ def rows_of_square(like: Case) -> Iterator[Row]:
 
 
 def rows_of_scatter(like: Case) -> Iterator[Row]:
-    """Speeds of long waves along [111] in a cell of FCC with scattered diameters, beside like spheres."""
+    """Speeds of long waves along [111] in a cell of FCC with scattered diameters, beside like
+    spheres.
+    """
     boundary = {"sides": "periodic", "bottom": "periodic"}
     direction = np.array([[0.0, 0.0, 1.0]])
     speeds = []
@@ -281,7 +367,11 @@ def rows_of_scatter(like: Case) -> Iterator[Row]:
 
 
 def _case(
-    like: Case, packing: dict[str, Any], pressure: float, boundary: dict[str, Any], friction: float = 0.0
+    like: Case,
+    packing: dict[str, Any],
+    pressure: float,
+    boundary: dict[str, Any],
+    friction: float = 0.0,
 ) -> Case:
     """A case of spheres as those of another, under pressure from all sides."""
     material = like.to_dict()["material"]

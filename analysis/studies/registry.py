@@ -1,4 +1,5 @@
-"""Studies by the name or path that a scan or suite file gives: ``study = "tolerance"``, ``study = "mine.py"``.
+"""Studies by the name or path that a scan or suite file gives: ``study = "tolerance"``, ``study =
+"mine.py"``.
 
 A built-in study is a module with
 
@@ -7,13 +8,15 @@ A built-in study is a module with
     rows(group) -> Row ...             tables of ours against a source, against theory, as a verification, and alone
     pictures(group) -> Picture ...     figures with captions
 
-and, where they are wanted, `title(group)`, `name(group)` (short, for links and files), `tables(group)` (with notes on
-them) and `verdict(group)`. `missing(group, undone)` are sentences for the end of the verdict about points of its scans
-that failed or were not run, as values of the keys that vary. A group is whatever `select` makes of the runs. Without
-`name` a study has the name of its entry here; several groups are then numbered, and so are their pictures.
-`make_studies` in `study` puts it together.
+and, where they are wanted, `title(group)`, `name(group)` (short, for links and files),
+`tables(group)` (with notes on them) and `verdict(group)`. `missing(group, undone)` are sentences
+for the end of the verdict about points of its scans that failed or were not run, as values of the
+keys that vary. A group is whatever `select` makes of the runs. Without `name` a study has the name
+of its entry here; several groups are then numbered, and so are their pictures. `make_studies` in
+`study` puts it together.
 
-Studies of one's own are Python files that a scan file, a suite file or ``granwave report --study`` names by path.
+Studies of one's own are Python files that a scan file, a suite file or ``granwave report --study``
+names by path.
 
     '''Title of the study in one line.
 
@@ -25,14 +28,17 @@ Studies of one's own are Python files that a scan file, a suite file or ``granwa
             yield gw.Row("Peak force", "N", ours=run["peak_force_N"], theory=92.7)
 
     def pictures(runs):
-        yield gw.Picture("peak_force", "Caption", figure, {"velocity_m_s": velocity, "force_N": force})
+        yield gw.Picture("peak_force", "Caption", figure, {"velocity_m_s": velocity, "force_N":
+        force})
 
-``rows`` or ``pictures`` may be left out; ``tables(runs)`` yields tables of the study's own, each as caption and columns
-by heading with unit: ``"All impacts", {"Velocity (m/s)": velocity, "Largest force (N)": force}``. ``runs`` is a list of
-`granwave.Run`: all finished runs of the scans that name the file, or of the report, with the values of the varied keys
-in ``run.labels``. ``verdict(runs)``, sentences for the top of the report, and the further functions of built-in studies
-may be there. The code runs when a scan or a report is made for which its path was given, and never else: the directory
-of a scan holds the path, but a later ``granwave report`` of it loads no file that was not named again.
+``rows`` or ``pictures`` may be left out; ``tables(runs)`` yields tables of the study's own, each as
+caption and columns by heading with unit: ``"All impacts", {"Velocity (m/s)": velocity, "Largest
+force (N)": force}``. ``runs`` is a list of `granwave.Run`: all finished runs of the scans that name
+the file, or of the report, with the values of the varied keys in ``run.labels``. ``verdict(runs)``,
+sentences for the top of the report, and the further functions of built-in studies may be there. The
+code runs when a scan or a report is made for which its path was given, and never else: the
+directory of a scan holds the path, but a later ``granwave report`` of it loads no file that was not
+named again.
 """
 
 from __future__ import annotations
@@ -95,12 +101,15 @@ def find_studies(names: Sequence[str], directory: Path) -> tuple[list[str], list
     tuple
         Names and absolute paths; and what is wrong with the others, a line each.
     """
-    found, errors = [], []
+    found = []
+    errors = []
     for name in names:
         if name in STUDIES:
             found.append(name)
         elif not is_study_file(name):
-            errors.append(f"found {name}, expected one of: {', '.join(STUDIES)}; or the path of a file NAME{SUFFIX}")
+            errors.append(
+                f"found {name}, expected one of: {', '.join(STUDIES)}; or the path of a file NAME{SUFFIX}"
+            )
         else:
             path = str((directory / name).resolve())
             try:
@@ -117,7 +126,8 @@ def load_study(path: str) -> ModuleType:
     Raises
     ------
     InputError
-        The file is missing, cannot be loaded, or has neither ``rows`` nor ``pictures`` nor ``tables``.
+        The file is missing, cannot be loaded, or has neither ``rows`` nor ``pictures`` nor
+        ``tables``.
     """
     file = Path(path)
     if not file.is_file():
@@ -134,7 +144,9 @@ def _load(file: Path, changed: int) -> ModuleType:
         raise InputError(f"{path}: cannot be loaded, expected the Python file of a study")
     module = importlib.util.module_from_spec(spec)
     before = set(sys.modules)
-    sys.path.insert(0, str(file.parent))  # for modules beside the file, which belong to this study alone
+    sys.path.insert(
+        0, str(file.parent)
+    )  # for modules beside the file, which belong to this study alone
     try:
         spec.loader.exec_module(module)
     except (Exception, SystemExit) as error:
@@ -145,9 +157,15 @@ def _load(file: Path, changed: int) -> ModuleType:
             if Path(getattr(sys.modules[name], "__file__", None) or "/").parent == file.parent:
                 del sys.modules[name]
     if not any(callable(getattr(module, part, None)) for part in _PARTS):
-        raise InputError(f"{path}: found neither rows(runs), pictures(runs) nor tables(runs), expected one of these")
+        raise InputError(
+            f"{path}: found neither rows(runs), pictures(runs) nor tables(runs), expected one of these"
+        )
     title, _, text = inspect.cleandoc(module.__doc__ or file.stem).partition("\n\n")
-    defaults = {"TITLE": " ".join(title.split()).rstrip("."), "TEXT": " ".join(text.split()), "select": _all}
+    defaults = {
+        "TITLE": " ".join(title.split()).rstrip("."),
+        "TEXT": " ".join(text.split()),
+        "select": _all,
+    }
     for name, value in defaults.items():
         if not hasattr(module, name):
             setattr(module, name, value)

@@ -1,4 +1,6 @@
-"""Finished runs with their cases, as studies take them from a report; titles of packing, load and bottom."""
+"""Finished runs with their cases, as studies take them from a report; titles of packing, load and
+bottom.
+"""
 
 from __future__ import annotations
 
@@ -27,7 +29,12 @@ from granwave.lammps_inputs.run_directory import CASE_FILE
 AnyCase = TypeVar("AnyCase")
 Kind = TypeVar("Kind", bound="AnyRun[Any]")
 
-_NOT_OF_THE_CASE = ("name", "run", "output", "sensor")  # tables: how long and how finely it was followed
+_NOT_OF_THE_CASE = (
+    "name",
+    "run",
+    "output",
+    "sensor",
+)  # tables: how long and how finely it was followed
 
 _OF_A_PUNCH = {  # keys that case.toml holds for a punch on a block
     "block": ("diameter", "height"),
@@ -54,7 +61,9 @@ class AnyRun(Generic[AnyCase]):
     summary: Mapping[str, Any]
 
     def seen_as(self, kind: type[Kind]) -> Kind:
-        """The run as a record with methods of its own; the same object at each call, so that it reads files once."""
+        """The run as a record with methods of its own; the same object at each call, so that it
+        reads files once.
+        """
         if isinstance(self, kind):
             return self
         if kind not in self._views:
@@ -68,11 +77,17 @@ class AnyRun(Generic[AnyCase]):
     def value(self, name: str) -> float:
         """A number of the summary; NaN where it does not apply."""
         found = self.summary.get(name)
-        return float(found) if isinstance(found, int | float) and not isinstance(found, bool) else math.nan
+        return (
+            float(found)
+            if isinstance(found, int | float) and not isinstance(found, bool)
+            else math.nan
+        )
 
 
 class ContinuumRun(AnyRun[Mapping[str, Any]]):
-    """A finished run of a punch on a block; its case is what case.toml holds, with all values filled in."""
+    """A finished run of a punch on a block; its case is what case.toml holds, with all values
+    filled in.
+    """
 
 
 class SphereContactRun(AnyRun[Mapping[str, Any]]):
@@ -94,9 +109,14 @@ def read_run(
     """Read a finished run; None if its case cannot be read."""
     try:
         if summary.get("kind") == "continuum":
-            tables, errors = read_toml(directory / CASE_FILE), ErrorList("")
-            whole = all(key in tables.get(name, {}) for name, keys in _OF_A_PUNCH.items() for key in keys)
-            sound = read_material(tables.get("material", {}), errors) is not None and not errors.lines
+            tables = read_toml(directory / CASE_FILE)
+            errors = ErrorList("")
+            whole = all(
+                key in tables.get(name, {}) for name, keys in _OF_A_PUNCH.items() for key in keys
+            )
+            sound = (
+                read_material(tables.get("material", {}), errors) is not None and not errors.lines
+            )
             return ContinuumRun(label, directory, tables, summary) if whole and sound else None
         if summary.get("kind") == "sphere-contact":
             return SphereContactRun(label, directory, read_toml(directory / CASE_FILE), summary)
@@ -154,9 +174,12 @@ def impact_title(case: Case, *, height: bool = True) -> str:
 
 
 def packing_title(case: Case, *, height: bool = True) -> str:
-    """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of 10 mm``."""
+    """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of
+    10 mm``.
+    """
     packing = case.packing
-    own, diameter = case.material.name or "", f"of {1e3 * packing.diameter:.4g} mm"
+    own = case.material.name or ""
+    diameter = f"of {1e3 * packing.diameter:.4g} mm"
     if height and assemble(case).lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
@@ -168,7 +191,9 @@ def packing_title(case: Case, *, height: bool = True) -> str:
 
 
 def load_label(case: Case) -> str:
-    """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts on top."""
+    """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts
+    on top.
+    """
     if case.load.driven:
         return f"{case.load.kind} {f'along {list(case.load.direction or ())}' if case.load.slants else 'on top'}"
     return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
@@ -177,17 +202,22 @@ def load_label(case: Case) -> str:
 def bottom_label(case: Case) -> str:
     """``rigid wall``, ``concrete half-space``, ``plate of 0.5 kg, 314 µs``."""
     boundary = case.boundary
-    support, material = boundary.bottom_support, boundary.bottom_material
+    support = boundary.bottom_support
+    material = boundary.bottom_material
     name = (material.name or "elastic") if material else "rigid"
     if support is None:
-        return {"fixed": "fixed last layer", "free": "no bottom"}.get(boundary.bottom, f"{name} wall")
+        return {"fixed": "fixed last layer", "free": "no bottom"}.get(
+            boundary.bottom, f"{name} wall"
+        )
     if isinstance(support, Plate):
         damped = ", damped" if support.damping else ""
         return f"plate of {support.mass:g} kg, {time_label(period_of(support))}{damped}"
     if isinstance(support, Damper):
         return f"damper of {support.damping:g} N s/m"
     if isinstance(support, HalfSpace):
-        return f"{name} half-space" + (f", disc of {1e3 * support.radius:g} mm" if support.radius else "")
+        return f"{name} half-space" + (
+            f", disc of {1e3 * support.radius:g} mm" if support.radius else ""
+        )
     assert isinstance(support, SupportBar)
     end = "" if support.end == "infinite" else f", far end {support.end}"
     return f"{name} bar of {_SQUARE_CM * support.area:.3g} cm²{end}"

@@ -45,7 +45,8 @@ class Contact:
     over_law
         Force of finite elements over that of the law, less 1: (n_entries,).
     softer
-        Share of the energy of yielding that the sphere of the smaller yield strength takes; None of equal strengths.
+        Share of the energy of yielding that the sphere of the smaller yield strength takes; None of
+        equal strengths.
     """
 
     run: SphereContactRun
@@ -69,10 +70,18 @@ def select(runs: Sequence[SphereContactRun]) -> list[list[Contact]]:
 
 
 def tables(found: Sequence[Contact]) -> Iterator[Table]:
-    """Differences from the law at two overlaps and over two ranges, unloading exponents, share of the softer sphere."""
+    """Differences from the law at two overlaps and over two ranges, unloading exponents, share of
+    the softer sphere.
+    """
     spots = [f"At {spot:g} alpha_y" for spot in _SPOTS]
-    spans = [f"{word}, {span}" for span in ("1 to 10 alpha_y", "beyond") for word in ("Least", "Most")]
-    others = "Smallest unloading exponent", "Largest unloading exponent", "Energy of yielding in the softer sphere"
+    spans = [
+        f"{word}, {span}" for span in ("1 to 10 alpha_y", "beyond") for word in ("Least", "Most")
+    ]
+    others = (
+        "Smallest unloading exponent",
+        "Largest unloading exponent",
+        "Energy of yielding in the softer sphere",
+    )
     columns = (Column("Spheres", key=True), *numeric(*spots, *spans, *others))
     rows = []
     for one in found:
@@ -80,8 +89,17 @@ def tables(found: Sequence[Contact]) -> Iterator[Table]:
         spans_of = one.over_law[(one.scaled >= 1) & ~deep], one.over_law[deep]
         ends = [end for span in spans_of for end in (span.min(), span.max())]
         exponents = [one.run.value(f"unloading_exponent_{key}") for key in ("min", "max")]
-        over = [Cell(percent(100 * value), float(value)) for value in (*map(one.near, _SPOTS), *ends)]
-        rows.append((Cell(one.name), *over, *(x if math.isfinite(x) else None for x in exponents), one.softer))
+        over = [
+            Cell(percent(100 * value), float(value)) for value in (*map(one.near, _SPOTS), *ends)
+        ]
+        rows.append(
+            (
+                Cell(one.name),
+                *over,
+                *(x if math.isfinite(x) else None for x in exponents),
+                one.softer,
+            )
+        )
     yield table_of("Finite elements over the contact law, less 1", columns, rows)
 
 
@@ -91,7 +109,14 @@ def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
     data = {}
     for one, mark in zip(found, MARKS * 2, strict=False):
         shown = one.scaled > 0.3  # below it the contact has too few elements
-        axes.plot(one.scaled[shown], 100 * one.over_law[shown], marker=mark, markersize=2, markevery=40, label=one.name)
+        axes.plot(
+            one.scaled[shown],
+            100 * one.over_law[shown],
+            marker=mark,
+            markersize=2,
+            markevery=40,
+            label=one.name,
+        )
         data[f"{one.name}: overlap_normalised"] = one.scaled[shown]
         data[f"{one.name}: finite_elements_over_law"] = one.over_law[shown]
     axes.axhline(0, color="black", linewidth=0.5)
@@ -106,20 +131,38 @@ def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
 
 def _measured(run: SphereContactRun) -> Contact:
     """Read what the study shows of a run."""
-    own, partner, radius = run.case["material"], run.case.get("partner", {}), float(run.case["sphere"]["radius"])
-    other, radii = partner.get("material", own), sorted((radius, float(partner.get("radius", radius))))
+    own = run.case["material"]
+    partner = run.case.get("partner", {})
+    radius = float(run.case["sphere"]["radius"])
+    other = partner.get("material", own)
+    radii = sorted((radius, float(partner.get("radius", radius))))
     strengths = [one.get("yield_strength", math.inf) for one in (own, other)]
     with h5py.File(run.directory / RESULT_FILE) as file:
-        overlap, force, law = (np.asarray(file["loading"][name]) for name in ("overlap", "force", "law_force"))
-        softer = _share_of_softer(file["fields"], strengths) if strengths[0] != strengths[1] else None
-    like, ratio, first = other == own, radii[1] / radii[0], own.get("name", "one material")
+        overlap, force, law = (
+            np.asarray(file["loading"][name]) for name in ("overlap", "force", "law_force")
+        )
+        softer = (
+            _share_of_softer(file["fields"], strengths) if strengths[0] != strengths[1] else None
+        )
+    like = other == own
+    ratio = radii[1] / radii[0]
+    first = own.get("name", "one material")
     materials = first if like else f"{first} and {other.get('name', 'another')}"
     name = materials + (f", radii {ratio:g} to 1" if ratio != 1 else ", like radii" if like else "")
-    return Contact(run, name, (not like, ratio, name), overlap / run.value("yield_overlap_m"), force / law - 1, softer)
+    return Contact(
+        run,
+        name,
+        (not like, ratio, name),
+        overlap / run.value("yield_overlap_m"),
+        force / law - 1,
+        softer,
+    )
 
 
 def _share_of_softer(file: h5py.Group, strengths: Sequence[float]) -> float:
-    """Return the share of the energy of yielding in the sphere of the smaller yield strength, Pa; infinite: elastic."""
+    """Return the share of the energy of yielding in the sphere of the smaller yield strength, Pa;
+    infinite: elastic.
+    """
     fields = {name: np.asarray(values) for name, values in file.items()}
     r, z = fields["position"][fields["elements"]].transpose(2, 0, 1)
     area = np.abs((r * np.roll(z, -1, 1) - z * np.roll(r, -1, 1)).sum(axis=1)) / 2

@@ -14,7 +14,13 @@ from granwave.analysis.document.model import BLANK, Cell, Column, Note, Table, v
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.formatting.numbers import with_interval
 from granwave.analysis.statistics import Estimate
-from granwave.analysis.studies.registry import COMPARISON, STUDIES, is_loaded, is_study_file, load_study
+from granwave.analysis.studies.registry import (
+    COMPARISON,
+    STUDIES,
+    is_loaded,
+    is_study_file,
+    load_study,
+)
 from granwave.lammps_inputs.files import replace_text, write_csv_rows
 from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
@@ -49,10 +55,11 @@ class Row:
     theory
         From theory. Of a verification: what the code must give.
     verification
-        The row tests the code, not the source: a second solver, a check value, a formula, or a value that similarity
-        forces on any correct code.
+        The row tests the code, not the source: a second solver, a check value, a formula, or a
+        value that similarity forces on any correct code.
     digits
-        Significant digits of ours that mean something, where it depends on a choice such as the range of a fit.
+        Significant digits of ours that mean something, where it depends on a choice such as the
+        range of a fit.
     bound
         The source's value is a bound, such as the end of an axis: no difference from it is given.
     """
@@ -74,15 +81,22 @@ class Row:
         Raises
         ------
         ValueError
-            It has no value; or it is a verification that lacks one of its two values or has one of a source.
+            It has no value; or it is a verification that lacks one of its two values or has one of
+            a source.
         """
         for name in ("source", "ours", "theory"):
             if hasattr(value := getattr(self, name), "item"):
                 object.__setattr__(self, name, value.item())
-        if self.verification and (self.source is not None or self.ours is None or self.theory is None):
-            raise ValueError(f"{self.quantity}: expected ours and theory, and no source, of a verification")
+        if self.verification and (
+            self.source is not None or self.ours is None or self.theory is None
+        ):
+            raise ValueError(
+                f"{self.quantity}: expected ours and theory, and no source, of a verification"
+            )
         if self.source is None and self.ours is None:
-            raise ValueError(f"{self.quantity}: found no value, expected that of the source or ours")
+            raise ValueError(
+                f"{self.quantity}: found no value, expected that of the source or ours"
+            )
 
     @property
     def kind(self) -> Kind:
@@ -95,9 +109,15 @@ class Row:
 
     @property
     def deviation(self) -> float | None:
-        """Ours over the source's value, or that of theory where there is none, less 1; None for a bound."""
+        """Ours over the source's value, or that of theory where there is none, less 1; None for a
+        bound.
+        """
         against = self.theory if self.source is None else self.source
-        return self.ours / against - 1 if against and self.ours is not None and not self.bound else None
+        return (
+            self.ours / against - 1
+            if against and self.ours is not None and not self.bound
+            else None
+        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -107,13 +127,14 @@ class Picture:
     Attributes
     ----------
     name
-        Of its files. One that is empty or begins with an underscore goes on after the study's: ``_pulses`` of
-        ``square-in-plane`` becomes ``square_in_plane_pulses``.
+        Of its files. One that is empty or begins with an underscore goes on after the study's:
+        ``_pulses`` of ``square-in-plane`` becomes ``square_in_plane_pulses``.
     drawing
-        The figure; one of matplotlib's is given its data. A function that draws it, for a figure whose failure shall
-        not cost the next.
+        The figure; one of matplotlib's is given its data. A function that draws it, for a figure
+        whose failure shall not cost the next.
     data
-        Of a figure of matplotlib: arrays by name, with the unit at the end of the name, saved as CSV beside it.
+        Of a figure of matplotlib: arrays by name, with the unit at the end of the name, saved as
+        CSV beside it.
     """
 
     name: str
@@ -123,7 +144,9 @@ class Picture:
 
     def __post_init__(self, data: Mapping[str, Any] | None) -> None:
         """Put a figure of matplotlib and its data together."""
-        from granwave.analysis.figures.style import Drawing  # the drawing library takes a second to load
+        from granwave.analysis.figures.style import (
+            Drawing,
+        )  # the drawing library takes a second to load
 
         if not isinstance(self.drawing, Drawing) and not callable(self.drawing):
             object.__setattr__(self, "drawing", Drawing(self.drawing, dict(data or {})))
@@ -163,7 +186,9 @@ class Study:
     failed: tuple[NotDrawn, ...] = ()
 
 
-def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None = None) -> list[Study]:
+def make_studies(
+    runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None = None
+) -> list[Study]:
     """Make studies of finished runs, in the order of the registry.
 
     Parameters
@@ -171,7 +196,8 @@ def make_studies(runs: Mapping[str, Runs], undone: Mapping[str, Labels] | None =
     runs
         Runs offered to each study, by its name; see `granwave.analysis.studies.registry`.
     undone
-        Points that failed or were not run of the scans that name a study, as values of the keys that vary.
+        Points that failed or were not run of the scans that name a study, as values of the keys
+        that vary.
     """
     from granwave.analysis.figures.style import style  # the drawing library takes a second to load
 
@@ -198,10 +224,16 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
     groups = list(module.select(runs))
     numbered = len(groups) > 1 and not hasattr(module, "name")  # else the module tells groups apart
     for number, group in enumerate(groups, start=1):
-        word = module.name(group) if hasattr(module, "name") else name + (f"-{number}" if number > 1 else "")
+        word = (
+            module.name(group)
+            if hasattr(module, "name")
+            else name + (f"-{number}" if number > 1 else "")
+        )
         failed: list[NotDrawn] = []
 
-        def part(which: str, *arguments: Any, word: str = word, failed: list[NotDrawn] = failed) -> Iterator[Any]:
+        def part(
+            which: str, *arguments: Any, word: str = word, failed: list[NotDrawn] = failed
+        ) -> Iterator[Any]:
             """Iterate over a part, such as the rows, up to where it fails."""
             done = 0
             try:
@@ -213,21 +245,28 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
                     module
                 ):  # a name that no run has, in a user's code
                     error = KeyError(str(error)).with_traceback(error.__traceback__)
-                failed.append(not_made(f"{which} of the study {word}, from number {done + 1} on,", error))
+                failed.append(
+                    not_made(f"{which} of the study {word}, from number {done + 1} on,", error)
+                )
 
-        rows, pictures = tuple(part("rows", group)), []
+        rows = tuple(part("rows", group))
+        pictures = []
         for one in part("pictures", group):
             file = f"{one.name}_{number}" if numbered else one.name
             if not one.name or one.name.startswith("_"):
                 file = word.replace("-", "_") + one.name
-            drawing = attempt(f"figure {file}", one.drawing) if callable(one.drawing) else one.drawing
+            drawing = (
+                attempt(f"figure {file}", one.drawing) if callable(one.drawing) else one.drawing
+            )
             if isinstance(drawing, NotDrawn):
                 failed.append(drawing)
             else:
                 pictures.append(Picture(file, one.caption, drawing))
         yield Study(
             name + f"-{number}" if numbered else word,
-            module.title(group) if hasattr(module, "title") else module.TITLE + (f" ({number})" if numbered else ""),
+            module.title(group)
+            if hasattr(module, "title")
+            else module.TITLE + (f" ({number})" if numbered else ""),
             module.text(group) if hasattr(module, "text") else module.TEXT,
             rows,
             tuple(pictures),
@@ -238,8 +277,13 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
 
 
 def draw_studies(found: Sequence[Study], directory: Path) -> list[Path]:
-    """Save all figures of studies with their data into ``directory/figures``; returns the PNG files."""
-    from granwave.analysis.figures.style import FigureFolder, style  # the drawing library takes a second to load
+    """Save all figures of studies with their data into ``directory/figures``; returns the PNG
+    files.
+    """
+    from granwave.analysis.figures.style import (
+        FigureFolder,
+        style,
+    )  # the drawing library takes a second to load
 
     folder = FigureFolder(directory)
     with style():
@@ -284,7 +328,8 @@ def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
 
 
 def span(label: str, values: Mapping[str, Estimate], unit: str = "") -> str:
-    """Say between which values a quantity lies: ``Peak force: from 212 ± 50 N (10 layers) to 1560 N (2 layers).``
+    """Say between which values a quantity lies: ``Peak force: from 212 ± 50 N (10 layers) to 1560 N
+    (2 layers).``
 
     Parameters
     ----------
@@ -302,7 +347,9 @@ def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, .
     return tuple(Column(heading, unit, numeric=True, key=key) for heading, unit in pairs)
 
 
-def table_of(caption: str, columns: Iterable[Column], rows: Iterable[Iterable[Any]], **options: Any) -> Table:
+def table_of(
+    caption: str, columns: Iterable[Column], rows: Iterable[Iterable[Any]], **options: Any
+) -> Table:
     """A table of values; what is a cell already stays as it is.
 
     Parameters
@@ -310,14 +357,18 @@ def table_of(caption: str, columns: Iterable[Column], rows: Iterable[Iterable[An
     options
         Further fields of a table, such as ``sortable``.
     """
-    cells = tuple(tuple(one if isinstance(one, Cell) else value_cell(one) for one in row) for row in rows)
+    cells = tuple(
+        tuple(one if isinstance(one, Cell) else value_cell(one) for one in row) for row in rows
+    )
     return Table(caption, tuple(columns), cells, **options)
 
 
 def as_block(one: Any) -> Any:
-    """Make a table of caption and columns, ``("Impacts", {"Velocity (m/s)": velocity})``, and a note of a sentence.
+    """Make a table of caption and columns, ``("Impacts", {"Velocity (m/s)": velocity})``, and a
+    note of a sentence.
 
-    Values are numbers, estimates or texts; the unit ends the heading in brackets. All else is left as it is.
+    Values are numbers, estimates or texts; the unit ends the heading in brackets. All else is left
+    as it is.
     """
     if isinstance(one, str):
         return Note(one)
@@ -326,10 +377,16 @@ def as_block(one: Any) -> Any:
     caption, columns = one
     heads = []
     for place, (name, values) in enumerate(columns.items()):
-        heading, _, unit = name.removesuffix(")").partition(" (") if name.endswith(")") else (name, "", "")
+        heading, _, unit = (
+            name.removesuffix(")").partition(" (") if name.endswith(")") else (name, "", "")
+        )
         text = any(isinstance(value, str) for value in values)
         heads.append(Column(heading, unit, numeric=not text, key=text and not place))
-    return Table(caption, tuple(heads), tuple(tuple(map(_cell, row)) for row in zip(*columns.values(), strict=True)))
+    return Table(
+        caption,
+        tuple(heads),
+        tuple(tuple(map(_cell, row)) for row in zip(*columns.values(), strict=True)),
+    )
 
 
 def _cell(value: Any) -> Cell:

@@ -1,7 +1,8 @@
-"""Tolerances: what is left of an ideal performance where spheres scatter in size, are missing, or have friction.
+"""Tolerances: what is left of an ideal performance where spheres scatter in size, are missing, or
+have friction.
 
-Runs that differ in nothing but how imperfect their packing is are put together; their means by imperfection are the
-rows of the tables and the points of the figures.
+Runs that differ in nothing but how imperfect their packing is are put together; their means by
+imperfection are the rows of the tables and the points of the figures.
 """
 
 from __future__ import annotations
@@ -49,7 +50,9 @@ _TICKS = (3, 4, 5, 6, 8, 10, 12, 16, 20, 30, 50, 100)
 
 
 class Setting(NamedTuple):
-    """Imperfections of a packing: scatter of the diameters (m), coefficient of friction, share of left out spheres."""
+    """Imperfections of a packing: scatter of the diameters (m), coefficient of friction, share of
+    left out spheres.
+    """
 
     scatter: float = 0.0
     friction: float = 0.0
@@ -100,13 +103,23 @@ class Quantity:
 
 
 AXES = (
-    Quantity("scatter", "diameter scatter", "µm", 1e-6, "", "diameter_scatter_m", "packing.diameter_scatter"),
+    Quantity(
+        "scatter",
+        "diameter scatter",
+        "µm",
+        1e-6,
+        "",
+        "diameter_scatter_m",
+        "packing.diameter_scatter",
+    ),
     Quantity("friction", "friction coefficient", "", 1.0, "", "friction", "contact.friction"),
     Quantity("vacancies", "vacancies", "%", 0.01, "", "vacancies", "packing.vacancies"),
 )
 FORCE = Quantity("wall_peak_force_N", "peak force on the bottom", "N", better="less")
 DISSIPATED = Quantity("dissipated_fraction", "dissipated share of the energy", better="more")
-_REDUCTION = Quantity("peak_reduction", "peak force without the packing over that with it", better="more")
+_REDUCTION = Quantity(
+    "peak_reduction", "peak force without the packing over that with it", better="more"
+)
 _PLASTIC = Quantity("plastic_fraction", "share dissipated by yielding", better="more")
 _FRICTION = Quantity("friction_fraction", "share dissipated by friction")
 _SPHERES = Quantity("n_plastic_spheres", "yielded spheres")
@@ -129,7 +142,8 @@ class Packing:
     Attributes
     ----------
     runs
-        By setting, in rising order; of each the replicates in the order of their seeds, of what is not random one.
+        By setting, in rising order; of each the replicates in the order of their seeds, of what is
+        not random one.
     name
         Of its study.
     title
@@ -159,7 +173,9 @@ class Packing:
         return f" ({self.label})" if self.label else ""
 
     def along(self, axis: Quantity) -> dict[Setting, list[Setting]]:
-        """Settings of several values of one imperfection, by that of the others; all in rising order."""
+        """Settings of several values of one imperfection, by that of the others; all in rising
+        order.
+        """
         lines: dict[Setting, list[Setting]] = {}
         for setting in self.runs:
             lines.setdefault(setting._replace(**{axis.name: 0.0}), []).append(setting)
@@ -171,11 +187,15 @@ class Packing:
 
     def values(self, quantity: Quantity, setting: Setting) -> list[float]:
         """Values of the replicates that have one, SI, in the order of the seeds."""
-        return [value for run in self.runs[setting] if math.isfinite(value := run.value(quantity.name))]
+        return [
+            value for run in self.runs[setting] if math.isfinite(value := run.value(quantity.name))
+        ]
 
     def means(self, quantity: Quantity) -> Means:
         """Estimates, SI, of the settings that have a value."""
-        found = {setting: values for setting in self.runs if (values := self.values(quantity, setting))}
+        found = {
+            setting: values for setting in self.runs if (values := self.values(quantity, setting))
+        }
         return {
             s: statistics.estimate(values) if self.random(s) else statistics.exactly(values[0])
             for s, values in found.items()
@@ -185,52 +205,87 @@ class Packing:
         """Ratios to the ideal packing's value; nothing where that is random, zero or not known."""
         means = self.means(quantity)
         ideal = means.get(IDEAL)
-        return {s: one.over(ideal.mean) for s, one in means.items()} if ideal and ideal.exact and ideal.mean else {}
+        return (
+            {s: one.over(ideal.mean) for s, one in means.items()}
+            if ideal and ideal.exact and ideal.mean
+            else {}
+        )
 
     def left(self, quantity: Quantity) -> Means:
-        """Shares of the ideal packing's performance: of a force that shall be small its value over the present one."""
+        """Shares of the ideal packing's performance: of a force that shall be small its value over
+        the present one.
+        """
         shares = self.over_ideal(quantity)
         if quantity.better != "less":
             return shares
         return {
-            setting: statistics.Estimate(one.n, 1 / one.mean, one.deviation / one.mean**2, one.half_width / one.mean**2)
+            setting: statistics.Estimate(
+                one.n, 1 / one.mean, one.deviation / one.mean**2, one.half_width / one.mean**2
+            )
             for setting, one in shares.items()
             if one.mean
         }
 
-    def shown(self, quantities: Sequence[Quantity], settings: Sequence[Setting] = ()) -> list[Quantity]:
+    def shown(
+        self, quantities: Sequence[Quantity], settings: Sequence[Setting] = ()
+    ) -> list[Quantity]:
         """Quantities that have a value anywhere; without friction all is dissipated by yielding."""
         settings = settings or list(self.runs)
         has_friction = any(setting.friction for setting in settings)
-        there = [one for one in quantities if any(self.values(one, setting) for setting in settings)]
+        there = [
+            one for one in quantities if any(self.values(one, setting) for setting in settings)
+        ]
         return [one for one in there if has_friction or one not in (_PLASTIC, _FRICTION)]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[Packing]:
-    """Packings that were run with two settings at least, named and told apart; of equal runs the longest counts."""
-    impacts = [run for run in runs if run.case.load.kind == "impact" and run.case.packing.kind != "chain"]
-    table = pd.DataFrame([{**imperfections(run.case), "end": run.value("end_time_s"), "run": run} for run in impacts])
+    """Packings that were run with two settings at least, named and told apart; of equal runs the
+    longest counts.
+    """
+    impacts = [
+        run for run in runs if run.case.load.kind == "impact" and run.case.packing.kind != "chain"
+    ]
+    table = pd.DataFrame(
+        [{**imperfections(run.case), "end": run.value("end_time_s"), "run": run} for run in impacts]
+    )
     if table.empty:
         return []
     table["what"] = pd.factorize(table["what"])[0]
     place = ["what", "setting", "seed"]
-    longest = table.sort_values("end", ascending=False, kind="stable").drop_duplicates(place).sort_values(place)
-    groups = [group.groupby("setting")["run"].agg(list).to_dict() for _, group in longest.groupby("what")]
+    longest = (
+        table.sort_values("end", ascending=False, kind="stable")
+        .drop_duplicates(place)
+        .sort_values(place)
+    )
+    groups = [
+        group.groupby("setting")["run"].agg(list).to_dict() for _, group in longest.groupby("what")
+    ]
     found = [Packing(group) for group in groups if len(group) > 1]
     titles = [f"{impact_title(packing.case)}, {bottom_label(packing.case)}" for packing in found]
     parts = [title.split(", ") for title in titles]
-    own = [", ".join(part for part in words if not all(part in other for other in parts)) for words in parts]
+    own = [
+        ", ".join(part for part in words if not all(part in other for other in parts))
+        for words in parts
+    ]
     labels = [f"{words or 'packing'} ({own[:n].count(words) + 1})" if own.count(words) > 1 else words
               for n, words in enumerate(own)]  # fmt: skip
     return [
-        Packing(packing.runs, "tolerances" + (f"-{n}" if n > 1 else ""), title, name if len(found) > 1 else "")
+        Packing(
+            packing.runs,
+            "tolerances" + (f"-{n}" if n > 1 else ""),
+            title,
+            name if len(found) > 1 else "",
+        )
         for n, (packing, title, name) in enumerate(zip(found, titles, labels, strict=True), start=1)
     ]
 
 
 def imperfections(case: Case) -> dict[str, Any]:
-    """Return all that is hit but for its imperfections, as text, these, and the seed, 0 where nothing is random."""
-    packing, left_out = case.packing, ["packing.diameter_scatter", "packing.seed", "contact.friction"]
+    """Return all that is hit but for its imperfections, as text, these, and the seed, 0 where
+    nothing is random.
+    """
+    packing = case.packing
+    left_out = ["packing.diameter_scatter", "packing.seed", "contact.friction"]
     listed = isinstance(packing.vacancies, tuple)
     left_out += [] if listed else ["packing.vacancies"]
     if case.boundary.friction == case.contact.friction:  # as where it is left out
@@ -251,16 +306,24 @@ def name(packing: Packing) -> str:
 
 def title(packing: Packing) -> str:
     """Title with packing and impact."""
-    return f"Tolerances: {packing.title}" + ("" if packing.label in packing.title else packing.suffix)
+    return f"Tolerances: {packing.title}" + (
+        "" if packing.label in packing.title else packing.suffix
+    )
 
 
 def verdict(packing: Packing) -> Iterator[str]:
-    """Say between which values performance lies, and how many runs ended too early; the tables tell the rest."""
+    """Say between which values performance lies, and how many runs ended too early; the tables tell
+    the rest.
+    """
     for quantity in packing.shown(_PERFORMANCE):
         if len(packing.left(quantity)) > 1:
-            means = {_told(s): one.over(quantity.scale) for s, one in packing.means(quantity).items()}
+            means = {
+                _told(s): one.over(quantity.scale) for s, one in packing.means(quantity).items()
+            }
             ideal = with_interval(means[_told(IDEAL)], unit=quantity.unit)
-            yield span(f"{quantity.words.capitalize()}, {ideal} in the ideal packing", means, quantity.unit)
+            yield span(
+                f"{quantity.words.capitalize()}, {ideal} in the ideal packing", means, quantity.unit
+            )
     if short := sum(_cut_short(run) for runs in packing.runs.values() for run in runs):
         yield (
             f"In {short} runs the force on the bottom was largest at their very end, so that it may have grown on: "
@@ -271,7 +334,10 @@ def verdict(packing: Packing) -> Iterator[str]:
 def missing(packing: Packing, undone: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Say that the ideal packing has not finished, where a point of a scan asked for it."""
     fixed = imperfections(packing.case)["setting"]
-    asked = (not any(labels.get(axis.key, getattr(fixed, axis.name)) for axis in AXES) for labels in undone)
+    asked = (
+        not any(labels.get(axis.key, getattr(fixed, axis.name)) for axis in AXES)
+        for labels in undone
+    )
     if IDEAL not in packing.runs and any(asked):
         yield (
             "The ideal packing (no scatter, no friction) has not finished, so that it cannot be said how much of its "
@@ -280,10 +346,14 @@ def missing(packing: Packing, undone: Sequence[Mapping[str, Any]]) -> Iterator[s
 
 
 def tables(packing: Packing) -> Iterator[Table]:
-    """Means of all settings, those of performance against the ideal packing, largest tolerances, and doubts."""
+    """Means of all settings, those of performance against the ideal packing, largest tolerances,
+    and doubts.
+    """
     axes = numeric(*((axis.words.capitalize(), axis.unit) for axis in packing.axes), key=True)
 
-    def by_setting(caption: str, columns: Mapping[Any, Mapping[Setting, Cell]], settings: Sequence[Setting]) -> Table:
+    def by_setting(
+        caption: str, columns: Mapping[Any, Mapping[Setting, Cell]], settings: Sequence[Setting]
+    ) -> Table:
         rows = [
             (
                 *(Cell(f"{axis.of(s):g}", axis.of(s)) for axis in packing.axes),
@@ -292,27 +362,43 @@ def tables(packing: Packing) -> Iterator[Table]:
             )
             for s in settings
         ]
-        return table_of(caption + packing.suffix, (*axes, *numeric("Seeds", *columns)), rows, sortable=True)
+        return table_of(
+            caption + packing.suffix, (*axes, *numeric("Seeds", *columns)), rows, sortable=True
+        )
 
     means: dict[Any, dict[Setting, Cell]] = {
         (one.words.capitalize(), one.unit): {
-            s: Cell(with_interval(mean, one.scale), mean.mean) for s, mean in packing.means(one).items()
+            s: Cell(with_interval(mean, one.scale), mean.mean)
+            for s, mean in packing.means(one).items()
         }
         for one in packing.shown(_ALL)
     }
-    scattered = {s: one for s, one in packing.means(FORCE).items() if one.n > 1 and one.mean and one.deviation > 0}
+    scattered = {
+        s: one
+        for s, one in packing.means(FORCE).items()
+        if one.n > 1 and one.mean and one.deviation > 0
+    }
     if scattered:
-        needed = {s: statistics.seeds_needed(one.deviation, _PRECISE * abs(one.mean)) for s, one in scattered.items()}
-        means[f"Seeds for the force to ± {100 * _PRECISE:.0f} %"] = {s: Cell(str(n), n) for s, n in needed.items()}
+        needed = {
+            s: statistics.seeds_needed(one.deviation, _PRECISE * abs(one.mean))
+            for s, one in scattered.items()
+        }
+        means[f"Seeds for the force to ± {100 * _PRECISE:.0f} %"] = {
+            s: Cell(str(n), n) for s, n in needed.items()
+        }
     if means:
         yield by_setting("Mean and 95 % confidence interval", means, list(packing.runs))
     against = {
-        (one.words.capitalize(), "% of the ideal's"): {s: _share_cell(share) for s, share in shares.items()}
+        (one.words.capitalize(), "% of the ideal's"): {
+            s: _share_cell(share) for s, share in shares.items()
+        }
         for one in packing.shown(_PERFORMANCE)
         if (shares := packing.over_ideal(one)) and packing.left(one)
     }
     if against:
-        yield by_setting("Against the ideal packing", against, [s for s in packing.runs if s != IDEAL])
+        yield by_setting(
+            "Against the ideal packing", against, [s for s in packing.runs if s != IDEAL]
+        )
     for caption, heads, rows in (
         (
             f"How large each imperfection may be for {100 * KEPT:.0f} % of the ideal packing's performance or more: a "
@@ -328,27 +414,45 @@ def tables(packing: Packing) -> Iterator[Table]:
         ),
     ):  # fmt: skip
         if found := list(rows):
-            yield table_of(caption + packing.suffix, [Column(head, key=n < 2) for n, head in enumerate(heads)], found)
+            yield table_of(
+                caption + packing.suffix,
+                [Column(head, key=n < 2) for n, head in enumerate(heads)],
+                found,
+            )
 
 
 def pictures(packing: Packing) -> Iterator[Picture]:
     """Quantities against each imperfection, maps of two, and the confidence that the seeds give."""
     for axis in packing.axes:
         if drawing := _against(packing, axis):
-            random = any(packing.random(setting) for along in packing.along(axis).values() for setting in along)
-            what = "means, 95 % confidence bands, and single runs as dots" if random else "nothing is random here"
+            random = any(
+                packing.random(setting)
+                for along in packing.along(axis).values()
+                for setting in along
+            )
+            what = (
+                "means, 95 % confidence bands, and single runs as dots"
+                if random
+                else "nothing is random here"
+            )
             seen = "An imperfection matters from where a band leaves the value at 0, which is the ideal packing's"
-            yield Picture(f"_{axis.name}", f"Against {axis.words}: {what}{packing.suffix}. {seen}", drawing)
+            yield Picture(
+                f"_{axis.name}", f"Against {axis.words}: {what}{packing.suffix}. {seen}", drawing
+            )
     for across, up in itertools.combinations(packing.axes, 2):
         if drawing := _left_of_ideal(packing, across, up):
             caption = f"{across.words.capitalize()} and {up.words} together, in per cent of the ideal packing's"
             seen = "Numbers that change along rows and columns alike tell that both imperfections matter"
-            yield Picture(f"_{across.name}_{up.name}", f"{caption}{packing.suffix}. {seen}", drawing)
+            yield Picture(
+                f"_{across.name}_{up.name}", f"{caption}{packing.suffix}. {seen}", drawing
+            )
     seeded = [setting for setting in packing.runs if packing.random(setting)]
     most = max(seeded, key=lambda one: (len(packing.runs[one]), one), default=IDEAL)
     if seeded and (drawing := _convergence(packing, most)):
         caption = "Confidence of the mean of the first n seeds, and what the scatter of all of them makes of n"
-        seen = "Where the curves have fallen to the precision that is wanted, there are seeds enough"
+        seen = (
+            "Where the curves have fallen to the precision that is wanted, there are seeds enough"
+        )
         yield Picture("_seeds", f"{caption}{packing.suffix}. {seen}", drawing)
 
 
@@ -363,16 +467,24 @@ def _seeds(packing: Packing, setting: Setting) -> str:
 
 
 def _share_cell(share: statistics.Estimate) -> Cell:
-    alike = not share.exact and statistics.differ_significantly(statistics.exactly(1.0), share) is False
-    return Cell(with_interval(share.over(0.01)) + (", not to be told from it" if alike else ""), 100 * share.mean)
+    alike = (
+        not share.exact and statistics.differ_significantly(statistics.exactly(1.0), share) is False
+    )
+    return Cell(
+        with_interval(share.over(0.01)) + (", not to be told from it" if alike else ""),
+        100 * share.mean,
+    )
 
 
 def _kept(packing: Packing) -> Iterator[tuple[str, ...]]:
-    """Values without and with most of each imperfection, and up to which nearly all performance is kept."""
+    """Values without and with most of each imperfection, and up to which nearly all performance is
+    kept.
+    """
     for axis in packing.axes:
         along = packing.along(axis).get(IDEAL, []) if IDEAL in packing.runs else []
         for quantity in packing.shown(_PERFORMANCE, along) if along else []:
-            means, left = packing.means(quantity), packing.left(quantity)
+            means = packing.means(quantity)
+            left = packing.left(quantity)
             if len(left) < 2:
                 continue
             last = [setting for setting in along if setting in means][-1]
@@ -399,7 +511,9 @@ def _alike(packing: Packing) -> Iterator[tuple[str, ...]]:
     for axis, quantity in itertools.product(packing.axes, (FORCE, DISSIPATED)):
         means = packing.means(quantity)
         for base, along in packing.along(axis).items():
-            for first, second in itertools.pairwise(setting for setting in along if setting in means):
+            for first, second in itertools.pairwise(
+                setting for setting in along if setting in means
+            ):
                 if statistics.differ_significantly(means[first], means[second]) is False:
                     ends = (axis.show(axis.of(setting)) for setting in (first, second))
                     at = _told(base) if base != IDEAL else ""
@@ -407,41 +521,66 @@ def _alike(packing: Packing) -> Iterator[tuple[str, ...]]:
 
 
 def _cut_short(run: FinishedRun) -> bool:
-    """True if the force on the bottom was largest in the last part of the run, so that it may have grown on."""
+    """True if the force on the bottom was largest in the last part of the run, so that it may have
+    grown on.
+    """
     try:
         with Result(run.directory) as result:
             found = reached(result)
     except (MissingOutputError, OutputFormatError):  # only the summary was kept
         return False
-    return found is not None and bool(found.time[found.force.argmax()] > (1 - _LATE) * found.time[-1])
+    return found is not None and bool(
+        found.time[found.force.argmax()] > (1 - _LATE) * found.time[-1]
+    )
 
 
 def _against(packing: Packing, axis: Quantity) -> Drawing | None:
-    """Every quantity against one imperfection, a curve for each setting of the others; None without two values."""
+    """Every quantity against one imperfection, a curve for each setting of the others; None without
+    two values.
+    """
     lines = packing.along(axis)
     settings = [setting for along in lines.values() for setting in along]
     quantities = packing.shown(_PANELS, settings) if lines else []
     if not quantities:
         return None
     rows = -(-len(quantities) // _ACROSS)
-    figure, *grid = panels(1.75 * rows + 0.35 * (len(lines) > 1), _ACROSS, rows, width=_WIDTH, sharex=True)
+    figure, *grid = panels(
+        1.75 * rows + 0.35 * (len(lines) > 1), _ACROSS, rows, width=_WIDTH, sharex=True
+    )
     others = [one for one in packing.axes if one is not axis]
     points = []
     for axes, quantity in zip(grid, quantities, strict=False):
         means = packing.means(quantity)
         for n, (base, along) in enumerate(lines.items()):
-            colour, found = COLOURS[n % len(COLOURS)], {s: means[s] for s in along if s in means}
+            colour = COLOURS[n % len(COLOURS)]
+            found = {s: means[s] for s in along if s in means}
             x = np.array([axis.of(setting) for setting in found])
             mean = np.array([one.mean for one in found.values()]) / quantity.scale
             half = np.nan_to_num([one.half_width for one in found.values()]) / quantity.scale
             axes.fill_between(x, mean - half, mean + half, color=colour, alpha=0.2, linewidth=0)
             called = ", ".join(f"{other.words} {other.show(other.of(base))}" for other in others)
-            axes.plot(x, mean, color=colour, marker=_MARKERS[n % len(_MARKERS)], markersize=3.5, label=called)
+            axes.plot(
+                x,
+                mean,
+                color=colour,
+                marker=_MARKERS[n % len(_MARKERS)],
+                markersize=3.5,
+                label=called,
+            )
             for place, setting in zip(x, found, strict=True):
                 single = np.array(packing.values(quantity, setting)) / quantity.scale
                 if packing.random(setting):
-                    axes.plot(np.full(len(single), place), single, ".", color=colour, markersize=3.5, alpha=0.6)
-            points += [(quantity.name, *s, one.n, one.mean, one.low, one.high) for s, one in found.items()]
+                    axes.plot(
+                        np.full(len(single), place),
+                        single,
+                        ".",
+                        color=colour,
+                        markersize=3.5,
+                        alpha=0.6,
+                    )
+            points += [
+                (quantity.name, *s, one.n, one.mean, one.low, one.high) for s, one in found.items()
+            ]
         scale = spread_scales(axes, [axis.of(setting) for setting in settings])
         axes.set_ylabel(quantity.title, fontsize=7)
     for axes in grid[len(quantities) :]:
@@ -465,10 +604,15 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
         return None
     figure, *row = panels(0.32 * len(lines) + 1.25, len(shown), width=_WIDTH, sharey=True)
     names = [[f"{value:g}" for value in values] for values in (columns, lines)]
-    table = {axis.column: np.array([getattr(setting, axis.name) for setting in settings]) for axis in (across, up)}
+    table = {
+        axis.column: np.array([getattr(setting, axis.name) for setting in settings])
+        for axis in (across, up)
+    }
     for axes, quantity in zip(row, shown, strict=True):
         found = packing.over_ideal(quantity)
-        shares = np.array([100 * found[setting].mean if setting in found else np.nan for setting in settings])
+        shares = np.array(
+            [100 * found[setting].mean if setting in found else np.nan for setting in settings]
+        )
         ends = 0.0, max(100.0, float(np.nanmax(shares)))
         table_of_shares = shares.reshape(len(columns), len(lines)).T
         numbered_map(axes, table_of_shares, ends, "% of the ideal packing's", names, ".0f")
@@ -479,7 +623,9 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
 
 
 def _convergence(packing: Packing, setting: Setting) -> Drawing | None:
-    """Half-width of the confidence interval of the first n seeds; None for few of them, or where nothing is random."""
+    """Half-width of the confidence interval of the first n seeds; None for few of them, or where
+    nothing is random.
+    """
     figure, axes = panels(3.0)
     label(axes, "Seeds", "95 % half-width (% of the mean)", log="xy")
     columns: dict[str, Any] = {}
@@ -489,14 +635,21 @@ def _convergence(packing: Packing, setting: Setting) -> Drawing | None:
         if len(values) < _FEWEST_SEEDS or not np.std(values):
             continue
         found = statistics.growing(values)[_FEWEST_SHOWN - 2 :]
-        mean, seeds = found[-1].mean, np.array([one.n for one in found])
+        mean = found[-1].mean
+        seeds = np.array([one.n for one in found])
         half = np.array([one.half_width for one in found])
         expected = np.array([statistics.half_width(found[-1].deviation, int(n)) for n in seeds])
-        axes.plot(seeds, 100 * half / mean, marker, color=colour, markersize=4, label=quantity.words)
+        axes.plot(
+            seeds, 100 * half / mean, marker, color=colour, markersize=4, label=quantity.words
+        )
         axes.plot(seeds, 100 * expected / mean, color=colour, linewidth=0.8)
         root = np.sqrt(seeds[-1] / seeds) * expected[-1]
         axes.plot(seeds, 100 * root / mean, color=colour, linewidth=0.8, linestyle=":")
-        columns |= {"n": seeds, f"{quantity.name}_half_width": half, f"{quantity.name}_expected": expected}
+        columns |= {
+            "n": seeds,
+            f"{quantity.name}_half_width": half,
+            f"{quantity.name}_expected": expected,
+        }
     if not columns:
         return None
     axes.plot([], [], color=GREY, linewidth=0.8, label=r"$t_{n-1} s/\sqrt{n}$, $s$ of all seeds")

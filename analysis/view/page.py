@@ -1,8 +1,10 @@
-"""Page of a run: one HTML file with the packing in three dimensions, which asks the network for nothing.
+"""Page of a run: one HTML file with the packing in three dimensions, which asks the network for
+nothing.
 
-The viewer is k3d's (https://k3d-jupyter.org, on three.js), as its own snapshot of a plot embeds it: spheres as shaded
-discs that a graphics card draws by the hundred thousand, time series, clipping planes and a panel. `panel.js` adds a
-few controls. A Content-Security-Policy in the page keeps the browser from loading anything from outside.
+The viewer is k3d's (https://k3d-jupyter.org, on three.js), as its own snapshot of a plot embeds it:
+spheres as shaded discs that a graphics card draws by the hundred thousand, time series, clipping
+planes and a panel. `panel.js` adds a few controls. A Content-Security-Policy in the page keeps the
+browser from loading anything from outside.
 """
 
 from __future__ import annotations
@@ -30,7 +32,8 @@ from granwave.lammps_inputs.run_directory import VIEW_FILE
 if TYPE_CHECKING:
     import k3d
 
-MOST_SPHERES = 250_000  # a page of more is slow to load, and to turn without a graphics card of some size
+# a page of more is slow to load, and to turn without a graphics card of some size
+MOST_SPHERES = 250_000
 MOST_VALUES = 8_000_000  # of a field: spheres times snapshots, 4 bytes each in the browser
 _FEWEST_FRAMES = 5
 _PANEL = Path(__file__).with_name("panel.js")
@@ -87,8 +90,8 @@ def write_view(
     Raises
     ------
     InputError
-        Another ending or no such directory; a file of that name that granwave did not write; or a run in which
-        nothing happened.
+        Another ending or no such directory; a file of that name that granwave did not write; or a
+        run in which nothing happened.
     MissingOutputError, OutputFormatError
         The directory holds no result, or a damaged one.
     """
@@ -101,19 +104,27 @@ def write_view(
     with Result(directory) as result:
         if path is not None:
             refuse_other_file(target, _OWN)
-        instants, called, notes = instants_of(result), result.assembly.grains_called, []
+        instants = instants_of(result)
+        called = result.assembly.grains_called
+        notes = []
         rows = np.arange(result.n_spheres)
         if spheres is not None and len(rows) > spheres:
             distance = np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
             notes.append(f"the {spheres} {called} nearest to the struck one, of {len(rows)}")
             rows = np.sort(np.argsort(distance, kind="stable")[:spheres])
-        n, most = len(instants.times), frames or max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows)))
+        n = len(instants.times)
+        most = frames or max(_FEWEST_FRAMES, MOST_VALUES // max(1, len(rows)))
         if n > most:
-            instants = instants.at(np.unique(np.linspace(0, n - 1, most).round().astype(int)).tolist())
+            instants = instants.at(
+                np.unique(np.linspace(0, n - 1, most).round().astype(int)).tolist()
+            )
             notes.append(f"{len(instants.times)} of {n} snapshots")
-        found, note = fields(result, instants, rows), f"shown: {', '.join(notes)}" if notes else ""
+        found = fields(result, instants, rows)
+        note = f"shown: {', '.join(notes)}" if notes else ""
         if not found:
-            raise InputError(f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show")
+            raise InputError(
+                f"{result.case.name}: nothing moved and no contact bore a force; there is nothing to show"
+            )
         page = _page(plot_of(result, instants, rows, found, note), result.case.name)
     if path is None:
         claim(directory, [VIEW_FILE])
@@ -122,14 +133,21 @@ def write_view(
 
 
 def _page(plot: k3d.Plot, name: str) -> str:
-    """Return the page of a plot, with a title, and a policy that keeps the browser from loading anything."""
+    """Return the page of a plot, with a title, and a policy that keeps the browser from loading
+    anything.
+    """
     import k3d
 
     text = plot.get_snapshot(_COMPRESSION, additional_js_code=_PANEL.read_text(encoding="utf-8"))
     mark = _MARK.format(version=k3d.__version__)
     charset = '<meta charset="utf-8">'
     policy = f'<meta http-equiv="Content-Security-Policy" content="{_POLICY}">'
-    text = re.sub(r"(?<=window\.k3dCompressed = ')[^']+", lambda source: _without_fallbacks(source[0]), text, count=1)
+    text = re.sub(
+        r"(?<=window\.k3dCompressed = ')[^']+",
+        lambda source: _without_fallbacks(source[0]),
+        text,
+        count=1,
+    )
     text = text.replace("<!doctype html>", f"<!doctype html>\n{mark}", 1)
     text = text.replace(charset, f"{charset}\n    {policy}", 1)
     title = html.escape(f"{name} - granwave")
@@ -138,7 +156,9 @@ def _page(plot: k3d.Plot, name: str) -> str:
 
 @cache
 def _without_fallbacks(source: str) -> str:
-    """Return the compressed source of k3d without the addresses of fonts for old browsers; others are in it as data."""
+    """Return the compressed source of k3d without the addresses of fonts for old browsers; others
+    are in it as data.
+    """
     text = zlib.decompress(base64.b64decode(source)).decode("utf-8")
     text = re.sub(r',url\(fonts/[^)]*\) format\("\w+"\)', "", text)
     return base64.b64encode(zlib.compress(text.encode("utf-8"), _COMPRESSION)).decode("ascii")

@@ -1,11 +1,12 @@
-"""Objects of the page of a run, made with k3d: spheres with their fields, walls, bars, colour bars, clock and title.
+"""Objects of the page of a run, made with k3d: spheres with their fields, walls, bars, colour bars,
+clock and title.
 
-Lengths are in mm from the struck sphere, and times in µs, as in figures. Fields are values of the spheres at every
-instant, as levels of a logarithmic scale.
+Lengths are in mm from the struck sphere, and times in µs, as in figures. Fields are values of the
+spheres at every instant, as levels of a logarithmic scale.
 
-Instants are the snapshots of a run, or those at which a whole chain was recorded, which are more. A page holds millions
-of values. They are stored as the levels of a scale of `LEVELS` colours, with 0 for values below it: numbers that
-repeat, which compress to a twentieth.
+Instants are the snapshots of a run, or those at which a whole chain was recorded, which are more. A
+page holds millions of values. They are stored as the levels of a scale of `LEVELS` colours, with 0
+for values below it: numbers that repeat, which compress to a twentieth.
 """
 
 from __future__ import annotations
@@ -55,7 +56,8 @@ class Instants:
     quantities
         Names that `values` knows, as of a snapshot.
     values
-        Function of the number of an instant and a quantity: (n_spheres,) or (n_spheres, 3), SI units.
+        Function of the number of an instant and a quantity: (n_spheres,) or (n_spheres, 3), SI
+        units.
     """
 
     times: NDArray[np.float64]
@@ -64,28 +66,46 @@ class Instants:
 
     def at(self, numbers: Sequence[int]) -> Instants:
         """Return some of the instants, by their numbers."""
-        return Instants(self.times[list(numbers)], self.quantities, lambda n, name: self.values(numbers[n], name))
+        return Instants(
+            self.times[list(numbers)],
+            self.quantities,
+            lambda n, name: self.values(numbers[n], name),
+        )
 
 
 def instants_of(result: Result) -> Instants:
-    """Return the instants of a run: its snapshots, with 0 for what was not recorded, or the record of a chain."""
+    """Return the instants of a run: its snapshots, with 0 for what was not recorded, or the record
+    of a chain.
+    """
     if "chain" in result and len(result["chain/time"]) > result.n_frames:
         return _of_chain(result)
     return Instants(
-        result.frame_times, result.quantities, lambda number, name: np.nan_to_num(result.frame(number, name))
+        result.frame_times,
+        result.quantities,
+        lambda number, name: np.nan_to_num(result.frame(number, name)),
     )
 
 
 def _of_chain(result: Result) -> Instants:
-    """Return velocity and displacement, which point along the chain, and the largest force of each bead's contacts."""
-    time, n = result["chain/time"], result.n_spheres
-    rows = np.unique(np.linspace(0, len(time) - 1, min(_MOST_OF_A_CHAIN, len(time))).round().astype(int))
-    beads, force = result.rows(result["chain/id"]), np.zeros((len(time), n))
+    """Return velocity and displacement, which point along the chain, and the largest force of each
+    bead's contacts.
+    """
+    time = result["chain/time"]
+    n = result.n_spheres
+    rows = np.unique(
+        np.linspace(0, len(time) - 1, min(_MOST_OF_A_CHAIN, len(time))).round().astype(int)
+    )
+    beads = result.rows(result["chain/id"])
+    force = np.zeros((len(time), n))
     row = dict(zip(result["chain/id"].tolist(), beads.tolist(), strict=True))
     for end in ("chain/contact_i", "chain/contact_j"):
         for contact, sphere in enumerate(result[end].tolist()):
             if sphere in row:  # else the face of a bar
-                np.maximum(force[:, row[sphere]], result["chain/contact_force"][:, contact], out=force[:, row[sphere]])
+                np.maximum(
+                    force[:, row[sphere]],
+                    result["chain/contact_force"][:, contact],
+                    out=force[:, row[sphere]],
+                )
     scalars = {"contact_force": force, "peak_force": np.maximum.accumulate(force, axis=0)}
     along = {name: result[f"chain/{name}"] for name in ("velocity", "displacement")}
 
@@ -116,7 +136,8 @@ class Field:
     above
         True if there are values above the scale.
     levels
-        Level over `LEVELS` of each sphere at each snapshot, 0 below the scale: (n_frames, n_spheres).
+        Level over `LEVELS` of each sphere at each snapshot, 0 below the scale: (n_frames,
+        n_spheres).
     """
 
     name: str
@@ -129,7 +150,9 @@ class Field:
 
     @property
     def colours(self) -> NDArray[np.float32]:
-        """Colour map of k3d: rows of level over `LEVELS`, red, green and blue, grey below the scale."""
+        """Colour map of k3d: rows of level over `LEVELS`, red, green and blue, grey below the
+        scale.
+        """
         level = np.arange(1, LEVELS + 1) / LEVELS
         scale = colormaps[self.map]((np.arange(LEVELS) + 0.5) / LEVELS)[:, :3]
         edge = 0.5 / LEVELS
@@ -148,11 +171,18 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
         Rows of the spheres.
     """
     options = result.figure_options
-    forces, losses = options.colour_map or FORCE_MAP, options.colour_map or DISSIPATION_MAP
+    forces = options.colour_map or FORCE_MAP
+    losses = options.colour_map or DISSIPATION_MAP
     given = result.energy_input
     scale = force_scale(result)[0]
-    in_newtons = None if options.force_limits is None else tuple(scale * end for end in options.force_limits)
-    in_joules = tuple(given * end for end in options.dissipation_limits or DISSIPATION_LIMITS) if given else None
+    in_newtons = (
+        None if options.force_limits is None else tuple(scale * end for end in options.force_limits)
+    )
+    in_joules = (
+        tuple(given * end for end in options.dissipation_limits or DISSIPATION_LIMITS)
+        if given
+        else None
+    )
     wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
         ("contact force", "Largest contact force (N)", "contact_force", forces, in_newtons),
         ("speed", "Speed (m/s)", "velocity", forces, None),
@@ -165,7 +195,9 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
         if quantity not in instants.quantities:
             continue
         frame_values = (instants.values(number, quantity) for number in range(len(instants.times)))
-        values = np.stack([(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in frame_values])
+        values = np.stack(
+            [(np.linalg.norm(one, axis=1) if one.ndim == 2 else one)[rows] for one in frame_values]
+        )
         largest = float(np.max(values, initial=0.0))
         if not largest > 0:
             continue
@@ -174,21 +206,28 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
         with np.errstate(divide="ignore"):
             share = np.log(values / low) / np.log(high / low)
         levels = np.clip(np.floor(share * LEVELS) + 1, 0, LEVELS) / LEVELS
-        found.append(Field(name, label, colours, low, high, largest > high, levels.astype(np.float32)))
+        found.append(
+            Field(name, label, colours, low, high, largest > high, levels.astype(np.float32))
+        )
     return found
 
 
-_MILLI, _MICRO = 1e3, 1e6
+_MILLI = 1e3
+_MICRO = 1e6
 _MOVES = 0.05  # diameters: spheres that move less stay in their places
 _STOP = 0.3  # diameters: spheres of the plane of a section stay
 _FIELD_OF_VIEW = 40.0  # degrees
 _SECONDS = 8.0  # of playing from the start to the end
 _DOTS = 2  # pixels of a colour bar over those on the screen
 _SIDES = 32  # of a cylinder
-_BAR_COLOUR, _WALL_COLOUR, _INK = 0x8C9AA8, 0x9AA5B1, 0x222222
+_BAR_COLOUR = 0x8C9AA8
+_WALL_COLOUR = 0x9AA5B1
+_INK = 0x222222
 
 
-def plot_of(result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], note: str) -> k3d.Plot:
+def plot_of(
+    result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], note: str
+) -> k3d.Plot:
     """Return the plot of a run.
 
     Parameters
@@ -226,13 +265,27 @@ def plot_of(result: Result, instants: Instants, rows: NDArray[np.int64], found: 
         plot += one
     text = partial(k3d.text2d, is_html=True, label_box=False)
     for field in found:
-        of_field = {"name": f"colour bar of {field.name}", "group": field.name, "visible": field is found[0]}
+        of_field = {
+            "name": f"colour bar of {field.name}",
+            "group": field.name,
+            "visible": field is found[0],
+        }
         plot += text(_colour_bar(field), position=[0.0, 1.0], reference_point="lb", **of_field)
     clock = {_key(time): f"{time:.1f} µs" for time in times}
-    plot += text(clock, position=[0.5, 0.01], reference_point="ct", size=1.5, color=_INK, name="clock")
-    called, number = result.assembly.grains_called, f"{len(rows):,}".replace(",", " ")
-    lines = [f"<b>{html.escape(result.case.name)}</b>", f"{number} {called}, {len(times)} snapshots"]
-    lines += [html.escape(line) for line in (note, in_grains("lengths in mm from the struck sphere", called)) if line]
+    plot += text(
+        clock, position=[0.5, 0.01], reference_point="ct", size=1.5, color=_INK, name="clock"
+    )
+    called = result.assembly.grains_called
+    number = f"{len(rows):,}".replace(",", " ")
+    lines = [
+        f"<b>{html.escape(result.case.name)}</b>",
+        f"{number} {called}, {len(times)} snapshots",
+    ]
+    lines += [
+        html.escape(line)
+        for line in (note, in_grains("lengths in mm from the struck sphere", called))
+        if line
+    ]
     corner = {"position": [0.005, 0.01], "reference_point": "lt", "size": 1.0}
     plot += text("<br>".join(lines), **corner, color=_INK, name="title")
     cuts, cut = _cuts(result, place, camera)
@@ -248,9 +301,15 @@ def _key(time: float) -> str:
 
 
 def _spheres(
-    result: Result, instants: Instants, rows: NDArray[np.int64], found: Sequence[Field], place: NDArray[np.float64]
+    result: Result,
+    instants: Instants,
+    rows: NDArray[np.int64],
+    found: Sequence[Field],
+    place: NDArray[np.float64],
 ) -> Iterator[Any]:
-    """Make the grains of every field: cylinders, spheres that stay in their places, and those that move."""
+    """Make the grains of every field: cylinders, spheres that stay in their places, and those that
+    move.
+    """
     import k3d
 
     times = (_MICRO * instants.times).tolist()
@@ -264,14 +323,24 @@ def _spheres(
 
     def look(field: Field, rows: NDArray[np.int64], what: str, corners: int = 1) -> dict[str, Any]:
         """Return colours and name of some grains, of each of which so many points have colours."""
-        levels = {_key(time): np.repeat(field.levels[n, rows], corners) for n, time in enumerate(times)}
+        levels = {
+            _key(time): np.repeat(field.levels[n, rows], corners) for n, time in enumerate(times)
+        }
         scale = {"attribute": levels, "color_range": [0.0, 1.0], "color_map": field.colours.ravel()}
-        return scale | {"name": f"{field.name}{what}", "group": field.name, "visible": field is found[0]}
+        return scale | {
+            "name": f"{field.name}{what}",
+            "group": field.name,
+            "visible": field is found[0],
+        }
 
     if len(own := np.flatnonzero(~is_round)):  # cylinders of every field, as one mesh
         outlines = np.stack([_outline(one, radius[row]) for row in own if (one := shapes[row])])
         n_corners = outlines.shape[1]
-        faces = (np.arange(len(own))[:, None, None] * n_corners + _faces()).reshape(-1, 3).astype(np.uint32)
+        faces = (
+            (np.arange(len(own))[:, None, None] * n_corners + _faces())
+            .reshape(-1, 3)
+            .astype(np.uint32)
+        )
         corners = {
             key: ((place + one)[own][:, None] + outlines).reshape(-1, 3).astype(np.float32)
             for key, one in steps.items()
@@ -279,19 +348,26 @@ def _spheres(
         for field in found:
             of_field = look(field, own, ", cylinders", n_corners)
             yield k3d.mesh(corners, faces, flat_shading=False, side="double", **of_field)
-    for own, what in ((np.flatnonzero(~away & is_round), ""), (np.flatnonzero(away & is_round), ", moving")):
+    for own, what in (
+        (np.flatnonzero(~away & is_round), ""),
+        (np.flatnonzero(away & is_round), ", moving"),
+    ):
         if not len(own):
             continue
         positions: Any = place[own].astype(np.float32)
         if what:
-            positions = {key: (place[own] + one[own]).astype(np.float32) for key, one in steps.items()}
+            positions = {
+                key: (place[own] + one[own]).astype(np.float32) for key, one in steps.items()
+            }
         sizes = (2 * radius[own]).astype(np.float32)
         for field in found:
             yield k3d.points(positions, point_sizes=sizes, shader="3d", **look(field, own, what))
 
 
 def _outline(shape: Cylinder, radius: float) -> NDArray[np.float64]:
-    """Return the corners of a cylinder around its centre: rims of the side, rims and middles of the ends, mm."""
+    """Return the corners of a cylinder around its centre: rims of the side, rims and middles of the
+    ends, mm.
+    """
     axis = shape.vector
     one = np.cross(axis, np.eye(3)[np.argmin(np.abs(axis))])
     one /= np.linalg.norm(one)
@@ -305,8 +381,13 @@ def _faces() -> NDArray[np.int64]:
     """Return the triangles between the corners of `_outline`: (n, 3)."""
     n = np.arange(_SIDES)
     after = (n + 1) % _SIDES
-    low, high, middle = 2 * _SIDES, 3 * _SIDES, 4 * _SIDES
-    side = [np.stack([n, after, _SIDES + n], axis=1), np.stack([after, _SIDES + after, _SIDES + n], axis=1)]
+    low = 2 * _SIDES
+    high = 3 * _SIDES
+    middle = 4 * _SIDES
+    side = [
+        np.stack([n, after, _SIDES + n], axis=1),
+        np.stack([after, _SIDES + after, _SIDES + n], axis=1),
+    ]
     ends = [
         np.stack([low + after, low + n, np.full(_SIDES, middle)], axis=1),
         np.stack([high + n, high + after, np.full(_SIDES, middle + 1)], axis=1),
@@ -320,7 +401,8 @@ def _walls(result: Result) -> Iterator[Any]:
 
     low, high = _MILLI * (result.assembly.lattice_bounds() - result.origin)
     margin = _MILLI * result.case.packing.diameter / 2
-    low, high = low - margin, high + margin
+    low = low - margin
+    high = high + margin
     for wall in walls(result.assembly):
         if wall.held_layer:
             continue
@@ -334,7 +416,9 @@ def _walls(result: Result) -> Iterator[Any]:
         edges = plane_lines(wall.axis, level, low, high).astype(np.float32)
         if wall.name == "bottom":
             faces = np.array([[0, 1, 2], [0, 2, 3]], dtype=np.uint32)
-            yield k3d.mesh(edges[:4], faces, color=_WALL_COLOUR, opacity=0.35, side="double", name="bottom")
+            yield k3d.mesh(
+                edges[:4], faces, color=_WALL_COLOUR, opacity=0.35, side="double", name="bottom"
+            )
         else:
             yield k3d.line(edges, color=_WALL_COLOUR, width=0.1 * margin, name=f"wall {wall.name}")
 
@@ -349,7 +433,12 @@ def _bars(result: Result) -> Iterator[Any]:
         ends[:, 2] = _MILLI * (bar.position[[0, -1]] - result.origin[2])
         width = 2 * _MILLI * math.sqrt(bar.section.area / math.pi)
         yield k3d.line(
-            ends, color=_BAR_COLOUR, width=width, shader="mesh", radial_segments=32, name=bar.name.replace("_", " ")
+            ends,
+            color=_BAR_COLOUR,
+            width=width,
+            shader="mesh",
+            radial_segments=32,
+            name=bar.name.replace("_", " "),
         )
 
 
@@ -360,7 +449,11 @@ def _colour_bar(field: Field) -> str:
         axes = figure.subplots()
         mappable = ScalarMappable(LogNorm(field.low, field.high), colormaps[field.map])
         figure.colorbar(
-            mappable, cax=axes, orientation="horizontal", label=field.label, extend="both" if field.above else "min"
+            mappable,
+            cax=axes,
+            orientation="horizontal",
+            label=field.label,
+            extend="both" if field.above else "min",
         )
         stream = io.BytesIO()
         figure.savefig(stream, format="png", dpi=96 * _DOTS, transparent=True)
@@ -370,12 +463,17 @@ def _colour_bar(field: Field) -> str:
 
 
 def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
-    """Return position, target and upward direction of the camera: a chain lies across, a layer faces the viewer."""
-    size, middle = np.ptp(place, axis=0), (place.min(axis=0) + place.max(axis=0)) / 2
+    """Return position, target and upward direction of the camera: a chain lies across, a layer
+    faces the viewer.
+    """
+    size = np.ptp(place, axis=0)
+    middle = (place.min(axis=0) + place.max(axis=0)) / 2
     if result.case.packing.kind == "chain":
-        towards, up = np.array([0.0, 1.0, 0.0]), np.array([1.0, 0.0, 0.0])
+        towards = np.array([0.0, 1.0, 0.0])
+        up = np.array([1.0, 0.0, 0.0])
     elif size[2] == 0:
-        towards, up = np.array([0.0, 0.0, -1.0]), np.array([0.0, -1.0, 0.0])
+        towards = np.array([0.0, 0.0, -1.0])
+        up = np.array([0.0, -1.0, 0.0])
     else:
         up = np.array([0.0, 0.0, -1.0])
         towards = Camera.looking(AZIMUTH, ELEVATION, up).towards
@@ -396,15 +494,22 @@ def _cuts(
     str
         Its name at the start; ``none`` for packings that hide nothing.
     """
-    kind, own = result.case.packing.kind, result.figure_options.plane
-    normals = {"across x": (1.0, 0.0, 0.0), "across y": (0.0, 1.0, 0.0), "at a depth": (0.0, 0.0, 1.0)}
+    kind = result.case.packing.kind
+    own = result.figure_options.plane
+    normals = {
+        "across x": (1.0, 0.0, 0.0),
+        "across y": (0.0, 1.0, 0.0),
+        "at a depth": (0.0, 0.0, 1.0),
+    }
     normals |= {f"{plane.name} plane": tuple(plane.normal) for plane in planes(kind)}
     starts = dict.fromkeys(normals, 0.0)
     if own is not None:
         plane = own_plane(own.normal, own.through)
         normals["section of the case"] = tuple(plane.normal)
         starts["section of the case"] = (
-            0.0 if plane.through is None else float(_MILLI * (plane.through - result.origin) @ plane.normal)
+            0.0
+            if plane.through is None
+            else float(_MILLI * (plane.through - result.origin) @ plane.normal)
         )
     stop = _STOP * _MILLI * result.case.packing.diameter
     towards = np.array(camera[:3]) - np.array(camera[3:6])
@@ -413,7 +518,8 @@ def _cuts(
         direction = np.array(normal)
         sign = -1.0 if direction @ towards > 0 else 1.0
         along = place @ (sign * direction)
-        low, high = float(along.min()) - stop, float(along.max()) + stop
+        low = float(along.min()) - stop
+        high = float(along.max()) + stop
         if high - low > 4 * stop:  # more than one plane of spheres
             cuts[name] = [*(sign * direction).tolist(), low, high, sign * starts[name] - stop]
     flat = kind == "chain" or np.ptp(place[:, 2]) == 0

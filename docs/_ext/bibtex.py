@@ -36,11 +36,20 @@ def bibtex(citation: str) -> str:
 
 def _entry(work: Work) -> str:
     if work["type"] not in _ENTRY:
-        raise ValueError(f"CITATION.cff: found type {work['type']}, expected one of: {', '.join(_ENTRY)}")
-    found = {"author": " and ".join(map(_author, work["authors"])), "title": f"{{{_escape(work['title'])}}}"}
+        raise ValueError(
+            f"CITATION.cff: found type {work['type']}, expected one of: {', '.join(_ENTRY)}"
+        )
+    found = {
+        "author": " and ".join(map(_author, work["authors"])),
+        "title": f"{{{_escape(work['title'])}}}",
+    }
     if released := work.get("date-released"):
         found["year"] = str(released.year)
-    found |= {field: _escape(value) for field, keys in _FIELDS.items() if (value := _value(work, keys)) is not None}
+    found |= {
+        field: _escape(value)
+        for field, keys in _FIELDS.items()
+        if (value := _value(work, keys)) is not None
+    }
     width = max(map(len, found))
     lines = [f"  {field:<{width}} = {{{value}}}," for field, value in found.items()]
     return "\n".join([f"@{_ENTRY[work['type']]}{{{_name(work)},", *lines, "}"])

@@ -1,7 +1,8 @@
-"""Parts of the reference that are generated from the code's own tables, so that they cannot part from it.
+"""Parts of the reference that are generated from the code's own tables, so that they cannot part
+from it.
 
-A page contains a mark such as ``<!-- keys: case -->``, which is replaced by Markdown when the page is read. The manual
-pages of the LAMMPS styles are copied from plugins/doc.
+A page contains a mark such as ``<!-- keys: case -->``, which is replaced by Markdown when the page
+is read. The manual pages of the LAMMPS styles are copied from plugins/doc.
 """
 
 from __future__ import annotations
@@ -48,13 +49,18 @@ def _section(table: Table) -> str:
     anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
     text = f"{table.description[:1].upper()}{table.description[1:]}."
     level = "##" if table.file == CASE else "###"  # the pages of others have several kinds of files
-    return "\n\n".join([f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)])
+    return "\n\n".join(
+        [f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)]
+    )
 
 
 def _entry(table: Table, key: Key) -> str:
     anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
     unit = f" in {printed_unit(key.unit)}" if key.unit else ""
-    facts = [f"Accepts {_escape(key.accepts)}.", *([f"{_sentence(key.usual)}"] if key.usual else [])]
+    facts = [
+        f"Accepts {_escape(key.accepts)}.",
+        *([f"{_sentence(key.usual)}"] if key.usual else []),
+    ]
     return "\n".join(
         [
             f"[**`{key.name}`**]{{#{anchor}}}{unit}, {_state(key)}",
@@ -65,7 +71,11 @@ def _entry(table: Table, key: Key) -> str:
 
 def _state(key: Key) -> str:
     if key.default:
-        return f"default {key.default}" if key.default.startswith("that of ") else f"default `{key.default}`"
+        return (
+            f"default {key.default}"
+            if key.default.startswith("that of ")
+            else f"default `{key.default}`"
+        )
     return f"**{state(key)}**" if key.required else state(key)
 
 
@@ -89,9 +99,15 @@ def quantities(entries: tuple[Quantity, ...] = ENTRIES) -> str:
 
 def commands() -> str:
     """Return all commands with their arguments and options."""
-    (verbs,) = (action for action in command_line()._actions if isinstance(action, argparse._SubParsersAction))
+    (verbs,) = (
+        action
+        for action in command_line()._actions
+        if isinstance(action, argparse._SubParsersAction)
+    )
     helps = {action.dest: action.help or "" for action in verbs._choices_actions}
-    return "\n\n".join(_command(name, helps[name], parser) for name, parser in verbs.choices.items())
+    return "\n\n".join(
+        _command(name, helps[name], parser) for name, parser in verbs.choices.items()
+    )
 
 
 def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
@@ -104,7 +120,10 @@ def _command(name: str, what: str, parser: argparse.ArgumentParser) -> str:
 def _argument(action: argparse.Action) -> str:
     value = action.metavar or ("|".join(map(str, action.choices)) if action.choices else "")
     shown = " ".join(value) if isinstance(value, tuple) else str(value)
-    name = ", ".join(f"`{option} {shown}`".replace(" `", "`") for option in action.option_strings) or f"`{shown}`"
+    name = (
+        ", ".join(f"`{option} {shown}`".replace(" `", "`") for option in action.option_strings)
+        or f"`{shown}`"
+    )
     what = (action.help or "").replace("%%", "%")
     return f"{name}\n: {_sentence(what)}"
 
@@ -124,7 +143,9 @@ def report_studies() -> str:
     rows = []
     for name, module in STUDIES.items():
         found = importlib.import_module(f"granwave.analysis.studies.{module}")
-        title = getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
+        title = (
+            getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
+        )
         rows.append(f"| `{name}` | {_escape(title.rstrip('.'))} |")
     return "\n".join(["| name | title |", "|---|---|", *rows])
 
@@ -143,7 +164,11 @@ def materials() -> str:
 def lattices() -> str:
     """Return the table of the packings."""
     return "\n".join(
-        ["| kind | name |", "|---|---|", *(f"| `{name}` | {kind.label} |" for name, kind in KINDS.items())]
+        [
+            "| kind | name |",
+            "|---|---|",
+            *(f"| `{name}` | {kind.label} |" for name, kind in KINDS.items()),
+        ]
     )
 
 
@@ -151,9 +176,13 @@ def interface(package: str) -> str:
     """Return the public names of a package as autodoc directives, functions first."""
     module = importlib.import_module(package)
     lines = []
-    for name in sorted(module.__all__, key=lambda name: (isinstance(getattr(module, name), type), name)):
+    for name in sorted(
+        module.__all__, key=lambda name: (isinstance(getattr(module, name), type), name)
+    ):
         found = getattr(module, name)
-        directive = "autoexception" if isinstance(found, type) and issubclass(found, Exception) else None
+        directive = (
+            "autoexception" if isinstance(found, type) and issubclass(found, Exception) else None
+        )
         directive = directive or ("autoclass" if isinstance(found, type) else "autofunction")
         lines.append(f".. {directive}:: {package}.{name}")
         lines += ["   :members:", ""] if directive == "autoclass" else [""]
@@ -189,7 +218,9 @@ def fill_in(_: Sphinx, __: str, source: list[str]) -> None:
 
     def part(mark: re.Match[str]) -> str:
         name, argument = mark.groups()
-        return _PARTS[name](*([argument] if argument else [])) if name in _PARTS else mark[0]  # another extension's
+        return (
+            _PARTS[name](*([argument] if argument else [])) if name in _PARTS else mark[0]
+        )  # another extension's
 
     source[0] = _MARK.sub(part, source[0])
 
@@ -198,7 +229,9 @@ def copy_manual(app: Sphinx) -> None:
     """Copy the manual pages of the styles into the site's sources, where git ignores them."""
     folder = Path(app.srcdir) / "reference" / "styles"
     folder.mkdir(exist_ok=True)
-    pages = {path: folder / path.name.replace("README", "index") for path in sorted(MANUAL.glob("*.md"))}
+    pages = {
+        path: folder / path.name.replace("README", "index") for path in sorted(MANUAL.glob("*.md"))
+    }
     for old in set(folder.glob("*.md")) - set(pages.values()):
         old.unlink()
     names = [page.stem for page in pages.values() if page.stem != "index"]

@@ -1,9 +1,10 @@
-"""Figures of the examples for LAMMPS: runs `plugins/examples/in.NAME` with plain `lmp` and draws what it leaves.
+"""Figures of the examples for LAMMPS: runs `plugins/examples/in.NAME` with plain `lmp` and draws
+what it leaves.
 
     python docs/_ext/lammps_figures.py [NAME ...]       # writes docs/lammps/NAME.webp, and the digest of its script
 
-Each script runs in ``build/lammps/NAME``. A test compares the digests in ``docs/lammps/figures.txt`` with the scripts,
-so that a figure is never that of an earlier one.
+Each script runs in ``build/lammps/NAME``. A test compares the digests in
+``docs/lammps/figures.txt`` with the scripts, so that a figure is never that of an earlier one.
 """
 
 from __future__ import annotations
@@ -28,7 +29,13 @@ PAGES = ROOT / "docs" / "lammps"
 RUNS = ROOT / "build" / "lammps"
 DIGESTS = PAGES / "figures.txt"
 #: Runs of a script, if not one on one rank: ranks and options of each.
-PARTS = {"restart": ((1, ("-var", "part", "whole")), (2, ("-var", "part", "first")), (1, ("-var", "part", "second")))}
+PARTS = {
+    "restart": (
+        (1, ("-var", "part", "whole")),
+        (2, ("-var", "part", "first")),
+        (1, ("-var", "part", "second")),
+    )
+}
 
 
 def frames(path: Path) -> list[dict[str, np.ndarray]]:
@@ -49,11 +56,19 @@ def frames(path: Path) -> list[dict[str, np.ndarray]]:
     return found
 
 
-def discs(axes: plt.Axes, x: np.ndarray, y: np.ndarray, radius: np.ndarray, **style: object) -> EllipseCollection:
+def discs(
+    axes: plt.Axes, x: np.ndarray, y: np.ndarray, radius: np.ndarray, **style: object
+) -> EllipseCollection:
     """Draw spheres seen along an axis."""
     size = 2 * radius
     drawn = EllipseCollection(
-        size, size, np.zeros_like(size), units="x", offsets=np.c_[x, y], offset_transform=axes.transData, **style
+        size,
+        size,
+        np.zeros_like(size),
+        units="x",
+        offsets=np.c_[x, y],
+        offset_transform=axes.transData,
+        **style,
     )
     axes.add_collection(drawn)
     axes.set_aspect("equal")
@@ -61,9 +76,13 @@ def discs(axes: plt.Axes, x: np.ndarray, y: np.ndarray, radius: np.ndarray, **st
     return drawn
 
 
-def axes_of(columns: int, width: float = 6.4, height: float = 2.7, **options: object) -> tuple[Figure, list[plt.Axes]]:
+def axes_of(
+    columns: int, width: float = 6.4, height: float = 2.7, **options: object
+) -> tuple[Figure, list[plt.Axes]]:
     """Return a figure with axes side by side."""
-    figure, axes = plt.subplots(1, columns, figsize=(width, height), layout="constrained", squeeze=False, **options)
+    figure, axes = plt.subplots(
+        1, columns, figsize=(width, height), layout="constrained", squeeze=False, **options
+    )
     return figure, list(axes[0])
 
 
@@ -110,9 +129,13 @@ def chain(run: Path) -> Figure:
     for bead in (10, 20, 30, 40, 50):
         left.plot(time, speed[:, bead - 1], label=str(bead))
     left.set(xlabel="time, us", ylabel="speed, m/s")
-    left.legend(title="bead", ncols=2, loc="upper right", fontsize="x-small", title_fontsize="x-small")
+    left.legend(
+        title="bead", ncols=2, loc="upper right", fontsize="x-small", title_fontsize="x-small"
+    )
     left.set_ylim(top=1.35 * speed[:, 9].max())
-    picture = right.pcolormesh(np.arange(1, force.shape[1] + 1), time, force, cmap="viridis", rasterized=True)
+    picture = right.pcolormesh(
+        np.arange(1, force.shape[1] + 1), time, force, cmap="viridis", rasterized=True
+    )
     figure.colorbar(picture, label="largest contact force, N")
     right.set(xlabel="bead", ylabel="time, us")
     return figure
@@ -127,7 +150,9 @@ def block(run: Path) -> Figure:
     left.legend()
     end = frames(run / "block.dump")[0]
     y = np.unique(np.round(end["y"], 6))
-    cut = (end["type"] == 1) & (np.abs(end["y"] - y[np.argmin(np.abs(y - end["y"][end["type"] == 2]))]) < 0.003)
+    cut = (end["type"] == 1) & (
+        np.abs(end["y"] - y[np.argmin(np.abs(y - end["y"][end["type"] == 2]))]) < 0.003
+    )
     shade = discs(
         right,
         *(1e3 * end[name][cut] for name in ("x", "z", "radius")),
@@ -144,9 +169,14 @@ def block(run: Path) -> Figure:
 def crystal(run: Path) -> Figure:
     figure, (axes,) = axes_of(1, 4.4)
     _, spacing, _, pressure, *_ = np.loadtxt(run / "crystal.txt").T
-    strain, turn = 100 * (1 - spacing / 0.01), np.argmax(pressure)
+    strain = 100 * (1 - spacing / 0.01)
+    turn = np.argmax(pressure)
     again = turn + np.argmin(strain[turn:])
-    for part, look in ((slice(0, turn + 1), "C0-"), (slice(turn, again + 1), "C1-"), (slice(again, None), "k:")):
+    for part, look in (
+        (slice(0, turn + 1), "C0-"),
+        (slice(turn, again + 1), "C1-"),
+        (slice(again, None), "k:"),
+    ):
         axes.plot(strain[part], 1e-6 * pressure[part], look)
     axes.legend(["pressed", "released", "pressed again"])
     axes.set(xlabel="strain, %", ylabel="pressure, MPa")
@@ -161,7 +191,9 @@ def rolling(run: Path) -> Figure:
         axes.plot(5e-6 * step, surface, label="its surface")
         end = 1 / (9.81 * (3.5 * 0.3 - 2.5 * float(resist)))
         time = np.array([0.0, end, 0.6])
-        theory = 1 - 9.81 * (0.3 * np.minimum(time, end) + 5 / 7 * float(resist) * np.maximum(time - end, 0))
+        theory = 1 - 9.81 * (
+            0.3 * np.minimum(time, end) + 5 / 7 * float(resist) * np.maximum(time - end, 0)
+        )
         axes.plot(time, theory, "k:", label="formula")
         axes.set(xlabel="time, s", title=f"rolling resistance {resist}")
     pair[0].set_ylabel("speed, m/s")
@@ -171,13 +203,18 @@ def rolling(run: Path) -> Figure:
 
 def contacts(run: Path) -> Figure:
     figure, (axes,) = axes_of(1, 6.4, 4.0)
-    spheres, forces = frames(run / "spheres.dump")[0], frames(run / "contacts.dump")[0]
-    x, y = 1e3 * spheres["x"], 1e3 * spheres["y"]
+    spheres = frames(run / "spheres.dump")[0]
+    forces = frames(run / "contacts.dump")[0]
+    x = 1e3 * spheres["x"]
+    y = 1e3 * spheres["y"]
     discs(axes, x, y, 1e3 * spheres["radius"], fc="0.93", ec="0.8", lw=0.3)
     i, j = (forces[f"c_contact[{n}]"].astype(int) - 1 for n in (1, 2))
     force = forces["c_contact[4]"] / forces["c_contact[4]"].mean()
     lines = LineCollection(
-        np.stack([np.c_[x[i], y[i]], np.c_[x[j], y[j]]], axis=1), linewidths=1.3 * force, array=force, cmap="inferno_r"
+        np.stack([np.c_[x[i], y[i]], np.c_[x[j], y[j]]], axis=1),
+        linewidths=1.3 * force,
+        array=force,
+        cmap="inferno_r",
     )
     axes.add_collection(lines)
     figure.colorbar(lines, label="normal force over its mean")
@@ -188,14 +225,22 @@ def contacts(run: Path) -> Figure:
 def restart(run: Path) -> Figure:
     figure, (axes,) = axes_of(1, 4.4)
     for part, look in (("whole", "-"), ("first", "o"), ("second", "x")):
-        step, motion, turning, yielded, rubbed, _ = np.loadtxt(run / f"{part}.txt")[:: 1 if part == "whole" else 10].T
+        step, motion, turning, yielded, rubbed, _ = np.loadtxt(run / f"{part}.txt")[
+            :: 1 if part == "whole" else 10
+        ].T
         for value, colour, name in (
             (motion + turning, "C0", "motion"),
             (yielded, "C1", "yielding"),
             (rubbed, "C2", "friction"),
         ):
             axes.plot(
-                5e-5 * step, 1e3 * value, look, color=colour, ms=4, mfc="none", label=name if look == "-" else None
+                5e-5 * step,
+                1e3 * value,
+                look,
+                color=colour,
+                ms=4,
+                mfc="none",
+                label=name if look == "-" else None,
             )
     axes.axvline(1.0, color="k", lw=0.8, ls=":")
     axes.legend()
@@ -208,12 +253,16 @@ def clumps(run: Path) -> Figure:
     end = frames(run / "clumps.dump")[0]
     order = np.argsort(-end["y"])
     colours = np.array(["0.85", "C0", "C1", "C2"])[end["mol"][order].astype(int)]
-    discs(left, *(1e3 * end[name][order] for name in ("x", "z", "radius")), fc=colours, ec="k", lw=0.3)
+    discs(
+        left, *(1e3 * end[name][order] for name in ("x", "z", "radius")), fc=colours, ec="k", lw=0.3
+    )
     left.set(xlabel="x, mm", ylabel="z, mm")
     step, *parts = np.loadtxt(run / "clumps.txt").T
     energies = parts[0] + parts[1], parts[2] + parts[3], parts[4] + parts[6], parts[5], parts[7]
     right.stackplot(
-        2e-5 * step, *(1e3 * one for one in energies), labels=("block", "clumps", "stored", "yielding", "friction")
+        2e-5 * step,
+        *(1e3 * one for one in energies),
+        labels=("block", "clumps", "stored", "yielding", "friction"),
     )
     right.legend(loc="lower left", frameon=True)
     right.set(xlabel="time, ms", ylabel="energy, mJ", xlim=(0, 1))
@@ -241,10 +290,15 @@ def chute(run: Path) -> Figure:
     left.axhline(np.tan(np.radians(26)), color="k", ls=":", label="tan 26 degrees")
     left.set(xlabel="time, s", ylim=(0, 1.5))
     left.legend()
-    rows = [line.split() for line in (run / "chute-profile.txt").read_text().splitlines() if line.startswith("  ")]
+    rows = [
+        line.split()
+        for line in (run / "chute-profile.txt").read_text().splitlines()
+        if line.startswith("  ")
+    ]
     height, number, velocity = np.array(rows, dtype=float)[len(rows) // 2 :, [1, 2, 4]].T
     filled = number > 0.1 * number.max()
-    z, v = 1e3 * height[filled], velocity[filled]
+    z = 1e3 * height[filled]
+    v = velocity[filled]
     right.plot(v, z, "o", label="LAMMPS")
     top = z.max()
     shape = 1 - (1 - z / top) ** 1.5
@@ -257,7 +311,19 @@ def chute(run: Path) -> Figure:
 #: In the order of the pages.
 FIGURES: dict[str, Callable[[Path], Figure]] = {
     one.__name__: one
-    for one in (pour, restitution, chain, block, crystal, rolling, contacts, restart, clumps, timestep, chute)
+    for one in (
+        pour,
+        restitution,
+        chain,
+        block,
+        crystal,
+        rolling,
+        contacts,
+        restart,
+        clumps,
+        timestep,
+        chute,
+    )
 }
 
 
@@ -282,13 +348,24 @@ def run(name: str, folder: Path, options: tuple[str, ...] = ()) -> None:
     programs = Path(sys.executable).parent
     for ranks, part in PARTS.get(name, ((1, ()),)):
         launch = [str(programs / "mpiexec"), "-n", str(ranks)] if ranks > 1 else []
-        command = [*launch, str(programs / "lmp"), "-in", f"in.{name}", "-screen", "none", *part, *options]
+        command = [
+            *launch,
+            str(programs / "lmp"),
+            "-in",
+            f"in.{name}",
+            "-screen",
+            "none",
+            *part,
+            *options,
+        ]
         subprocess.run(command, cwd=folder, check=True)
 
 
 def main(names: list[str]) -> None:
     """Run the examples of these names, or all, and draw their figures."""
-    digests = dict(line.split() for line in DIGESTS.read_text().splitlines()) if DIGESTS.exists() else {}
+    digests = (
+        dict(line.split() for line in DIGESTS.read_text().splitlines()) if DIGESTS.exists() else {}
+    )
     for name in names or FIGURES:
         run(name, RUNS / name)
         with gw.style():

@@ -1,4 +1,5 @@
-"""Check of the links of the built site: every file and every anchor that a page names must be there.
+"""Check of the links of the built site: every file and every anchor that a page names must be
+there.
 
     python docs/_ext/links.py build/docs
 

@@ -2,8 +2,9 @@
 
     python docs/_ext/other_sites.py docs build/docs-links
 
-Links to the site itself are checked by `links.py`. Exit status 1 if another site says that a page is not there; sites
-that cannot be reached, or do not let programs in, are named, and are no fault of the page: without a network it passes.
+Links to the site itself are checked by `links.py`. Exit status 1 if another site says that a page
+is not there; sites that cannot be reached, or do not let programs in, are named, and are no fault
+of the page: without a network it passes.
 """
 
 from __future__ import annotations
@@ -14,14 +15,26 @@ import sys
 from collections.abc import Iterable, Mapping
 from pathlib import Path
 
-_GONE = ("404", "410", "Not Found", "Gone", "Anchor")  # what a site that was reached says of a page that is not there
+_GONE = (
+    "404",
+    "410",
+    "Not Found",
+    "Gone",
+    "Anchor",
+)  # what a site that was reached says of a page that is not there
 
 
 def sorted_out(links: Iterable[Mapping[str, str]]) -> tuple[list[str], list[str], int]:
-    """Sort results of linkcheck into dead links, links that could not be checked, and a count of good ones."""
-    broken, unknown, good = {}, {}, set()
+    """Sort results of linkcheck into dead links, links that could not be checked, and a count of
+    good ones.
+    """
+    broken = {}
+    unknown = {}
+    good = set()
     for link in links:
-        line = f"{link['filename']}:{link['lineno']}: {link['uri']}: {link['info'] or link['status']}"
+        line = (
+            f"{link['filename']}:{link['lineno']}: {link['uri']}: {link['info'] or link['status']}"
+        )
         if link["status"] in ("working", "redirected"):
             good.add(link["uri"])
         elif link["status"] == "broken" and any(word in link["info"] for word in _GONE):
@@ -35,16 +48,28 @@ def main(source: str, output: str) -> int:
     """Run linkcheck, print what it found, and return the exit status."""
     found = Path(output, "output.json")
     found.unlink(missing_ok=True)
-    options = ["-D", "nb_execution_mode=off", "-D", "linkcheck_timeout=15", "-D", "linkcheck_retries=2"]
+    options = [
+        "-D",
+        "nb_execution_mode=off",
+        "-D",
+        "linkcheck_timeout=15",
+        "-D",
+        "linkcheck_retries=2",
+    ]
     done = subprocess.run(
-        [sys.executable, "-m", "sphinx", "-Q", "-b", "linkcheck", *options, source, output], check=False
+        [sys.executable, "-m", "sphinx", "-Q", "-b", "linkcheck", *options, source, output],
+        check=False,
     )
     if not found.is_file():
         print(f"linkcheck wrote no {found}: exit status {done.returncode}")
         return 1
-    broken, unknown, good = sorted_out(map(json.loads, found.read_text(encoding="utf-8").splitlines()))
+    broken, unknown, good = sorted_out(
+        map(json.loads, found.read_text(encoding="utf-8").splitlines())
+    )
     print("\n".join([*broken, *(f"not checked: {line}" for line in unknown)]))
-    print(f"links to other sites: {good} good, {len(broken)} lead nowhere, {len(unknown)} could not be checked")
+    print(
+        f"links to other sites: {good} good, {len(broken)} lead nowhere, {len(unknown)} could not be checked"
+    )
     return 1 if broken else 0
 
 

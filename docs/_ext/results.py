@@ -1,11 +1,13 @@
-"""Results against the sources: runs suites, and makes the page, the JSON file and the README's table of them.
+"""Results against the sources: runs suites, and makes the page, the JSON file and the README's
+table of them.
 
     python docs/_ext/results.py [SUITE ...] [--runs DIR] [--no-run] [--check]
 
-Suites are those of the package and of ``reproductions``. Those that are not named are run if their rows are stale: made
-by a version with other numbers, or of scans, cases or studies that have changed since. Runs are kept in DIR
-(``build/results``), and a second call goes on with what is there. With ``--no-run`` all runs that are there are
-collected, and none is made; with ``--check`` stale rows are named, and nothing is written.
+Suites are those of the package and of ``reproductions``. Those that are not named are run if their
+rows are stale: made by a version with other numbers, or of scans, cases or studies that have
+changed since. Runs are kept in DIR (``build/results``), and a second call goes on with what is
+there. With ``--no-run`` all runs that are there are collected, and none is made; with ``--check``
+stale rows are named, and nothing is written.
 """
 
 from __future__ import annotations
@@ -72,14 +74,23 @@ class Suite:
 
 
 def reproductions() -> dict[str, Suite]:
-    """Suites of the folder ``reproductions``: each file's name, with its first line, a comment, as title."""
+    """Suites of the folder ``reproductions``: each file's name, with its first line, a comment, as
+    title.
+    """
     files = [
-        path for path in sorted((results_table.ROOT / "reproductions").rglob("*.toml")) if "scans" in read_toml(path)
+        path
+        for path in sorted((results_table.ROOT / "reproductions").rglob("*.toml"))
+        if "scans" in read_toml(path)
     ]
-    titles = [path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for path in files]
+    titles = [
+        path.read_text(encoding="utf-8").partition("\n")[0].removeprefix("# ") for path in files
+    ]
     return {
         str(read_toml(path)["name"]): Suite(
-            title, "scan", (str(path.relative_to(results_table.ROOT)),), comparison=read_toml(path)["name"] in _COMPARED
+            title,
+            "scan",
+            (str(path.relative_to(results_table.ROOT)),),
+            comparison=read_toml(path)["name"] in _COMPARED,
         )
         for path, title in zip(files, titles, strict=True)
     }
@@ -96,7 +107,9 @@ def run(suite: Suite, runs: Path) -> bool:
     """Run what is not yet done; True if all is."""
     command = [sys.executable, "-m", "granwave.workflows", suite.command]
     done = [
-        subprocess.run([*command, name, "-o", str(runs / folder), "--resume"], cwd=results_table.ROOT)
+        subprocess.run(
+            [*command, name, "-o", str(runs / folder), "--resume"], cwd=results_table.ROOT
+        )
         for name, folder in zip(suite.names, _folders(suite), strict=True)
     ]
     return all(one.returncode == 0 for one in done)
@@ -104,7 +117,10 @@ def run(suite: Suite, runs: Path) -> bool:
 
 def _folders(suite: Suite) -> list[str]:
     """Return the directories of a suite's runs."""
-    return [str(read_toml(results_table.ROOT / name)["name"]) if _is_path(name) else name for name in suite.names]
+    return [
+        str(read_toml(results_table.ROOT / name)["name"]) if _is_path(name) else name
+        for name in suite.names
+    ]
 
 
 def _is_path(name: str) -> bool:
@@ -131,7 +147,10 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
     if not results:
         return None
     newest = max((one.directory / SUMMARY_FILE).stat().st_mtime for one in results)
-    versions = {name: sorted({one.versions[name] for one in results if name in one.versions}) for name in _PROGRAMS}
+    versions = {
+        name: sorted({one.versions[name] for one in results if name in one.versions})
+        for name in _PROGRAMS
+    }
     return {
         "title": suite.title,
         "command": f"granwave {suite.command} {' '.join(suite.names)}",
@@ -151,19 +170,29 @@ def _complete(suite: Suite, inputs: Inputs) -> bool:
     scans = []
     for name in suite.names:
         file = results_table.ROOT / name if _is_path(name) else name
-        scans += load_suite(file, here=False).scans if is_suite(file) else [load_scan(file, here=False)]
+        scans += (
+            load_suite(file, here=False).scans if is_suite(file) else [load_scan(file, here=False)]
+        )
     return all(point.id in done for scan in scans for point in scan.points)
 
 
 def digests(suite: Suite) -> dict[str, str]:
-    """Digests of what a suite's runs are made of, scans and cases, and of the studies that make rows of them."""
+    """Digests of what a suite's runs are made of, scans and cases, and of the studies that make
+    rows of them.
+    """
     tables = list(_tables(suite))
     names = studies_named(suite)
-    paths = {_STUDIES.joinpath(*path.split(".")) for name, path in (STUDIES | COMPARISON).items() if name in names}
+    paths = {
+        _STUDIES.joinpath(*path.split("."))
+        for name, path in (STUDIES | COMPARISON).items()
+        if name in names
+    }
     files = {
         file
         for path in paths
-        for file in ([path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py"))
+        for file in (
+            [path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py")
+        )
     }
     code = sorted(part for file in {*files, *_study_files(suite)} for part in _code(file))
     return {"runs": _digest(tables), "studies": _digest(code)}
@@ -181,22 +210,31 @@ def studies_named(suite: Suite) -> set[str]:
 def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
     """Iterate over the content of the scan and case files of a suite."""
     kind = library.SCANS if suite.command == library.SCAN else library.CASES
-    files = [results_table.ROOT / name if _is_path(name) else library.find(name, kind) for name in suite.names]
+    files = [
+        results_table.ROOT / name if _is_path(name) else library.find(name, kind)
+        for name in suite.names
+    ]
     for file in files:
         table = read_toml(file)
         yield table
         files += [library.find(name, library.SCANS, file.parent) for name in table.get("scans", ())]
         cases = [*table.get("cases", ()), *([table["case"]] if "case" in table else [])]
-        files += [found for name in cases if (found := library.find(name, library.CASES, file.parent)) not in files]
+        files += [
+            found
+            for name in cases
+            if (found := library.find(name, library.CASES, file.parent)) not in files
+        ]
 
 
 def _code(file: Path) -> list[str]:
     """Return what a module defines, as far as it makes rows.
 
-    Left out are imports, comments, docstrings, indentation, and what makes `pictures` and `tables` of a report.
+    Left out are imports, comments, docstrings, indentation, and what makes `pictures` and `tables`
+    of a report.
     """
     text = file.read_text(encoding="utf-8")
-    tree, documented = ast.parse(text), (ast.Module, ast.ClassDef, ast.FunctionDef)
+    tree = ast.parse(text)
+    documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
     no_rows = {
         line
         for node in ast.walk(tree)
@@ -209,11 +247,14 @@ def _code(file: Path) -> list[str]:
         lines = [text_lines[number - 1].strip() for number in numbers if number not in no_rows]
         return "\n".join(line for line in lines if line and not line.startswith("#"))
 
-    text_lines, left_out = text.splitlines(), (ast.Import, ast.ImportFrom, ast.If)
+    text_lines = text.splitlines()
+    left_out = (ast.Import, ast.ImportFrom, ast.If)
     return [
         lines_of(node)
         for node in tree.body
-        if not isinstance(node, left_out) and getattr(node, "name", "") not in ("pictures", "tables") and lines_of(node)
+        if not isinstance(node, left_out)
+        and getattr(node, "name", "") not in ("pictures", "tables")
+        and lines_of(node)
     ]
 
 
@@ -222,10 +263,13 @@ def _digest(content: Any) -> str:
 
 
 def stale(stored: Mapping[str, Any], names: Sequence[str] = tuple(SUITES)) -> dict[str, str]:
-    """Return why stored rows are no longer those of the code, and what to run, by suite; without those that are."""
+    """Return why stored rows are no longer those of the code, and what to run, by suite; without
+    those that are.
+    """
     found = {}
     for name in names:
-        suite, now = stored["suites"].get(name), digests(SUITES[name])
+        suite = stored["suites"].get(name)
+        now = digests(SUITES[name])
         if suite is None:
             why = "no rows are stored"
         elif not all(_same_numbers(version) for version in suite["versions"]["granwave"]):
@@ -256,17 +300,30 @@ def _same_numbers(version: str) -> bool:
 
 def studies(inputs: Inputs, suite: Suite) -> list[Study]:
     """Studies of the runs of a suite."""
-    return [*studies_of(inputs, suite.studies), *(comparison_of(inputs) if suite.comparison else ())]
+    return [
+        *studies_of(inputs, suite.studies),
+        *(comparison_of(inputs) if suite.comparison else ()),
+    ]
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
     """Run and collect; return the exit status."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("suites", nargs="*", metavar="SUITE", help=f"of {', '.join(SUITES)}; all if none is named")
-    parser.add_argument("--runs", type=Path, default=RUNS, help="directory of the runs (default: build/results)")
-    parser.add_argument("--no-run", action="store_true", help="collect what is there, and run nothing")
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument(
-        "--check", action="store_true", help="name what is stale, and do nothing; exit status 1 if any is"
+        "suites", nargs="*", metavar="SUITE", help=f"of {', '.join(SUITES)}; all if none is named"
+    )
+    parser.add_argument(
+        "--runs", type=Path, default=RUNS, help="directory of the runs (default: build/results)"
+    )
+    parser.add_argument(
+        "--no-run", action="store_true", help="collect what is there, and run nothing"
+    )
+    parser.add_argument(
+        "--check",
+        action="store_true",
+        help="name what is stale, and do nothing; exit status 1 if any is",
     )
     options = parser.parse_args(arguments)
     if unknown := [name for name in options.suites if name not in SUITES]:
@@ -277,21 +334,26 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if options.check:
         return 1 if old else 0
     options.runs.mkdir(parents=True, exist_ok=True)
-    stored, failed = results_table.read_stored(), []
+    stored = results_table.read_stored()
+    failed = []
     for name in options.suites or (SUITES if options.no_run else old):
         if not options.no_run and not run(SUITES[name], options.runs.resolve()):
             failed.append(name)
         found = collect(SUITES[name], options.runs.resolve())
         before = stored["suites"].get(name, {}).get("studies", {})
         if found and options.no_run and (lost := sorted(before.keys() - found["studies"].keys())):
-            print(f"{name}: {', '.join(lost)} would lose rows, as their files are elsewhere; the stored ones stay")
+            print(
+                f"{name}: {', '.join(lost)} would lose rows, as their files are elsewhere; the stored ones stay"
+            )
             failed.append(name)
         elif found:
             stored["suites"][name] = found
         else:
             print(f"{name}: no runs in {options.runs}; the stored rows stay")
         stored["suites"] = {one: stored["suites"][one] for one in SUITES if one in stored["suites"]}
-        stored["absent"] = [suite.title for one, suite in SUITES.items() if one not in stored["suites"]]
+        stored["absent"] = [
+            suite.title for one, suite in SUITES.items() if one not in stored["suites"]
+        ]
         results_table.write_all(stored)
     for name in failed:
         print(f"{name}: not all runs are done; see {options.runs / name}", file=sys.stderr)

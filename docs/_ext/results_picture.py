@@ -1,4 +1,5 @@
-"""Picture of all agreements: how far each stored value of ours lies from what it is compared with, by suite and kind.
+"""Picture of all agreements: how far each stored value of ours lies from what it is compared with,
+by suite and kind.
 
 The picture holds a digest of the points that it shows, so that a test can tell an old one.
 """
@@ -25,7 +26,9 @@ KINDS = {
     "verification": ("verification of the code", GREEN),
 }
 FAR = 0.3  # deviation from which on values are named below the picture
-_LEAST, _MOST = 1e-7, 10.0  # ends of the axis
+# ends of the axis
+_LEAST = 1e-7
+_MOST = 10.0
 _TICKS = {1e-7: "1e-5 %", 1e-5: "0.001 %", 1e-3: "0.1 %", 1e-2: "1 %", 1e-1: "10 %", 1.0: "100 %"}
 _SPREAD = 0.62  # of a suite's band that its points take
 _DESCRIPTION = 0x010E  # ImageDescription of EXIF
@@ -61,9 +64,15 @@ class Far:
 
 
 def deviation(row: Mapping[str, Any]) -> float | None:
-    """Return ours over what it is compared with, less 1; None where nothing is compared, or only a bound."""
+    """Return ours over what it is compared with, less 1; None where nothing is compared, or only a
+    bound.
+    """
     against = row["theory"] if row["source"] is None else row["source"]
-    return row["granwave"] / against - 1 if against and row["granwave"] is not None and not row["bound"] else None
+    return (
+        row["granwave"] / against - 1
+        if against and row["granwave"] is not None and not row["bound"]
+        else None
+    )
 
 
 def points(stored: Mapping[str, Any]) -> list[tuple[str, str, str, float]]:
@@ -84,14 +93,28 @@ def far_off(stored: Mapping[str, Any]) -> list[Far]:
         for study, one in content["studies"].items():
             for kind in KINDS:
                 rows = [
-                    (off, row) for row in one["rows"] if row["kind"] == kind and (off := deviation(row)) is not None
+                    (off, row)
+                    for row in one["rows"]
+                    if row["kind"] == kind and (off := deviation(row)) is not None
                 ]
                 out = [(off, row) for off, row in rows if abs(off) > FAR]
                 if out:
                     offs = [off for off, _ in out]
-                    remarks = [row["remark"] for _, row in sorted(out, key=lambda pair: -abs(pair[0]))]
+                    remarks = [
+                        row["remark"] for _, row in sorted(out, key=lambda pair: -abs(pair[0]))
+                    ]
                     why = next(filter(None, [*remarks, one["text"].partition(". ")[0]]), "")
-                    far = (suite, study, one["title"], kind, min(offs), max(offs), len(out), len(rows), why)
+                    far = (
+                        suite,
+                        study,
+                        one["title"],
+                        kind,
+                        min(offs),
+                        max(offs),
+                        len(out),
+                        len(rows),
+                        why,
+                    )
                     found.append(Far(_mark(len(found)), *far))
     return found
 
@@ -104,7 +127,10 @@ def _mark(number: int) -> str:
 
 def digest(stored: Mapping[str, Any], labels: Mapping[str, str]) -> str:
     """Return a digest of what the picture shows."""
-    shown = [(labels.get(suite, suite), study, kind, f"{off:.3e}") for suite, study, kind, off in points(stored)]
+    shown = [
+        (labels.get(suite, suite), study, kind, f"{off:.3e}")
+        for suite, study, kind, off in points(stored)
+    ]
     return hashlib.sha256(repr(shown).encode()).hexdigest()[:16]
 
 
@@ -120,7 +146,9 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
     with style():
         height = 0.31 * len(suites) + 1.2  # inches
         figure, panels = plt.subplots(1, 3, figsize=(7.6, height), sharey=True)
-        figure.subplots_adjust(left=0.325, right=0.965, wspace=0.25, top=1 - 0.45 / height, bottom=0.75 / height)
+        figure.subplots_adjust(
+            left=0.325, right=0.965, wspace=0.25, top=1 - 0.45 / height, bottom=0.75 / height
+        )
         for axes, (kind, (_, colour)) in zip(panels, KINDS.items(), strict=True):
             axes.axvspan(0.1, _MOST * 2, color=GREY, alpha=0.10, lw=0)
             axes.axvline(0.01, color=GREY, lw=0.5, ls=":")
@@ -129,9 +157,13 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
                 _points(axes, place, own, colour)
             total = [abs(off) for _, _, of, off in shown if of == kind]
             close = sum(off <= 0.01 for off in total), sum(off <= 0.1 for off in total)
-            axes.set_title(f"{kind}, {len(total)} values:\n{close[0]} in 1 %, {close[1]} in 10 %", loc="left")
+            axes.set_title(
+                f"{kind}, {len(total)} values:\n{close[0]} in 1 %, {close[1]} in 10 %", loc="left"
+            )
             axes.set(xscale="log", xlim=(_LEAST / 2, _MOST * 2), ylim=(len(suites) - 0.5, -0.5))
-            axes.set_xticks(list(_TICKS), list(_TICKS.values()), rotation=45, ha="right", rotation_mode="anchor")
+            axes.set_xticks(
+                list(_TICKS), list(_TICKS.values()), rotation=45, ha="right", rotation_mode="anchor"
+            )
             axes.minorticks_off()
             axes.set_yticks(range(len(suites)), [labels.get(suite, suite) for suite in suites])
             axes.tick_params(axis="y", length=0)
@@ -145,7 +177,9 @@ def draw(stored: Mapping[str, Any], labels: Mapping[str, str], path: Path) -> No
     exif = Image.Exif()
     exif[_DESCRIPTION] = digest(stored, labels)
     file = io.BytesIO()
-    Image.open(picture).convert("RGB").save(file, path.suffix[1:], quality=80, method=6, optimize=True, exif=exif)
+    Image.open(picture).convert("RGB").save(
+        file, path.suffix[1:], quality=80, method=6, optimize=True, exif=exif
+    )
     replace_bytes(path, file.getvalue())
 
 
@@ -154,8 +188,12 @@ def _at(off: np.ndarray | float) -> Any:
 
 
 def _heights(place: int, number: int) -> np.ndarray:
-    """Return where the points of a suite lie, one below the other, so that they do not cover each other."""
-    return place + (_SPREAD * (np.arange(number) / (number - 1) - 0.5) if number > 1 else np.zeros(number))
+    """Return where the points of a suite lie, one below the other, so that they do not cover each
+    other.
+    """
+    return place + (
+        _SPREAD * (np.arange(number) / (number - 1) - 0.5) if number > 1 else np.zeros(number)
+    )
 
 
 def _points(axes: Any, place: int, offs: Sequence[float], colour: str) -> None:
@@ -165,7 +203,16 @@ def _points(axes: Any, place: int, offs: Sequence[float], colour: str) -> None:
         some = (found >= 0) == above
         face = colour if above else "white"
         axes.plot(
-            _at(found[some]), height[some], "o", ms=2.6, mfc=face, mec=colour, mew=0.6, alpha=0.8, clip_on=False, lw=0
+            _at(found[some]),
+            height[some],
+            "o",
+            ms=2.6,
+            mfc=face,
+            mec=colour,
+            mew=0.6,
+            alpha=0.8,
+            clip_on=False,
+            lw=0,
         )
 
 

@@ -1,11 +1,12 @@
-"""Results of all suites as they are stored: ``docs/explanation/results.json``, and the pages and README made of it.
+"""Results of all suites as they are stored: ``docs/explanation/results.json``, and the pages and
+README made of it.
 
     python docs/_ext/results_table.py      # pages, picture, README and first page again from the stored rows; no runs
 
-A suite has its date, versions, and studies; suites without rows are named. A study has its rows, each of one kind (a
-source, theory, a verification of the code, or granwave alone), and its own tables. The first page has the most telling
-rows and a picture of all; each suite has a page of its own. Nothing of them is typed: all
-is made from the stored results.
+A suite has its date, versions, and studies; suites without rows are named. A study has its rows,
+each of one kind (a source, theory, a verification of the code, or granwave alone), and its own
+tables. The first page has the most telling rows and a picture of all; each suite has a page of its
+own. Nothing of them is typed: all is made from the stored results.
 """
 
 from __future__ import annotations
@@ -79,7 +80,12 @@ LABELS = {
 _ROUNDING = 1e-12  # relative
 _LARGE = 10.0  # deviation from which on a ratio says more than per cent
 _BLOCK = re.compile(r"(<!-- results -->\n)(.*?)(<!-- /results -->)", re.DOTALL)
-_KINDS = {"source": "source", "theory": "theory", "verification": "verification", "alone": "granwave alone"}
+_KINDS = {
+    "source": "source",
+    "theory": "theory",
+    "verification": "verification",
+    "alone": "granwave alone",
+}
 _REFERENCE = "second_solver"
 #: The ten results of the README: what is before the quantity, suite, study, starts of the quantities (the first such
 #: rows). Several rows share a line, and the words before are then all that names it.
@@ -92,7 +98,10 @@ CHOSEN = (
         "Composite chain, steel with 3 and with 24 beads of brass: speed of the wave through these",
         "composite-chains",
         "contact_losses",
-        ("V, N2 = 3, brass-composite, restitution 0.97", "V, N2 = 24, brass-composite, restitution 0.97"),
+        (
+            "V, N2 = 3, brass-composite, restitution 0.97",
+            "V, N2 = 24, brass-composite, restitution 0.97",
+        ),
     ),
     ("Square packing: ", "square-packing", "square-in-plane", ("Energy in central chains",)),
     (
@@ -101,7 +110,12 @@ CHOSEN = (
         "square-out-of-plane",
         ("Energy in central chains", "Energy in strikers", "Energy in struck spheres"),
     ),
-    ("Row with gaps: ", "thesis-8", "no_cylinders", ("Displacement of sphere 10 in a long row, at rest again",)),
+    (
+        "Row with gaps: ",
+        "thesis-8",
+        "no_cylinders",
+        ("Displacement of sphere 10 in a long row, at rest again",),
+    ),
     (
         "Chain of two materials, 20 N: edges of its band gap, sqrt(2 k/M) and sqrt(2 k/m)",
         "bands",
@@ -112,7 +126,12 @@ CHOSEN = (
 )
 #: Further rows of the first page of results, in the same form; a name that ends in nothing is the quantity alone.
 MORE = (
-    ("FCC packing: ", "bands", "bands", ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",)),
+    (
+        "FCC packing: ",
+        "bands",
+        "bands",
+        ("Ridge of the transform at 0.5 of the zone, FCC, 1e+06 Pa",),
+    ),
     ("", "bands", "resonance", ("Bead on a plane, 0.02 N: frequency of the largest velocity",)),
     (
         "Chain under a static force: ",
@@ -120,12 +139,37 @@ MORE = (
         "chains_precompressed",
         ("Speed over c0, force added 129 times 1 N",),
     ),
-    ("Measured: ", "benchmarks", "chains_brass_teflon", ("Speed in brass over speed in PTFE, impact at 1 m/s",)),
-    ("Chain in gravity: ", "benchmarks", "chains_gravity", ("Power of the speed with the depth, beads 60 to 180",)),
-    ("Sphere on a plane: ", "benchmarks", "impacts_oblique", ("Spin measured at 10.87 degrees, oxide, partial slip",)),
-    ("", "benchmarks", "impacts_plane", ("Test 5, spin of finite elements at incidence 2.28, partial slip",)),
+    (
+        "Measured: ",
+        "benchmarks",
+        "chains_brass_teflon",
+        ("Speed in brass over speed in PTFE, impact at 1 m/s",),
+    ),
+    (
+        "Chain in gravity: ",
+        "benchmarks",
+        "chains_gravity",
+        ("Power of the speed with the depth, beads 60 to 180",),
+    ),
+    (
+        "Sphere on a plane: ",
+        "benchmarks",
+        "impacts_oblique",
+        ("Spin measured at 10.87 degrees, oxide, partial slip",),
+    ),
+    (
+        "",
+        "benchmarks",
+        "impacts_plane",
+        ("Test 5, spin of finite elements at incidence 2.28, partial slip",),
+    ),
     ("", "benchmarks", "impacts_plastic", ("Power of restitution, 1 to 10 m/s, thornton",)),
-    ("Homogeneous chain: ", "composite-chains", "homogeneous_chain", ("Peak force; source: mesh 0.01 to 0.02 mm",)),
+    (
+        "Homogeneous chain: ",
+        "composite-chains",
+        "homogeneous_chain",
+        ("Peak force; source: mesh 0.01 to 0.02 mm",),
+    ),
     ("", "losses", "loss", ("Restitution at 10 m/s, time 0.3 µs",)),
     ("", "lateral", "crystals", ("Front speed of BCC over that of HCP, crystals of 40",)),
     ("Precompressed chain: ", "prestress", "waves", ("Speed of the wave, F_m/F0 = 28.57",)),
@@ -149,11 +193,26 @@ MORE = (
     ),
     ("Elastic bar: ", "thesis-3", "split_hopkinson", ("Speed, split-hopkinson",)),
     ("Elastic chain, 40 N for 10 ms: ", "thesis-4", "long_load", ("Speed of the front",)),
-    ("Bilinear chain, short pulse: ", "thesis-4", "bilinear_pulse", ("Factor of sqrt(1 - beta) in 4.22, beta 0.7",)),
+    (
+        "Bilinear chain, short pulse: ",
+        "thesis-4",
+        "bilinear_pulse",
+        ("Factor of sqrt(1 - beta) in 4.22, beta 0.7",),
+    ),
     ("FCC packing: ", "thesis-5", "spheres", ("Energy of a sphere at 16 m/s",)),
-    ("Row in a tube: ", "confined", "confined_scaling", ("Power of the speed with the velocity, n = 8",)),
+    (
+        "Row in a tube: ",
+        "confined",
+        "confined_scaling",
+        ("Power of the speed with the velocity, n = 8",),
+    ),
     ("Filter: ", "thesis-7", "peaks", ("Beads that the leading wave spans at contact 121",)),
-    ("Switch: ", "thesis-8", "switch", ("First peak at sphere 21, open gaps, 2 cylinders, friction 0",)),
+    (
+        "Switch: ",
+        "thesis-8",
+        "switch",
+        ("First peak at sphere 21, open gaps, 2 cylinders, friction 0",),
+    ),
     ("Sphere on a target: ", "protection", "protected-checks", ("Peak force, rigid wall",)),
 )
 #: Measurements of others on the first page of the site.
@@ -168,7 +227,10 @@ MEASURED = (
         "Composite chain, steel with 3 and with 24 beads of brass: speed of the wave through these",
         "composite-chains",
         "contact_losses",
-        ("V, N2 = 3, brass-composite, restitution 0.97", "V, N2 = 24, brass-composite, restitution 0.97"),
+        (
+            "V, N2 = 3, brass-composite, restitution 0.97",
+            "V, N2 = 24, brass-composite, restitution 0.97",
+        ),
     ),
     (
         "Speed of the wave in a chain of brass beads over that in PTFE",
@@ -190,7 +252,12 @@ IN_PAPER = (
         ("Speed over c0, force added 129",),
     ),
     ("Tangential restitution at 20.22 degrees, measured", *MEASURED[0][1:]),
-    ("Speed in a brass section of a steel chain, measured", "composite-chains", "contact_losses", MEASURED[1][3][:1]),
+    (
+        "Speed in a brass section of a steel chain, measured",
+        "composite-chains",
+        "contact_losses",
+        MEASURED[1][3][:1],
+    ),
 )
 
 
@@ -203,7 +270,9 @@ def read_stored(path: Path = STORED) -> dict[str, Any]:
 
 
 def write_all(stored: Mapping[str, Any]) -> None:
-    """Write the JSON file, the pages, the picture, and the blocks of the README and of the site's first page."""
+    """Write the JSON file, the pages, the picture, and the blocks of the README and of the site's
+    first page.
+    """
     replace_text(STORED, json.dumps(stored, indent=1, ensure_ascii=False) + "\n")
     write_pages(stored)
 
@@ -217,7 +286,9 @@ def write_pages(stored: Mapping[str, Any]) -> None:
     for page, text in pages.items():
         replace_text(page, text)
     for picture in (PICTURE, PAPER.with_name("agreement.png")):
-        if not picture.is_file() or results_picture.digest_of(picture) != results_picture.digest(stored, LABELS):
+        if not picture.is_file() or results_picture.digest_of(picture) != results_picture.digest(
+            stored, LABELS
+        ):
             results_picture.draw(stored, LABELS, picture)
     for page, table in tables_elsewhere(stored).items():
         replace_text(page, with_block(page.read_text(encoding="utf-8"), table))
@@ -239,13 +310,18 @@ def _of_paper(stored: Mapping[str, Any]) -> str:
     for kind, (name, _) in results_picture.KINDS.items():
         offs = [abs(off) for _, _, of, off in shown if of == kind]
         close = [sum(off <= limit for off in offs) for limit in (0.01, 0.1)]
-        parts.append(f"of {len(offs)} values of kind *{name}*, {close[0]} agree within 1 % and {close[1]} within 10 %")
+        parts.append(
+            f"of {len(offs)} values of kind *{name}*, {close[0]} agree within 1 % and {close[1]} within 10 %"
+        )
     text = "; ".join(parts)
     lines = ["| quantity | kind | other | granwave | difference |", "|---|---|---|---|---|"]
     for name, (row, *_) in chosen_rows(stored, IN_PAPER):
-        against, unit = row.theory if row.source is None else row.source, f" {row.unit}" if row.unit else ""
+        against = row.theory if row.source is None else row.source
+        unit = f" {row.unit}" if row.unit else ""
         values = significant(against, 5), significant(row.ours, min(row.digits, 5))
-        lines.append(f"| {name} | {_KINDS[row.kind]} | {values[0]}{unit} | {values[1]}{unit} | {_difference(row)} |")
+        lines.append(
+            f"| {name} | {_KINDS[row.kind]} | {values[0]}{unit} | {values[1]}{unit} | {_difference(row)} |"
+        )
     return "\n".join([f"{text[:1].upper()}{text[1:]}.", "", *lines]) + "\n"
 
 
@@ -283,17 +359,29 @@ def pages_of(stored: Mapping[str, Any]) -> dict[Path, str]:
 
 
 def _first_page(stored: Mapping[str, Any]) -> str:
-    """Return the page with the most telling rows, the picture of all, what is far off, and the list of the others."""
+    """Return the page with the most telling rows, the picture of all, what is far off, and the list
+    of the others.
+    """
     names = [name for name in stored["suites"]]
     lines = sorted(zip((*CHOSEN, *MORE), chosen_rows(stored, (*CHOSEN, *MORE)), strict=True),
                    key=lambda pair: names.index(pair[0][1]) if pair[0][1] in names else len(names))  # fmt: skip
     table = table_of((line for _, line in lines), [f"results/{entry[1]}.md" for entry, _ in lines])
     counts = {name: _counts(suite) for name, suite in stored["suites"].items()}
-    pages = "\n".join(f"| {_link(name)} | {stored['suites'][name]['title']} | {counts[name]} |" for name in names)
+    pages = "\n".join(
+        f"| {_link(name)} | {stored['suites'][name]['title']} | {counts[name]} |" for name in names
+    )
     absent = stored.get("absent", ())
-    note = f"\nNo rows are stored of: {', '.join(absent)}. Nothing is said of them here.\n" if absent else ""
+    note = (
+        f"\nNo rows are stored of: {', '.join(absent)}. Nothing is said of them here.\n"
+        if absent
+        else ""
+    )
     shown = results_picture.points(stored)
-    number = sum(len(study["rows"]) for suite in stored["suites"].values() for study in suite["studies"].values())
+    number = sum(
+        len(study["rows"])
+        for suite in stored["suites"].values()
+        for study in suite["studies"].values()
+    )
     tree = "\n".join(f"{LABELS.get(name, name)} <results/{name}>" for name in names)
     return f"""# {_TITLE}
 
@@ -342,9 +430,20 @@ the furthest.
 def _far_rows(stored: Mapping[str, Any]) -> str:
     lines = []
     for one in results_picture.far_off(stored):
-        ends = dict.fromkeys(percent(100 * off) if abs(off) < _LARGE else _factor(off) for off in (one.least, one.most))
-        link, number = f"[{_escaped(one.title)}](results/{one.suite}.md)", f"{one.number} of {one.total}"
-        cells = [f"**{one.mark}**", link, _KINDS[one.kind], number, " to ".join(ends), _escaped(one.why)]
+        ends = dict.fromkeys(
+            percent(100 * off) if abs(off) < _LARGE else _factor(off)
+            for off in (one.least, one.most)
+        )
+        link = f"[{_escaped(one.title)}](results/{one.suite}.md)"
+        number = f"{one.number} of {one.total}"
+        cells = [
+            f"**{one.mark}**",
+            link,
+            _KINDS[one.kind],
+            number,
+            " to ".join(ends),
+            _escaped(one.why),
+        ]
         lines.append(f"| {' | '.join(cells)} |\n")
     return "".join(lines)
 
@@ -376,7 +475,10 @@ def _link(name: str) -> str:
 def _counts(suite: Mapping[str, Any]) -> str:
     """Return how many rows of each kind a suite has."""
     kinds = [row["kind"] for study in suite["studies"].values() for row in study["rows"]]
-    return ", ".join(f"{kinds.count(kind)} {word}" for kind, word in _KINDS.items() if kind in kinds) or "tables alone"
+    return (
+        ", ".join(f"{kinds.count(kind)} {word}" for kind, word in _KINDS.items() if kind in kinds)
+        or "tables alone"
+    )
 
 
 def chosen_rows(
@@ -385,7 +487,10 @@ def chosen_rows(
     """Name and rows of each line of a table; no rows if the stored results lack one of them."""
     for before, suite, study, starts in chosen:
         records = stored["suites"].get(suite, {}).get("studies", {}).get(study, {}).get("rows", ())
-        found = [next((row_of(one) for one in records if one["quantity"].startswith(start)), None) for start in starts]
+        found = [
+            next((row_of(one) for one in records if one["quantity"].startswith(start)), None)
+            for start in starts
+        ]
         rows = [row for row in found if row is not None and row.ours is not None]
         whole = before.endswith(": ") or not before  # then what the quantity is called follows
         name = before + rows[0].quantity if whole and len(starts) == 1 and rows else before
@@ -410,7 +515,12 @@ def table_of(lines: Iterable[tuple[str, list[Row]]], links: Sequence[str] = ()) 
             off = ", ".join(map(_difference, rows))
             unit = f" {rows[0].unit}" if rows[0].unit else ""
             what = f"{_KINDS[rows[0].kind]}: {rows[0].where}".removesuffix(": ")
-            sentences = [one for row in rows if row.remark for one in row.remark.removesuffix(".").split(". ")]
+            sentences = [
+                one
+                for row in rows
+                if row.remark
+                for one in row.remark.removesuffix(".").split(". ")
+            ]
             remark = "".join(f"{one}. " for one in dict.fromkeys(sentences)).rstrip()
             shown = f"[{_escaped(name)}]({links[number]})" if links else _escaped(name)
             cells = [shown, what, values + unit, ours + unit, off, _escaped(remark)]
@@ -433,14 +543,18 @@ def with_block(text: str, table: str) -> str:
 
 def _suite_page(suite: Mapping[str, Any]) -> str:
     """Return the page of a suite: a section for each study that has rows or tables."""
-    versions = ", ".join(f"{program} {'/'.join(found)}" for program, found in suite["versions"].items())
+    versions = ", ".join(
+        f"{program} {'/'.join(found)}" for program, found in suite["versions"].items()
+    )
     state = "" if suite["complete"] else " Not all of its runs are done."
     lead = f"Command: {suite['command']}. Last run on {suite['date']}, with {versions}.{state} Rows: {_counts(suite)}."
     sections = []
     for name, study in suite["studies"].items():
         found = Study("", study["title"], "", tuple(map(row_of, study["rows"])))
         notes = [Note(text) for text in (study["text"], *study["verdict"]) if text]
-        tables = [Note(one) if isinstance(one, str) else _read_table(one) for one in study["tables"]]
+        tables = [
+            Note(one) if isinstance(one, str) else _read_table(one) for one in study["tables"]
+        ]
         parts = (*notes, *row_tables(found), *tables)
         if len(parts) > len(notes):
             sections.append(Section(study["title"], name, parts))
@@ -451,11 +565,17 @@ def _suite_page(suite: Mapping[str, Any]) -> str:
 
 def _table(table: Table) -> dict[str, Any]:
     columns = [[column.heading, column.unit, column.numeric] for column in table.columns]
-    return {"caption": table.caption, "columns": columns, "rows": [[cell.text for cell in row] for row in table.rows]}
+    return {
+        "caption": table.caption,
+        "columns": columns,
+        "rows": [[cell.text for cell in row] for row in table.rows],
+    }
 
 
 def _read_table(stored: Mapping[str, Any]) -> Table:
-    columns = tuple(Column(heading, unit, numeric=numeric) for heading, unit, numeric in stored["columns"])
+    columns = tuple(
+        Column(heading, unit, numeric=numeric) for heading, unit, numeric in stored["columns"]
+    )
     rows: Sequence[Sequence[str]] = stored["rows"]
     return Table(stored["caption"], columns, tuple(tuple(map(Cell, row)) for row in rows))
 

@@ -1,10 +1,12 @@
-"""Check of the search of the built site: words that people use find their page among the first results.
+"""Check of the search of the built site: words that people use find their page among the first
+results.
 
     python docs/_ext/search.py build/docs          # exit status 1, and a line for each word that does not
     python docs/_ext/search.py build/docs WORD     # the first results of a word
 
-The ranking is that of Sphinx's ``searchtools.js``, on the index that the browser reads: titles, entries of the index,
-Python objects, words of the text. Words that a page does not use get an index entry at the place that answers.
+The ranking is that of Sphinx's ``searchtools.js``, on the index that the browser reads: titles,
+entries of the index, Python objects, words of the text. Words that a page does not use get an index
+entry at the place that answers.
 """
 
 from __future__ import annotations
@@ -17,8 +19,13 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 FIRST = 3  # results among which the page is expected
-_TITLE, _PART_OF_TITLE, _TERM, _PART_OF_TERM = 15, 7, 5, 2
-_OBJECT, _PART_OF_OBJECT, _PRIORITY = 11, 6, {0: 15, 1: 5, 2: -5}
+_TITLE = 15
+_PART_OF_TITLE = 7
+_TERM = 5
+_PART_OF_TERM = 2
+_OBJECT = 11
+_PART_OF_OBJECT = 6
+_PRIORITY = {0: 15, 1: 5, 2: -5}
 _INDEX = 100  # of a whole entry
 #: Words that people look for, and the page that answers, by name below ``docs`` without its suffix.
 WORDS = {
@@ -82,7 +89,9 @@ def read_index(site: Path) -> Index:
     return found
 
 
-def search(index: Index, query: str, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]) -> list[Result]:
+def search(
+    index: Index, query: str, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]
+) -> list[Result]:
     """Return the results of a query, best first.
 
     Parameters
@@ -94,13 +103,20 @@ def search(index: Index, query: str, stem: Callable[[str], str], stopwords: froz
     """
     words = [word for word in re.split(r"[^\w]+", query) if word]
     stems = dict.fromkeys(
-        stem(word.lower()) for word in words if word.lower() not in stopwords and not re.fullmatch(r"\d+", word)
+        stem(word.lower())
+        for word in words
+        if word.lower() not in stopwords and not re.fullmatch(r"\d+", word)
     )
     asked = query.lower().strip()
     main, others = _entries(index, asked)
-    objects = [one for word in dict.fromkeys(map(str.lower, words)) for one in _objects(index, word, words)]
+    objects = [
+        one for word in dict.fromkeys(map(str.lower, words)) for one in _objects(index, word, words)
+    ]
     found = [*_titles(index, asked), *main, *objects, *_texts(index, list(stems))]
-    ordered = [*_ordered(found), *_ordered(others)]  # entries that are not marked as the main ones come last
+    ordered = [
+        *_ordered(found),
+        *_ordered(others),
+    ]  # entries that are not marked as the main ones come last
     first: dict[object, Result] = {}
     for one in ordered:
         first.setdefault((one.page, one.title, one.anchor, one.description), one)
@@ -112,7 +128,8 @@ def _ordered(found: list[Result]) -> list[Result]:
 
 
 def _titles(index: Index, asked: str) -> Iterator[Result]:
-    names, titles = index["docnames"], index["titles"]
+    names = index["docnames"]
+    titles = index["titles"]
     for title, places in index["alltitles"].items():
         if asked in title.lower().strip() and len(asked) >= len(title) / 2:
             for file, anchor in places:
@@ -129,7 +146,12 @@ def _entries(index: Index, asked: str) -> tuple[list[Result], list[Result]]:
         if asked in entry and len(asked) >= len(entry) / 2:
             for file, anchor, main in places:
                 score = int(_INDEX * len(asked) / len(entry) + 0.5)
-                one = Result(index["docnames"][file], index["titles"][file], f"#{anchor}" if anchor else "", score)
+                one = Result(
+                    index["docnames"][file],
+                    index["titles"][file],
+                    f"#{anchor}" if anchor else "",
+                    score,
+                )
                 found[0 if main else 1].append(one)
     return found
 
@@ -139,23 +161,33 @@ def _objects(index: Index, word: str, words: list[str]) -> Iterator[Result]:
     for prefix, objects in index["objects"].items():
         for file, kind, priority, anchor, name in objects:
             whole = f"{prefix}.{name}" if prefix else name
-            lower, last = whole.lower(), whole.lower().split(".")[-1]
+            lower = whole.lower()
+            last = whole.lower().split(".")[-1]
             (_, role, label), title = index["objnames"][str(kind)], index["titles"][file]
             text = f"{prefix} {name} {label} {title}".lower()
             if word in lower and all(one in text for one in others):
                 score = _OBJECT if word in (lower, last) else _PART_OF_OBJECT if word in last else 0
                 score += _PRIORITY.get(priority, 0)
                 place = f"{role}-{whole}" if anchor == "-" else anchor or whole
-                yield Result(index["docnames"][file], whole, f"#{place}", score, f"{label}, in {title}")
+                yield Result(
+                    index["docnames"][file], whole, f"#{place}", score, f"{label}, in {title}"
+                )
 
 
 def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
     """Pages that have all words, in their text or a title."""
     scores: dict[int, dict[str, int]] = {}
     for word in stems:
-        for table, whole, part in (("terms", _TERM, _PART_OF_TERM), ("titleterms", _TITLE, _PART_OF_TITLE)):
+        for table, whole, part in (
+            ("terms", _TERM, _PART_OF_TERM),
+            ("titleterms", _TITLE, _PART_OF_TITLE),
+        ):
             files = index[table]
-            alike = [term for term in files if word in term] if len(word) > 2 and word not in files else []
+            alike = (
+                [term for term in files if word in term]
+                if len(word) > 2 and word not in files
+                else []
+            )
             for term in [word] if word in files else alike:
                 for file in files[term] if isinstance(files[term], list) else [files[term]]:
                     scores.setdefault(file, {})[word] = whole if term == word else part
@@ -165,7 +197,9 @@ def _texts(index: Index, stems: list[str]) -> Iterator[Result]:
             yield Result(index["docnames"][file], index["titles"][file], "", max(found.values()))
 
 
-def missed(index: Index, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]) -> list[str]:
+def missed(
+    index: Index, stem: Callable[[str], str], stopwords: frozenset[str] | set[str]
+) -> list[str]:
     """Return a line for each word whose page is not among the first results."""
     found = []
     for page, words in WORDS.items():
@@ -182,7 +216,8 @@ def main(site: str, *query: str) -> int:
     """Check all words, or show the results of one; return the exit status."""
     from sphinx.search.en import SearchEnglish
 
-    language, index = SearchEnglish({}), read_index(Path(site))
+    language = SearchEnglish({})
+    index = read_index(Path(site))
     if query:
         for one in search(index, " ".join(query), language.stem, language.stopwords)[:10]:
             print(f"{one.score:4g}  {one.page}{one.anchor}  {one.title} {one.description}")

@@ -1,8 +1,8 @@
 """The gallery: runs its scripts, and makes a page of each.
 
-A script of ``docs/gallery`` begins with a docstring (title, blank line, text in Markdown), leaves ``picture.png`` and
-perhaps other pictures in its working directory, and prints a few numbers. It runs in ``build/gallery/NAME``, again only
-if it, or granwave, has changed.
+A script of ``docs/gallery`` begins with a docstring (title, blank line, text in Markdown), leaves
+``picture.png`` and perhaps other pictures in its working directory, and prints a few numbers. It
+runs in ``build/gallery/NAME``, again only if it, or granwave, has changed.
 
     python docs/_ext/studies.py [NAME ...]      # runs scripts without building the site
 """
@@ -33,7 +33,9 @@ FIRST = (
     "tolerance", "protected_plate", "punch_on_block", "precompressed_chain", "tunable_gap", "best_row",
 )  # fmt: skip
 MOST_LINES = 11  # of a script on the first page, blank ones and imports not counted
-_PICTURE, _PRINTED, _STAMP = "picture.png", "printed.txt", "stamp.txt"
+_PICTURE = "picture.png"
+_PRINTED = "printed.txt"
+_STAMP = "stamp.txt"
 
 
 def scripts() -> list[Path]:
@@ -70,7 +72,12 @@ def run(script: Path, version: str) -> float:
     environment = os.environ | {"OMP_NUM_THREADS": "1", "MPLBACKEND": "agg"}
     begin = time.monotonic()
     done = subprocess.run(
-        [sys.executable, script], cwd=folder, env=environment, capture_output=True, text=True, timeout=5 * LONGEST
+        [sys.executable, script],
+        cwd=folder,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=5 * LONGEST,
     )
     taken = time.monotonic() - begin
     if done.returncode != 0:
@@ -87,7 +94,9 @@ def run_all(names: list[str] | None = None) -> dict[str, float]:
     chosen = [script for script in scripts() if not names or script.stem in names]
     version = sources()
     with ThreadPoolExecutor(2) as pool:
-        return dict(zip([s.stem for s in chosen], pool.map(lambda s: run(s, version), chosen), strict=True))
+        return dict(
+            zip([s.stem for s in chosen], pool.map(lambda s: run(s, version), chosen), strict=True)
+        )
 
 
 def parts_of(script: Path) -> tuple[str, str, str]:
@@ -134,7 +143,9 @@ def card_of(script: Path) -> str:
 
 
 def lines_of(script: Path) -> str:
-    """Return the lines of a script that do the work: no imports, no drawing, nothing that is printed."""
+    """Return the lines of a script that do the work: no imports, no drawing, nothing that is
+    printed.
+    """
     _, _, code = parts_of(script)
     before = code.partition("\nwith gw.style()")[0].partition("\nprint(")[0]
     kept = [line for line in before.splitlines() if not line.startswith("import ")]
@@ -169,7 +180,9 @@ def write_pages(app: Sphinx) -> None:
     folder = Path(app.srcdir) / "gallery" / "studies"
     folder.mkdir(exist_ok=True)
     for script in scripts():
-        pictures = sorted((RUNS / script.stem).glob("*.png"), key=lambda path: (path.name != _PICTURE, path.name))
+        pictures = sorted(
+            (RUNS / script.stem).glob("*.png"), key=lambda path: (path.name != _PICTURE, path.name)
+        )
         for picture in pictures:
             shutil.copyfile(picture, folder / f"{script.stem}-{picture.name}")
         text = page_of(script, [f"{script.stem}-{picture.name}" for picture in pictures])
@@ -179,13 +192,25 @@ def write_pages(app: Sphinx) -> None:
 
 
 def fill_in(_: Sphinx, name: str, source: list[str]) -> None:
-    """Put cards and table of contents into the page of the gallery, and twelve cards into the first page."""
+    """Put cards and table of contents into the page of the gallery, and twelve cards into the first
+    page.
+    """
     if name == "index":
         cards = "\n\n".join(card_with_lines(SCRIPTS / f"{script}.py") for script in FIRST)
-        source[0] = source[0].replace("<!-- gallery -->", f":::::{{grid}} 1 2 2 2\n:gutter: 3\n\n{cards}\n:::::")
+        source[0] = source[0].replace(
+            "<!-- gallery -->", f":::::{{grid}} 1 2 2 2\n:gutter: 3\n\n{cards}\n:::::"
+        )
     if name == "gallery/index":
         cards = "\n\n".join(map(card_of, scripts()))
-        tree = "\n".join(["```{toctree}", ":hidden:", "", *(f"studies/{script.stem}" for script in scripts()), "```"])
+        tree = "\n".join(
+            [
+                "```{toctree}",
+                ":hidden:",
+                "",
+                *(f"studies/{script.stem}" for script in scripts()),
+                "```",
+            ]
+        )
         source[0] = source[0].replace(
             "<!-- gallery -->", f"::::{{grid}} 1 2 2 3\n:gutter: 3\n\n{cards}\n::::\n\n{tree}"
         )

@@ -1,8 +1,8 @@
 """The best order of beads in a row
 
-Six beads of steel or PTFE in a row are hit at 2 m/s: which order hands on the smallest force to the wall? A search
-finds it among all 64 in 24 runs. Soft beads at both ends and hard ones between them: each interface throws part of the
-pulse back.
+Six beads of steel or PTFE in a row are hit at 2 m/s: which order hands on the smallest force to the
+wall? A search finds it among all 64 in 24 runs. Soft beads at both ends and hard ones between them:
+each interface throws part of the pulse back.
 """
 
 import matplotlib.pyplot as plt
@@ -13,17 +13,30 @@ import granwave as gw
 row = {"material": "stainless-steel", "packing.size": 6, "load.velocity": 2.0, "run.end_time": 4e-4}
 row |= {"boundary.bottom": "wall"}
 beads = {f"replace.{n}.material": ["stainless-steel", "ptfe"] for n in range(1, 7)}
-search = {"objective": {"minimise": ["target_peak_force_N"]}, "search": {"evaluations": 24, "guards": False}}
-found = gw.design({"base": "elastic-impact", "set": row, "variables": beads, **search}, directory="row", force=True)
+search = {
+    "objective": {"minimise": ["target_peak_force_N"]},
+    "search": {"evaluations": 24, "guards": False},
+}
+found = gw.design(
+    {"base": "elastic-impact", "set": row, "variables": beads, **search},
+    directory="row",
+    force=True,
+)
 
 with gw.style():
     figure, axes = plt.subplots()
     force = found.table["target_peak_force_N"]
     axes.plot(found.table["number"], force, ".", label="each row")
-    axes.step(found.table["number"], np.minimum.accumulate(force), where="post", label="best so far")
+    axes.step(
+        found.table["number"], np.minimum.accumulate(force), where="post", label="best so far"
+    )
     axes.set(xlabel="rows that were run", ylabel="peak force on the wall (N)", yscale="log")
     axes.legend()
     figure.savefig("picture.png", dpi=150)
 
-order = ", ".join("PTFE" if value == "ptfe" else "steel" for value in found.best["variables"].values())
-print(f"{order}: {found.best['objective']['target_peak_force_N']:.3g} N; the worst that was run: {force.max():.4g} N")
+order = ", ".join(
+    "PTFE" if value == "ptfe" else "steel" for value in found.best["variables"].values()
+)
+print(
+    f"{order}: {found.best['objective']['target_peak_force_N']:.3g} N; the worst that was run: {force.max():.4g} N"
+)

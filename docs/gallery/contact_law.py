@@ -1,7 +1,8 @@
 """The contact law: loading, unloading, and the dent that stays
 
-Two brass spheres of 10 mm are pressed together to four overlaps and let go. Each branch of unloading ends at an overlap
-above zero: the dent. When the spheres meet again, they find it there, and come back up on the same branch.
+Two brass spheres of 10 mm are pressed together to four overlaps and let go. Each branch of
+unloading ends at an overlap above zero: the dent. When the spheres meet again, they find it there,
+and come back up on the same branch.
 
 This needs no simulation: the law is the one that the LAMMPS style uses, called from Python.
 """
@@ -18,7 +19,9 @@ unit, yield_force = gw.contact_yield(*contact)
 overlap = np.linspace(0, 100 * unit, 400)
 loading = gw.contact_force(*contact, overlap)
 branches = {n: np.linspace(0, n * unit, 800) for n in (20, 40, 70, 100)}
-unloading = {n: gw.contact_force(*contact, back, peak_overlap=n * unit) for n, back in branches.items()}
+unloading = {
+    n: gw.contact_force(*contact, back, peak_overlap=n * unit) for n, back in branches.items()
+}
 
 with gw.style():
     figure, axes = plt.subplots(figsize=(3.4, 2.8))

@@ -1,15 +1,17 @@
 """Impact on an FCC packing: where the largest forces were
 
-A sphere of the top layer hits 16 x 16 x 8 brass spheres of 10 mm at 5 m/s. The colour tells the largest contact force
-that each sphere ever felt. The force runs along the rows in which the spheres touch, the <110> directions of the
-lattice.
+A sphere of the top layer hits 16 x 16 x 8 brass spheres of 10 mm at 5 m/s. The colour tells the
+largest contact force that each sphere ever felt. The force runs along the rows in which the spheres
+touch, the <110> directions of the lattice.
 
 The pictures are two of those that `granwave run` draws by itself.
 """
 
 import granwave as gw
 
-run = gw.run("fcc-small", {"packing.size": [16, 16, 8], "run.end_time": 4e-4}, directory="run", force=True)
+run = gw.run(
+    "fcc-small", {"packing.size": [16, 16, 8], "run.end_time": 4e-4}, directory="run", force=True
+)
 for name, file in (("packing_3d", "picture.png"), ("peak_force_principal", "section.png")):
     run.figure(name).figure.savefig(file, dpi=300)
 

@@ -1,7 +1,8 @@
 """A wave that loses energy in the contacts
 
-A chain of 30 elastic steel spheres of 10 mm is struck at 1 m/s. With a loss time the largest force of a contact to the
-power -1/6 grows linearly along the chain; with Tsuji's dashpot the force falls exponentially.
+A chain of 30 elastic steel spheres of 10 mm is struck at 1 m/s. With a loss time the largest force
+of a contact to the power -1/6 grows linearly along the chain; with Tsuji's dashpot the force falls
+exponentially.
 """
 
 import matplotlib.pyplot as plt
@@ -9,10 +10,19 @@ import numpy as np
 
 import granwave as gw
 
-LOSSES = {"no loss": {"time": 0.0}, "loss time 0.5 µs": {"time": 5e-7}, "dashpot": {"dashpot": {"restitution": 0.9}}}
+LOSSES = {
+    "no loss": {"time": 0.0},
+    "loss time 0.5 µs": {"time": 5e-7},
+    "dashpot": {"dashpot": {"restitution": 0.9}},
+}
 peaks = {}
 for name, loss in LOSSES.items():
-    changes = {"packing.size": 30, "packing.diameter": 0.010, "material": "steel", "load.velocity": 1.0}
+    changes = {
+        "packing.size": 30,
+        "packing.diameter": 0.010,
+        "material": "steel",
+        "load.velocity": 1.0,
+    }
     changes |= {"contact.loss": loss, "run.end_time": 6e-4}
     run = gw.run("elastic-impact", changes, directory="run", force=True)
     print(f"{name:18s} lost: {100 * (run['viscous_fraction'] or 0):5.1f} %")
@@ -21,7 +31,9 @@ for name, loss in LOSSES.items():
 with gw.style():
     figure, axes = plt.subplots()
     for (name, force), colour in zip(peaks.items(), ("C5", "C0", "C1"), strict=True):
-        axes.semilogy(np.arange(1, len(force) + 1), force, "o-", color=colour, markersize=3, label=name)
+        axes.semilogy(
+            np.arange(1, len(force) + 1), force, "o-", color=colour, markersize=3, label=name
+        )
     axes.set(xlabel="contact", ylabel="largest force (N)")
     axes.legend()
     figure.savefig("picture.png", dpi=150)

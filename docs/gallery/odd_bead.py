@@ -1,7 +1,8 @@
 """An odd bead in a chain: where should it be?
 
-Nineteen beads of brass and one of aluminium transmit a pulse of force to an elastic bar. How much energy arrives
-depends on the place of the odd bead: near the struck end it helps, near the bar it hinders.
+Nineteen beads of brass and one of aluminium transmit a pulse of force to an elastic bar. How much
+energy arrives depends on the place of the odd bead: near the struck end it helps, near the bar it
+hinders.
 """
 
 import matplotlib.pyplot as plt
@@ -25,7 +26,9 @@ with gw.style():
     figure, axes = plt.subplots()
     axes.plot(places, energies, "o-", color="C0", markersize=3, label="aluminium among brass")
     axes.axhline(brass, color="C5", linestyle="--", label="brass alone")
-    axes.set(xlabel="place of the aluminium bead, from the struck end", ylabel="energy in the bar (J)")
+    axes.set(
+        xlabel="place of the aluminium bead, from the struck end", ylabel="energy in the bar (J)"
+    )
     axes.legend()
     figure.savefig("picture.png", dpi=150)
 

@@ -1,7 +1,7 @@
 """Sound in a precompressed chain
 
-A chain under a static force carries small pulses as sound. Contacts are stiffer the harder they are pressed, so that
-the speed grows with the force: to the power 1/6 for Hertz's law.
+A chain under a static force carries small pulses as sound. Contacts are stiffer the harder they are
+pressed, so that the speed grows with the force: to the power 1/6 for Hertz's law.
 """
 
 import matplotlib.pyplot as plt
@@ -14,7 +14,9 @@ speeds = []
 for force in forces:
     changes = {"precompression.force": force, "packing.size": 60, "output.history": 2000}
     changes |= {"run.end_time": 1.3e-3 / force ** (1 / 6)}
-    changes |= {"load.velocity": 1e-4 * force ** (5 / 6)}  # equally small beside the static compression
+    changes |= {
+        "load.velocity": 1e-4 * force ** (5 / 6)
+    }  # equally small beside the static compression
     run = gw.run("precompressed-chain", changes, directory="run", force=True)
     rise = (run.chain.contact_force - run.chain.contact_force[0]).values  # N, (n_times, n_contacts)
     first, last = run.chain.time.values[rise[:, [9, 49]].argmax(axis=0)]
@@ -23,7 +25,9 @@ for force in forces:
 with gw.style():
     figure, axes = plt.subplots()
     axes.loglog(forces, speeds, "o", color="C0", label="first maximum of the pulse")
-    axes.loglog(forces, speeds[-1] * (forces / forces[-1]) ** (1 / 6), color="C5", label="power 1/6")
+    axes.loglog(
+        forces, speeds[-1] * (forces / forces[-1]) ** (1 / 6), color="C5", label="power 1/6"
+    )
     axes.set(xlabel="static force (N)", ylabel="speed (m/s)")
     axes.legend()
     figure.savefig("picture.png", dpi=150)

@@ -1,7 +1,8 @@
 """Height of a packing that protects a plate
 
-A steel plate on a spring lies below a packing that is hit at 5 m/s. The peak reduction tells how many times lower
-the largest force on the plate is than for the same impact directly on the plate. Friction helps, and so does height.
+A steel plate on a spring lies below a packing that is hit at 5 m/s. The peak reduction tells how
+many times lower the largest force on the plate is than for the same impact directly on the plate.
+Friction helps, and so does height.
 """
 
 import matplotlib.pyplot as plt
@@ -20,7 +21,9 @@ with gw.style():
     figure, axes = plt.subplots()
     for (friction, found), colour in zip(reductions.items(), ("C0", "C1"), strict=True):
         axes.plot(LAYERS, found, "o-", color=colour, markersize=3, label=f"friction {friction:g}")
-        print(f"friction {friction:g}: peak reduction", ", ".join(f"{value:.2f}" for value in found))
+        print(
+            f"friction {friction:g}: peak reduction", ", ".join(f"{value:.2f}" for value in found)
+        )
     axes.set(xlabel="layers of spheres", ylabel="peak reduction", ylim=(0, None))
     axes.legend()
     figure.savefig("picture.png", dpi=150)

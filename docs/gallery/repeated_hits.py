@@ -1,8 +1,9 @@
 """A packing that is hit again and again
 
-The dents of the first impact stay in the contacts, and with them the packing has hardened: the second impact loses
-less, and more force reaches the bottom. Each run takes its dents from the directory of the one before. Beside it is
-a packing that forgets dents during a hit, where the undeformed spheres part, and has all dents again before the next.
+The dents of the first impact stay in the contacts, and with them the packing has hardened: the
+second impact loses less, and more force reaches the bottom. Each run takes its dents from the
+directory of the one before. Beside it is a packing that forgets dents during a hit, where the
+undeformed spheres part, and has all dents again before the next.
 """
 
 import matplotlib.pyplot as plt
@@ -21,11 +22,15 @@ for dents, gap in GAPS.items():
 with gw.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(5.6, 2.4))
     for (dents, runs), line, colour in zip(hits.items(), ("o-", "^--"), ("C0", "C1"), strict=True):
-        shares, forces = ([run[name] for run in runs] for name in ("dissipated_fraction", "wall_peak_force_N"))
+        shares, forces = (
+            [run[name] for run in runs] for name in ("dissipated_fraction", "wall_peak_force_N")
+        )
         left.plot(range(1, 6), shares, line, color=colour, markersize=4, label=f"dents {dents}")
         right.plot(range(1, 6), forces, line, color=colour, markersize=4)
         for hit, (share, force) in enumerate(zip(shares, forces, strict=True), start=1):
-            print(f"dents {dents}, hit {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom")
+            print(
+                f"dents {dents}, hit {hit}: {share:.3f} of the energy dissipated, {force:.0f} N at the bottom"
+            )
     left.set(xlabel="hit", ylabel="share dissipated", ylim=(0, 1))
     left.legend(loc="lower left")
     right.set(xlabel="hit", ylabel="peak force at the bottom (N)", ylim=(0, None))

@@ -1,7 +1,8 @@
 """A solitary wave in a chain
 
-The first bead of an elastic chain of brass is given a velocity of 1 m/s. After a few beads the pulse keeps its shape:
-a solitary wave, some five beads long. Forces of single contacts and the map of all of them show it.
+The first bead of an elastic chain of brass is given a velocity of 1 m/s. After a few beads the
+pulse keeps its shape: a solitary wave, some five beads long. Forces of single contacts and the map
+of all of them show it.
 """
 
 import matplotlib.pyplot as plt
@@ -10,14 +11,23 @@ import granwave as gw
 
 changes = {"packing.size": 60, "run.end_time": 9e-4, "output.history": 2000}
 run = gw.run("elastic-impact", changes, directory="run", force=True)
-time, force = run.chain.time.values, run.chain.contact_force.values  # s; N, (n_times, n_contacts)
+# s; N, (n_times, n_contacts)
+time = run.chain.time.values
+force = run.chain.contact_force.values
 
 with gw.style():
     figure, (left, right) = plt.subplots(1, 2, figsize=(6.4, 2.6))
     for contact in range(5, 50, 10):
-        left.plot(time * 1e6, force[:, contact], color="C0" if contact % 20 == 5 else "C1", label=f"{contact + 1}")
+        left.plot(
+            time * 1e6,
+            force[:, contact],
+            color="C0" if contact % 20 == 5 else "C1",
+            label=f"{contact + 1}",
+        )
     left.set(xlabel="time (us)", ylabel="contact force (N)", title="contacts 6, 16, 26, 36, 46")
-    picture = right.pcolormesh(range(1, force.shape[1] + 1), time * 1e6, force, cmap="viridis", rasterized=True)
+    picture = right.pcolormesh(
+        range(1, force.shape[1] + 1), time * 1e6, force, cmap="viridis", rasterized=True
+    )
     right.set(xlabel="contact", ylabel="time (us)")
     figure.colorbar(picture, label="force (N)")
     figure.savefig("picture.png", dpi=150)

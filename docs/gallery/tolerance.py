@@ -1,7 +1,7 @@
 """Force at the bottom under tolerances
 
-Perfect spheres pass a sharp pulse on to the wall below. Spheres with a tolerance of 5 um leave gaps, and the pulse
-arrives late and low. Friction takes a part of it too.
+Perfect spheres pass a sharp pulse on to the wall below. Spheres with a tolerance of 5 um leave
+gaps, and the pulse arrives late and low. Friction takes a part of it too.
 """
 
 import matplotlib.pyplot as plt
@@ -15,14 +15,17 @@ PACKINGS = {
 }
 common = {"packing.size": [12, 12, 8], "run.end_time": 8e-4}
 runs = {
-    label: gw.run("fcc-small", common | changes, directory=label, force=True) for label, changes in PACKINGS.items()
+    label: gw.run("fcc-small", common | changes, directory=label, force=True)
+    for label, changes in PACKINGS.items()
 }
 
 with gw.style():
     figure, axes = plt.subplots(figsize=(3.4, 2.8))
     for (label, run), colour in zip(runs.items(), ("C0", "C2", "C1"), strict=True):
         bottom = run.walls.query("wall == 'bottom'")
-        axes.plot(bottom["time"] * 1e6, abs(bottom["force"]), color=colour, linewidth=0.8, label=label)
+        axes.plot(
+            bottom["time"] * 1e6, abs(bottom["force"]), color=colour, linewidth=0.8, label=label
+        )
         print(f"{label:16}  peak force at the bottom {run['wall_peak_force_N']:7.1f} N")
     axes.set(xlabel="time (us)", ylabel="force on the bottom (N)")
     axes.legend()

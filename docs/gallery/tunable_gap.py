@@ -1,7 +1,8 @@
 """A gap in frequency that the load moves
 
-Steel and aluminium beads in turn have two bands with a gap between them. A static force makes the contacts stiffer and
-moves both edges, by the power 1/6; inside the gap waves fall from cell to cell.
+Steel and aluminium beads in turn have two bands with a gap between them. A static force makes the
+contacts stiffer and moves both edges, by the power 1/6; inside the gap waves fall from cell to
+cell.
 """
 
 import matplotlib.pyplot as plt
@@ -11,9 +12,15 @@ import granwave as gw
 
 lighter = [{"index": list(range(2, 41, 2)), "material": "aluminium"}]
 forces = np.geomspace(1, 100, 5)
-edges, decay = [], []
+edges = []
+decay = []
 for force in forces:
-    changes = {"material": "steel", "packing.size": 40, "replace": lighter, "precompression.force": float(force)}
+    changes = {
+        "material": "steel",
+        "packing.size": 40,
+        "replace": lighter,
+        "precompression.force": float(force),
+    }
     bands = gw.bands("precompressed-chain", changes)
     edges.append([float(bands.edges[0, 1]), float(bands.edges[1, 0]), float(bands.edges[1, 1])])
     decay.append(bands.attrs["attenuation_in_widest_gap"])
@@ -25,7 +32,13 @@ with gw.style():
     axes.fill_between(forces, above, top, color="C1", alpha=0.3, lw=0, label="optical band")
     for edge in (below, above, top):
         axes.plot(forces, edge[-1] * (forces / forces[-1]) ** (1 / 6), color="C5", lw=0.8)
-    axes.set(xscale="log", xlabel="static force (N)", ylabel="frequency (kHz)", xlim=(1, 100), ylim=(0, None))
+    axes.set(
+        xscale="log",
+        xlabel="static force (N)",
+        ylabel="frequency (kHz)",
+        xlim=(1, 100),
+        ylim=(0, None),
+    )
     axes.legend(loc="upper left")
     figure.savefig("picture.png", dpi=150)
 

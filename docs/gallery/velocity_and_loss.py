@@ -1,8 +1,8 @@
 """Dissipated share of an impact against its velocity
 
-The same packing is hit at 0.1 to 20 m/s. The faster the impact, the larger the share of its energy that yielding
-contacts take. The abscissa is the velocity in units in which materials and diameters can be compared:
-`velocity_normalised` in `summary.json`.
+The same packing is hit at 0.1 to 20 m/s. The faster the impact, the larger the share of its energy
+that yielding contacts take. The abscissa is the velocity in units in which materials and diameters
+can be compared: `velocity_normalised` in `summary.json`.
 """
 
 import matplotlib.pyplot as plt
@@ -14,9 +14,16 @@ velocities = np.geomspace(0.1, 20, 7)
 shares = {}
 for material in ("brass", "steel"):
     for velocity in velocities:
-        changes = {"packing.size": [10, 10, 6], "run.end_time": 2e-4, "load.velocity": velocity, "material": material}
+        changes = {
+            "packing.size": [10, 10, 6],
+            "run.end_time": 2e-4,
+            "load.velocity": velocity,
+            "material": material,
+        }
         run = gw.run("fcc-small", changes, directory="run", force=True)
-        shares.setdefault(material, []).append((run["velocity_normalised"], run["dissipated_fraction"]))
+        shares.setdefault(material, []).append(
+            (run["velocity_normalised"], run["dissipated_fraction"])
+        )
 
 with gw.style():
     figure, axes = plt.subplots()

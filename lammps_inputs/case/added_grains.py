@@ -1,4 +1,5 @@
-"""``[[grains]]``: grains at places given by a formula, next to a lattice or to the grains of a file.
+"""``[[grains]]``: grains at places given by a formula, next to a lattice or to the grains of a
+file.
 
     at = [[0, 0, 0.01], ...]                     places, m
     at = "octahedral"                            all holes of an fcc or hcp packing between six spheres, or between
@@ -7,7 +8,8 @@
     ring = {n = 2, radius = "touching", gap = 3} where they touch both spheres of a gap of a chain: 3 and 4
     repeat = {times = 10, step = [0, 0, 0.015]}  these places again and again, each time moved on by a step
 
-A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and keep their ids.
+A case with such grains is one of ``packing.kind = "file"``: the sites of the lattice come first and
+keep their ids.
 """
 
 from __future__ import annotations
@@ -43,7 +45,10 @@ from granwave.lammps_inputs.lattices import FILE, Lattice
 
 _POINT = "[x, y, z] in m"
 _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
-_HOLES = {"octahedral": (1 / math.sqrt(2), 6), "tetrahedral": (math.sqrt(3 / 8), 4)}  # distance, diameters; neighbours
+_HOLES = {
+    "octahedral": (1 / math.sqrt(2), 6),
+    "tetrahedral": (math.sqrt(3 / 8), 4),
+}  # distance, diameters; neighbours
 _HOLES_OF_SPHERE = 2  # tetrahedral ones; octahedral: 1
 _NEAR = 1e-6  # diameters
 _UP = np.array([0.0, 0.0, 1.0])
@@ -53,13 +58,16 @@ _RING = (
 )
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
 _HOLED = ("fcc", "hcp")
-_MEMORY_OF_GRAIN = 1000.0  # bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
+# bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
+_MEMORY_OF_GRAIN = 1000.0
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
 @dataclasses.dataclass(frozen=True)
 class Ring:
-    """Places around the axis x = y = 0; without a radius (m) where they touch both spheres of a gap; gap (): of all."""
+    """Places around the axis x = y = 0; without a radius (m) where they touch both spheres of a
+    gap; gap (): of all.
+    """
 
     n: int
     radius: float | None
@@ -85,14 +93,21 @@ def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
 
 def _parse_ring(value: Any) -> Ring:
     schema.inner_table(value, _RING, ("n", "radius", "z", "gap", "angle"), needed=("n", "radius"))
-    touching, gaps = value["radius"] == "touching", value.get("gap", "all")
+    touching = value["radius"] == "touching"
+    gaps = value.get("gap", "all")
     radius = None if touching else schema.finite(value["radius"], _RING)
     schema.refuse_if(radius is not None and radius <= 0, f"{_RING}, with a radius above 0")
     if ("z" in value) == ("gap" in value) or (touching and "z" in value):
         raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
     z = schema.finite(value["z"], _RING) if "z" in value else None
     gap = () if gaps == "all" else parse_index(gaps)
-    return Ring(schema.whole(value["n"], _RING), radius, z, gap, schema.finite(value.get("angle", 0.0), _RING))
+    return Ring(
+        schema.whole(value["n"], _RING),
+        radius,
+        z,
+        gap,
+        schema.finite(value.get("angle", 0.0), _RING),
+    )
 
 
 def _parse_repeat(value: Any) -> Repeat:
@@ -108,13 +123,17 @@ class AddedGrains:
         "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
     )
     ring: Ring | None = schema.custom("places around the axis x = y = 0", _parse_ring, default=None)
-    repeat: Repeat | None = schema.custom("copies of these places, each a step on", _parse_repeat, default=None)
+    repeat: Repeat | None = schema.custom(
+        "copies of these places, each a step on", _parse_repeat, default=None
+    )
     diameter: float = schema.number("diameter of these grains", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()
     material: Material | None = schema.nested(read_material)
-    group: str | None = schema.custom("name of their group, for [[hold]]", schema.parse_label, default=None)
+    group: str | None = schema.custom(
+        "name of their group, for [[hold]]", schema.parse_label, default=None
+    )
 
     def most_places(self, n_own: int) -> int:
         """Return an upper bound on the number of places, next to so many grains."""
@@ -147,7 +166,11 @@ class AddedGrains:
         elif self.ring is not None:
             angle = np.deg2rad(self.ring.angle) + 2 * np.pi * np.arange(self.ring.n) / self.ring.n
             around = np.stack([np.cos(angle), np.sin(angle)], axis=1)
-            rings = [(self.ring.radius or 0.0, self.ring.z)] if self.ring.z is not None else self._at_gaps(own)
+            rings = (
+                [(self.ring.radius or 0.0, self.ring.z)]
+                if self.ring.z is not None
+                else self._at_gaps(own)
+            )
             places = np.concatenate(
                 [np.column_stack([radius * around, np.full(self.ring.n, z)]) for radius, z in rings]
             )
@@ -164,39 +187,51 @@ class AddedGrains:
         found = []
         for first in self.ring.gap or range(1, len(own)):
             if first >= len(own):
-                raise ValueError(f"found gap {first}, expected one from 1 to {len(own) - 1}, between two spheres")
+                raise ValueError(
+                    f"found gap {first}, expected one from 1 to {len(own) - 1}, between two spheres"
+                )
             (x1, y1, z1), (x2, y2, z2) = own.position[first - 1 : first + 1].tolist()
             slack = _NEAR * self.diameter
             if max(abs(x1), abs(y1), abs(x2), abs(y2)) > slack or z2 <= z1:
-                raise ValueError(f"found gap {first} between spheres that do not follow each other along x = y = 0")
+                raise ValueError(
+                    f"found gap {first} between spheres that do not follow each other along x = y = 0"
+                )
             if self.ring.radius is not None:
                 found.append((self.ring.radius, (z1 + z2) / 2))
                 continue
             one, other = (own.diameter[first - 1 : first + 1] + self.diameter) / 2
             step = (one**2 - other**2 + (z2 - z1) ** 2) / (2 * (z2 - z1))
             if step**2 >= one**2:
-                raise ValueError(f"found gap {first} of {z2 - z1:g} m between centres, too wide to touch both spheres")
+                raise ValueError(
+                    f"found gap {first} of {z2 - z1:g} m between centres, too wide to touch both spheres"
+                )
             found.append((math.sqrt(one**2 - step**2), z1 + step))
         return found
 
 
 def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
-    """Return the centres of the holes of a lattice between six spheres ("octahedral") or four ("tetrahedral").
+    """Return the centres of the holes of a lattice between six spheres ("octahedral") or four
+    ("tetrahedral").
 
-    Those at the faces, which lack some of these spheres, are left out. Returns an array (n, 3), m, in the order of z, y
-    and x; empty if the lattice has no such holes.
+    Those at the faces, which lack some of these spheres, are left out. Returns an array (n, 3), m,
+    in the order of z, y and x; empty if the lattice has no such holes.
     """
     from scipy.spatial import KDTree  # takes longer to load than most commands need
 
     distance, n_around = _HOLES[kind]
     spheres = lattice.positions(1, lattice.n_spheres) / lattice.diameter
-    around, periods = spheres, np.array([*lattice.lengths, 0.0]) / lattice.diameter
+    around = spheres
+    periods = np.array([*lattice.lengths, 0.0]) / lattice.diameter
     if lattice.periodic:
-        around = np.concatenate([spheres + (i, j, 0) * periods for i in (0, -1, 1) for j in (0, -1, 1)])
+        around = np.concatenate(
+            [spheres + (i, j, 0) * periods for i in (0, -1, 1) for j in (0, -1, 1)]
+        )
     tree = KDTree(around)
     if kind == "octahedral":  # three pairs of spheres are opposite to each other
         near = tree.query_ball_point(spheres, 2 * distance + _NEAR)
-        pairs = np.array([(i, j) for i, others in enumerate(near) for j in others], dtype=np.int64).reshape(-1, 2)
+        pairs = np.array(
+            [(i, j) for i, others in enumerate(near) for j in others], dtype=np.int64
+        ).reshape(-1, 2)
         apart = np.linalg.norm(around[pairs[:, 1]] - spheres[pairs[:, 0]], axis=1)
         pairs = pairs[np.abs(apart - 2 * distance) <= _NEAR]
         found = (around[pairs[:, 1]] + spheres[pairs[:, 0]]) / 2
@@ -208,7 +243,11 @@ def holes(lattice: Lattice, kind: str) -> NDArray[np.float64]:
     same = KDTree(found).query_ball_point(found, 100 * _NEAR) if len(found) else []
     found = found[[min(rows) == row for row, rows in enumerate(same)]]  # each once
     found = found[np.lexsort(np.round(found / (100 * _NEAR)).T)]
-    counts = np.array([len(one) for one in tree.query_ball_point(found, distance + 10 * _NEAR)] if len(found) else [])
+    counts = np.array(
+        [len(one) for one in tree.query_ball_point(found, distance + 10 * _NEAR)]
+        if len(found)
+        else []
+    )
     return np.asarray(found[counts == n_around] * lattice.diameter)
 
 
@@ -235,7 +274,8 @@ def with_added_grains(
         return packing  # `check_together` tells why
     before = len(errors.lines)
     for key, entry in schema.numbered("grains", added).items():
-        both, holes_of = entry.at is not None, show(entry.at) if isinstance(entry.at, str) else ""
+        both = entry.at is not None
+        holes_of = show(entry.at) if isinstance(entry.at, str) else ""
         errors.check_first(
             (both == (entry.ring is not None), key,
              f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
@@ -256,7 +296,9 @@ def with_added_grains(
     errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
     if len(errors.lines) > before:
         return packing
-    own, lattice, period = packing.grains, None, packing.period
+    own = packing.grains
+    lattice = None
+    period = packing.period
     if own is None:
         lattice = packing.lattice(periodic=periodic)
         n = lattice.n_spheres
@@ -281,7 +323,10 @@ def with_added_grains(
             errors.add(f"{key}.ring", str(error))
             continue
         if not len(places):
-            errors.add(f"{key}.at", f"found no {entry.at} hole in a packing of {show(packing.size)} spheres")
+            errors.add(
+                f"{key}.at",
+                f"found no {entry.at} hole in a packing of {show(packing.size)} spheres",
+            )
         name = _name_of(entry.material, materials)
         parts.append(_grains_at(places, entry.diameter, name, entry.group or "", shape_of(entry)))
     grains = Grains(
@@ -296,26 +341,43 @@ def with_added_grains(
         added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
     )
     return PackingSection(
-        kind=FILE, size=(len(grains),), diameter=packing.diameter, grains=grains, period=period, cell=packing.cell
+        kind=FILE,
+        size=(len(grains),),
+        diameter=packing.diameter,
+        grains=grains,
+        period=period,
+        cell=packing.cell,
     )
 
 
 def _grains_at(
-    places: NDArray[np.float64], diameter: float, material: str = "", group: str = "", shape: Shape = None
+    places: NDArray[np.float64],
+    diameter: float,
+    material: str = "",
+    group: str = "",
+    shape: Shape = None,
 ) -> Grains:
     """Return equal grains at rest at places (m)."""
     n = len(places)
-    return Grains(places, np.full(n, diameter), [material] * n, [group] * n, np.zeros((n, 3)), [shape] * n)
+    return Grains(
+        places, np.full(n, diameter), [material] * n, [group] * n, np.zeros((n, 3)), [shape] * n
+    )
 
 
 def _name_of(material: Material | None, materials: dict[str, Material]) -> str:
-    """Return the name by which a material is found, and add one that has none to the further materials."""
+    """Return the name by which a material is found, and add one that has none to the further
+    materials.
+    """
     if material is None:
         return ""
     known = presets() | materials
     name = next((name for name, one in known.items() if one == material), None)
     if name is None:
         stem = material.name or "grains"
-        name = next(one for one in (stem, *(f"{stem} ({n})" for n in range(2, len(known) + 3))) if one not in known)
+        name = next(
+            one
+            for one in (stem, *(f"{stem} ({n})" for n in range(2, len(known) + 3)))
+            if one not in known
+        )
         materials[name] = dataclasses.replace(material, name=name)
     return name

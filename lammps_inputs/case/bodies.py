@@ -8,8 +8,8 @@
     [[line]]                     a line of grains whose motion is recorded and measured
     [[sensor]]                   a sphere whose mean contact force (chains) or acceleration is recorded
 
-Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the packing, in the order of
-the file.
+Spheres of a chain are numbered from 1 at the struck end. Strikers follow the spheres of the
+packing, in the order of the file.
 """
 
 from __future__ import annotations
@@ -42,7 +42,9 @@ _ALONG_Y = (0.0, 1.0, 0.0)
 ALL_GRAINS = "all"  # of a line
 
 
-_INDEX_FORM = "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
+_INDEX_FORM = (
+    "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
+)
 _MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
 
 
@@ -50,13 +52,19 @@ def parse_index(value: Any) -> tuple[int, ...]:
     """Convert the value of an ``index`` key to ids; raise `ValidationError` if it is none."""
     if isinstance(value, Mapping):
         schema.refuse_if(set(value) - {"step"} != {"first", "last"}, _INDEX_FORM)
-        first, last, step = (schema.whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step"))
+        first, last, step = (
+            schema.whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step")
+        )
         schema.refuse_if(last < first, f"{_INDEX_FORM}, the last not before the first")
         schema.refuse_if(
-            (last - first) // step >= _MOST_IDS, f"at most {_MOST_IDS} ids; take a box from low to high for more"
+            (last - first) // step >= _MOST_IDS,
+            f"at most {_MOST_IDS} ids; take a box from low to high for more",
         )
         return tuple(range(first, last + 1, step))
-    ids = tuple(schema.whole(one, _INDEX_FORM) for one in (value if isinstance(value, list | tuple) else [value]))
+    ids = tuple(
+        schema.whole(one, _INDEX_FORM)
+        for one in (value if isinstance(value, list | tuple) else [value])
+    )
     schema.refuse_if(not ids, _INDEX_FORM)
     return ids
 
@@ -65,7 +73,12 @@ def _parse_directions(value: Any) -> str:
     expected = 'some of the letters x, y and z, such as "xy"; or "none" to block rotations alone'
     if value == _NO_DIRECTION:
         return _NO_DIRECTION
-    if not isinstance(value, str) or not value or set(value) - set("xyz") or len(set(value)) < len(value):
+    if (
+        not isinstance(value, str)
+        or not value
+        or set(value) - set("xyz")
+        or len(set(value)) < len(value)
+    ):
         raise ValidationError(expected)
     return "".join(sorted(value))
 
@@ -81,7 +94,9 @@ def _parse_free(value: Any) -> str:
 
 
 def _parse_touches(value: Any) -> tuple[int, ...]:
-    """Return ids; none for the sphere at the centre of the top, which is found when the packing is known."""
+    """Return ids; none for the sphere at the centre of the top, which is found when the packing is
+    known.
+    """
     if value == CENTRE:
         return ()
     try:
@@ -94,9 +109,9 @@ def _parse_touches(value: Any) -> tuple[int, ...]:
 class Replace:
     """``[[replace]]``: spheres that differ from the rest; a later entry overrides an earlier one.
 
-    They are selected by ``index``, by a box from ``low`` to ``high`` around their lattice sites (for a chain, those of
-    equal spheres), or as a random ``share`` of all spheres. A larger sphere needs space around it: vacancies or smaller
-    neighbours. The beads of a chain are moved apart.
+    They are selected by ``index``, by a box from ``low`` to ``high`` around their lattice sites
+    (for a chain, those of equal spheres), or as a random ``share`` of all spheres. A larger sphere
+    needs space around it: vacancies or smaller neighbours. The beads of a chain are moved apart.
     """
 
     index: tuple[int, ...] | None = schema.custom("which spheres", parse_index, default=None)
@@ -106,14 +121,20 @@ class Replace:
     high: tuple[float, float, float] | None = schema.custom(
         "opposite corner", schema.numbers(3, _POINT_FORM), unit="m", default=None
     )
-    share: float | None = schema.number("share of the spheres, chosen at random", above=0, at_most=1, default=None)
-    diameter: float | None = schema.number("diameter of these spheres", DIAMETER, above=0, default=None)
+    share: float | None = schema.number(
+        "share of the spheres, chosen at random", above=0, at_most=1, default=None
+    )
+    diameter: float | None = schema.number(
+        "diameter of these spheres", DIAMETER, above=0, default=None
+    )
     material: Material | None = schema.nested(read_material)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Striker:
-    """``[[striker]]``: a sphere or cylinder in contact with given grains of the packing, or with earlier strikers."""
+    """``[[striker]]``: a sphere or cylinder in contact with given grains of the packing, or with
+    earlier strikers.
+    """
 
     touches: tuple[int, ...] = schema.custom(
         'ids of the spheres that it touches; "centre": the one at the centre of the top, as an impact takes',
@@ -130,7 +151,12 @@ class Striker:
     )
     misalignment: tuple[float, float, float] = schema.custom(
         "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
-        schema.numbers(3, _POINT_FORM, lambda *extent: min(extent) >= 0, f"{_POINT_FORM}, none of them negative"),
+        schema.numbers(
+            3,
+            _POINT_FORM,
+            lambda *extent: min(extent) >= 0,
+            f"{_POINT_FORM}, none of them negative",
+        ),
         unit=_OFFSET,
         default=(0.0, 0.0, 0.0),
     )
@@ -139,7 +165,9 @@ class Striker:
         (True, False),
         default=None,
     )
-    shape: str | None = schema.choice("shape of the striker; a sphere by default", SHAPES, default=None)
+    shape: str | None = schema.choice(
+        "shape of the striker; a sphere by default", SHAPES, default=None
+    )
     length: float | None = length_field()
     axis: Vector | None = schema.custom(
         "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
@@ -161,11 +189,15 @@ class Striker:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Bar:
-    """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with lumped mass."""
+    """``[bar]``, ``[incident_bar]``: a slender elastic bar along the chain, of linear elements with
+    lumped mass.
+    """
 
     length: float = schema.number("length of the bar", LENGTH, above=0)
     area: float = schema.number("area of its cross-section", AREA, above=0)
-    elements: int = schema.count("number of elements of equal length", at_most=10_000_000, default=1000)
+    elements: int = schema.count(
+        "number of elements of equal length", at_most=10_000_000, default=1000
+    )
     material: Material | None = schema.nested(read_material)
 
 
@@ -174,7 +206,9 @@ class Hold:
     """``[[hold]]``: grains that do not move."""
 
     index: tuple[int, ...] | None = schema.custom("which grains", parse_index, default=None)
-    group: str | None = schema.custom("the grains of this group of packing.file", schema.parse_label, default=None)
+    group: str | None = schema.custom(
+        "the grains of this group of packing.file", schema.parse_label, default=None
+    )
     directions: str = schema.custom(
         "directions in which they do not move, of x, y and z", _parse_directions, default="xyz"
     )
@@ -195,7 +229,9 @@ def _parse_line_name(value: Any) -> str:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Line:
-    """``[[line]]``: grains in a line, whose motion is recorded: arrival, speed, decay and width of a wave."""
+    """``[[line]]``: grains in a line, whose motion is recorded: arrival, speed, decay and width of
+    a wave.
+    """
 
     name: str = schema.custom("name of the line", _parse_line_name)
     start: int | None = schema.custom(
@@ -205,7 +241,11 @@ class Line:
     )
     direction: tuple[float, float, float] = schema.custom(
         "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
-        schema.numbers(3, "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down", lambda *way: any(way)),
+        schema.numbers(
+            3,
+            "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down",
+            lambda *way: any(way),
+        ),
         default=(0.0, 0.0, 1.0),
     )
     index: tuple[int, ...] | str | None = schema.custom(
@@ -216,14 +256,19 @@ class Line:
     leave_out: int | str = schema.custom(
         "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
         "does not move",
-        schema.or_word("auto", lambda value: schema.whole(value, 'a whole number from 0 up, or "auto"', at_least=0)),
+        schema.or_word(
+            "auto",
+            lambda value: schema.whole(value, 'a whole number from 0 up, or "auto"', at_least=0),
+        ),
         default="auto",
     )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Guide:
-    """``[[guide]]``: grains that are free to move in some directions only, without friction, as in a groove."""
+    """``[[guide]]``: grains that are free to move in some directions only, without friction, as in
+    a groove.
+    """
 
     index: tuple[int, ...] | None = schema.custom(
         "which grains; all if neither index nor group is given", parse_index, default=None
@@ -240,7 +285,12 @@ class Guide:
         if index is None and self.group is None:
             index = tuple(range(1, n_grains + 1))
         held = "".join(axis for axis in "xyz" if axis not in self.free)
-        return Hold(index=index, group=self.group, directions=held or _NO_DIRECTION, rotation=not self.rotation)
+        return Hold(
+            index=index,
+            group=self.group,
+            directions=held or _NO_DIRECTION,
+            rotation=not self.rotation,
+        )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -251,7 +301,9 @@ class Sensor:
     """
 
     name: str = schema.custom("name of the sensor", schema.plain_name)
-    id: int = schema.custom("id of its sphere", lambda value: schema.whole(value, "an id from 1 up"))
+    id: int = schema.custom(
+        "id of its sphere", lambda value: schema.whole(value, "an id from 1 up")
+    )
 
 
 MATCHED = "matched"
@@ -272,13 +324,15 @@ def _parse_impedance(value: Any) -> float | str:
 class Absorb:
     """``[[absorb]]``: spheres that are damped, so that waves run out of the packing.
 
-    ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes stronger with depth
-    reflects little over many frequencies. ``impedance`` is a dashpot along z on each sphere: the end of a row, without
-    reflection where it is the impedance of the row.
+    ``rate`` damps motion in all directions, and rotation, by m rate v: a layer that becomes
+    stronger with depth reflects little over many frequencies. ``impedance`` is a dashpot along z on
+    each sphere: the end of a row, without reflection where it is the impedance of the row.
     """
 
     index: tuple[int, ...] | None = schema.custom("which spheres", parse_index, default=None)
-    layers: int | None = schema.count("the last layers of the packing; of a chain its last spheres", default=None)
+    layers: int | None = schema.count(
+        "the last layers of the packing; of a chain its last spheres", default=None
+    )
     rate: float | None = schema.number(
         "largest damping rate: the force is mass x rate x velocity", _RATE, above=0, default=None
     )

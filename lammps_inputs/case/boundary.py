@@ -1,11 +1,13 @@
 """``[boundary]`` and ``[precompression]``: bottom, sides and static load of a packing.
 
-Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damper``, ``half_space`` or ``bar``.
+Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damper``, ``half_space``
+or ``bar``.
 
 plate        a rigid plate on a spring and an optional damper
 damper       a massless plate on a damper, which bears the static force: an end that absorbs waves
 half_space   the surface of an elastic half-space under the packing's footprint: Lysmer's analogue, a spring
-             4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart, 1966)
+             4 G r/(1 - nu) parallel to a damper 3.4 r^2 sqrt(rho G)/(1 - nu) (Lysmer and Richart,
+             1966)
 bar          an elastic bar along z, of linear elements with lumped mass; its far end free, fixed or non-reflecting
 """
 
@@ -19,18 +21,25 @@ from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.material import Material, read_material
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    read_table,
+    refuse_unknown,
+)
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
 BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
-PLATE_OSCILLATION = 0.05  # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
+# timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
+PLATE_OSCILLATION = 0.05
 _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 
 
 @dataclasses.dataclass(frozen=True)
 class Backing:
-    """Support behind a plane, along its normal: a node on a spring and a damper, or a bar of lumped masses.
+    """Support behind a plane, along its normal: a node on a spring and a damper, or a bar of lumped
+    masses.
 
     Attributes
     ----------
@@ -53,7 +62,9 @@ class Backing:
     end: float | str = "free"
 
     def longest_timestep(self, contacts: float) -> float:
-        """Return the longest timestep that resolves its motion under contacts of this stiffness in sum (N/m), s."""
+        """Return the longest timestep that resolves its motion under contacts of this stiffness in
+        sum (N/m), s.
+        """
         if not self.mass:
             return _OF_DECAY * self.damping / contacts
         front = self.mass / self.elements / 2 if self.elements else self.mass
@@ -96,8 +107,12 @@ class Plate(Support):
 
     kind = "plate"
     mass: float = schema.number("mass of the plate", hints.MASS, above=0)
-    stiffness: float = schema.number("stiffness of the spring between plate and ground", "N/m", above=0)
-    damping: float = schema.number("constant of the damper beside the spring", "N s/m", at_least=0, default=0.0)
+    stiffness: float = schema.number(
+        "stiffness of the spring between plate and ground", "N/m", above=0
+    )
+    damping: float = schema.number(
+        "constant of the damper beside the spring", "N s/m", at_least=0, default=0.0
+    )
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         return Backing(self.mass, self.stiffness, self.damping)
@@ -109,7 +124,9 @@ class Damper(Support):
 
     kind = "damper"
     damping: float = schema.number(
-        "force on the ground, beyond the static one, over the velocity of the plate", "N s/m", above=0
+        "force on the ground, beyond the static one, over the velocity of the plate",
+        "N s/m",
+        above=0,
     )
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
@@ -123,14 +140,20 @@ class HalfSpace(Support):
     kind = "half_space"
     needs_material = True
     radius: float | None = schema.number(
-        "radius of the disc that moves; that of the packing's footprint by default", hints.LENGTH, above=0, default=None
+        "radius of the disc that moves; that of the packing's footprint by default",
+        hints.LENGTH,
+        above=0,
+        default=None,
     )
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         assert material is not None
-        radius, shear = self.radius or footprint, material.youngs_modulus / (2 * (1 + material.poisson_ratio))
+        radius = self.radius or footprint
+        shear = material.youngs_modulus / (2 * (1 + material.poisson_ratio))
         stiffness = _SPRING * shear * radius / (1 - material.poisson_ratio)
-        damping = _DAMPER * radius**2 * math.sqrt(material.density * shear) / (1 - material.poisson_ratio)
+        damping = (
+            _DAMPER * radius**2 * math.sqrt(material.density * shear) / (1 - material.poisson_ratio)
+        )
         return Backing(0.0, stiffness, damping)
 
 
@@ -142,9 +165,13 @@ class SupportBar(Support):
     needs_material = True
     length: float = schema.number("length of the bar", hints.LENGTH, above=0)
     area: float = schema.number("area of its cross-section", hints.AREA, above=0)
-    elements: int = schema.count("number of elements of equal length", at_most=10_000_000, default=200)
+    elements: int = schema.count(
+        "number of elements of equal length", at_most=10_000_000, default=200
+    )
     end: str = schema.choice(
-        "far end: free, fixed, or going on without an echo", ("free", "fixed", "infinite"), default="infinite"
+        "far end: free, fixed, or going on without an echo",
+        ("free", "fixed", "infinite"),
+        default="infinite",
     )
 
     @property
@@ -163,7 +190,9 @@ class SupportBar(Support):
         )
 
 
-SUPPORTS: dict[str, type[Support]] = {one.kind: one for one in (Plate, Damper, HalfSpace, SupportBar)}
+SUPPORTS: dict[str, type[Support]] = {
+    one.kind: one for one in (Plate, Damper, HalfSpace, SupportBar)
+}
 BOTTOMS = ("wall", "fixed", "free", "periodic")
 
 
@@ -171,7 +200,9 @@ BOTTOMS = ("wall", "fixed", "free", "periodic")
 class Tube:
     """``[boundary.sides.tube]``: a tube around the axis x = y = 0 of the packing."""
 
-    radius: float = schema.number("inner radius of the tube, before it shrinks", hints.DIAMETER, above=0)
+    radius: float = schema.number(
+        "inner radius of the tube, before it shrinks", hints.DIAMETER, above=0
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -187,7 +218,9 @@ def _parse_touched(value: Any) -> Touched:
     found = {name: (names,) if isinstance(names, str) else names
              for name, names in schema.inner_table(value, form, ("material", "group")).items()}  # fmt: skip
     for names in found.values():
-        if not isinstance(names, list | tuple) or not all(isinstance(one, str) and one for one in names):
+        if not isinstance(names, list | tuple) or not all(
+            isinstance(one, str) and one for one in names
+        ):
             raise ValidationError(form)
     return Touched(**{name: tuple(names) for name, names in found.items()})
 
@@ -204,9 +237,12 @@ class Boundary:
         BOTTOMS,
         default="wall",
     )
-    bottom_material: Material | None = None  # of the bottom plane: bottom = {material = ...}; None: rigid
+    # of the bottom plane: bottom = {material = ...}; None: rigid
+    bottom_material: Material | None = None
     sides: str = schema.choice(
-        "what is at the sides: nothing, planes, or the packing again", ("free", "wall", "periodic"), default="free"
+        "what is at the sides: nothing, planes, or the packing again",
+        ("free", "wall", "periodic"),
+        default="free",
     )
     x: str | None = schema.choice(
         "the two planes across x, where they differ from sides", ("free", "wall"), default=None
@@ -226,9 +262,12 @@ class Boundary:
         _parse_touched,
         default=None,
     )
-    sides_tube: float | None = None  # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
-    bottom_support: Support | None = None  # of a moving bottom plane: plate, damper, half_space or bar = {...}
-    sides_material: Material | None = None  # of all side planes: sides = {material = ...}; None: rigid
+    # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
+    sides_tube: float | None = None
+    # of a moving bottom plane: plate, damper, half_space or bar = {...}
+    bottom_support: Support | None = None
+    # of all side planes: sides = {material = ...}; None: rigid
+    sides_material: Material | None = None
     friction: float | None = schema.number(
         "coefficient of Coulomb friction of the walls; that of the contacts by default", **_FRICTION
     )
@@ -237,7 +276,11 @@ class Boundary:
         **_FRICTION,
     )
     forget_gap: float = schema.number(
-        "gap beyond which a dent is forgotten, never sooner", "diameters", above=0, at_most=2, default=0.1
+        "gap beyond which a dent is forgotten, never sooner",
+        "diameters",
+        above=0,
+        at_most=2,
+        default=0.1,
     )
 
     @property
@@ -252,7 +295,8 @@ class Boundary:
     def keys(self) -> dict[str, Any]:
         """Return the keys of the boundary with their values, as a case file has them."""
         keys = {field.name: getattr(self, field.name) for field in schema.key_fields(Boundary)}
-        support, tube = self.bottom_support, self.sides_tube
+        support = self.bottom_support
+        tube = self.sides_tube
         bottom = {} if support is None else {support.kind: support}
         sides = {} if tube is None else {"tube": {"radius": tube}}
         for name, table in (("bottom", bottom), ("sides", sides)):
@@ -263,22 +307,39 @@ class Boundary:
 
 
 def read_boundary(table: Any, errors: ErrorList) -> Boundary | None:
-    """Read ``[boundary]``, with the tables that may stand for a wall; faults are added to ``errors``."""
-    before, read = len(errors.lines), dict[str, Any]()
+    """Read ``[boundary]``, with the tables that may stand for a wall; faults are added to
+    ``errors``.
+    """
+    before = len(errors.lines)
+    read = dict[str, Any]()
     for name, sections in (("bottom", SUPPORTS), ("sides", {"tube": Tube})):
         if isinstance(table, Mapping) and isinstance(table.get(name), Mapping):
             read |= _read_wall(table[name], name, sections, errors)
             table = {**table, name: "wall"}
     boundary = read_table(Boundary, table, "boundary", errors)
-    return None if boundary is None or len(errors.lines) > before else dataclasses.replace(boundary, **read)
+    return (
+        None
+        if boundary is None or len(errors.lines) > before
+        else dataclasses.replace(boundary, **read)
+    )
 
 
-def _read_wall(table: Mapping[str, Any], name: str, sections: Mapping[str, type], errors: ErrorList) -> dict[str, Any]:
-    """Read the material of a wall, and its support or the radius of its tube, as fields of `Boundary`."""
-    key, chosen, found = f"boundary.{name}", [one for one in sections if one in table], dict[str, Any]()
+def _read_wall(
+    table: Mapping[str, Any], name: str, sections: Mapping[str, type], errors: ErrorList
+) -> dict[str, Any]:
+    """Read the material of a wall, and its support or the radius of its tube, as fields of
+    `Boundary`.
+    """
+    key = f"boundary.{name}"
+    chosen = [one for one in sections if one in table]
+    found = dict[str, Any]()
     refuse_unknown(table, ("material", *sections), key, errors)
     errors.check(
-        (not table, key, f'found {{}}, expected a word, {{material = "..."}}, or {", ".join(sections)} = {{...}}'),
+        (
+            not table,
+            key,
+            f'found {{}}, expected a word, {{material = "..."}}, or {", ".join(sections)} = {{...}}',
+        ),
         (len(chosen) > 1, key, f"found {' and '.join(chosen)}, expected one of them"),
     )
     if "material" in table:
@@ -309,18 +370,36 @@ class Precompression:
         "that are moved in and then held, or nothing but the overlaps of grains at the start",
         ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
     )
-    pressure: float | None = schema.number("pressure on the faces of the packing", hints.PRESSURE, **_NONE)
-    force: float | None = schema.number("force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS)
-    x: float | None = schema.number("distance by which each of the planes across x moves in", **_MOVE)
-    y: float | None = schema.number("distance by which each of the planes across y moves in", **_MOVE)
-    tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
-    x_force: float | None = schema.number("force to which each of the planes across x is moved in", **_PRESS)
-    y_force: float | None = schema.number("force to which each of the planes across y is moved in", **_PRESS)
-    tube_force: float | None = schema.number("force outward on the whole tube to which it shrinks", **_PRESS)
-    overlaps: bool | None = schema.choice(
-        "true: overlaps of grains at the start are part of it; else they are refused", (True, False), default=None
+    pressure: float | None = schema.number(
+        "pressure on the faces of the packing", hints.PRESSURE, **_NONE
     )
-    acceleration: float = schema.number("acceleration of gravity", hints.ACCELERATION, above=0, default=9.81)
+    force: float | None = schema.number(
+        "force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS
+    )
+    x: float | None = schema.number(
+        "distance by which each of the planes across x moves in", **_MOVE
+    )
+    y: float | None = schema.number(
+        "distance by which each of the planes across y moves in", **_MOVE
+    )
+    tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
+    x_force: float | None = schema.number(
+        "force to which each of the planes across x is moved in", **_PRESS
+    )
+    y_force: float | None = schema.number(
+        "force to which each of the planes across y is moved in", **_PRESS
+    )
+    tube_force: float | None = schema.number(
+        "force outward on the whole tube to which it shrinks", **_PRESS
+    )
+    overlaps: bool | None = schema.choice(
+        "true: overlaps of grains at the start are part of it; else they are refused",
+        (True, False),
+        default=None,
+    )
+    acceleration: float = schema.number(
+        "acceleration of gravity", hints.ACCELERATION, above=0, default=9.81
+    )
 
     @property
     def moves(self) -> dict[str, float]:

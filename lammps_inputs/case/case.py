@@ -1,4 +1,6 @@
-"""A case: the complete input of one simulation, as read from a TOML file, and the tables of such a file."""
+"""A case: the complete input of one simulation, as read from a TOML file, and the tables of such a
+file.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,16 @@ from typing import Any
 import tomli_w
 
 from granwave.lammps_inputs.case.added_grains import AddedGrains
-from granwave.lammps_inputs.case.bodies import Absorb, Bar, Guide, Hold, Line, Replace, Sensor, Striker
+from granwave.lammps_inputs.case.bodies import (
+    Absorb,
+    Bar,
+    Guide,
+    Hold,
+    Line,
+    Replace,
+    Sensor,
+    Striker,
+)
 from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Precompression, Tube
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.load import Load
@@ -46,7 +57,9 @@ TABLES: dict[str, type] = {
     "[bar]": Bar,
     "[incident_bar]": Bar,
 }
-LISTS = {heading.strip("[]"): section for heading, section in TABLES.items() if heading.startswith("[[")}
+LISTS = {
+    heading.strip("[]"): section for heading, section in TABLES.items() if heading.startswith("[[")
+}
 SECTIONS = {
     name: section
     for heading, section in TABLES.items()
@@ -67,9 +80,15 @@ def case_keys() -> tuple[str, ...]:
 def unit_of(key: str) -> str:
     """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none."""
     table, _, name = re.sub(r"\.\d+", "", key).rpartition(".")
-    sections = {heading.strip("[]"): section for heading, section in TABLES.items()} | {"pair": Contact}
+    sections = {heading.strip("[]"): section for heading, section in TABLES.items()} | {
+        "pair": Contact
+    }
     section = Material if table.endswith(".material") else sections.get(table)
-    found = [field.metadata["unit"] for field in key_fields(section) if field.name == name] if section else []
+    found = (
+        [field.metadata["unit"] for field in key_fields(section) if field.name == name]
+        if section
+        else []
+    )
     return str(found[0]) if found else ""
 
 
@@ -108,12 +127,15 @@ class Case:
         return (self.contact, *(pair.contact for pair in self.pair))
 
     def contact_between(self, first: Material | None, second: Material | None) -> Contact:
-        """Return the law of contacts between two materials, from ``[[pair]]`` or ``[contact]``; None: a rigid wall."""
+        """Return the law of contacts between two materials, from ``[[pair]]`` or ``[contact]``;
+        None: a rigid wall.
+        """
         names = [RIGID if material is None else material.name for material in (first, second)]
         return next((pair.contact for pair in self.pair if pair.fits(*names)), self.contact)
 
     def named_material(self, name: str) -> Material:
-        """Return the material of this name: of the case, or a preset; that of the packing for an empty name.
+        """Return the material of this name: of the case, or a preset; that of the packing for an
+        empty name.
 
         Raises
         ------
@@ -126,12 +148,18 @@ class Case:
     @property
     def has_friction(self) -> bool:
         """True if any contact or wall has friction, of sliding, rolling or twisting."""
-        return any(one.friction for one in self.contact_laws) or bool(self.boundary.friction) or self.has_resistance
+        return (
+            any(one.friction for one in self.contact_laws)
+            or bool(self.boundary.friction)
+            or self.has_resistance
+        )
 
     @property
     def has_partial_slip(self) -> bool:
         """True if any contact with friction slips in a part of its circle."""
-        return self.has_friction and any(one.tangential == "partial_slip" for one in self.contact_laws)
+        return self.has_friction and any(
+            one.tangential == "partial_slip" for one in self.contact_laws
+        )
 
     @property
     def has_resistance(self) -> bool:
@@ -151,7 +179,9 @@ class Case:
     @property
     def bears_along_z(self) -> bool:
         """True if something bears a force along z: a bottom, or a grain that is held along z."""
-        return self.boundary.bottom != "free" or any("z" in hold.axes for hold in self.holds.values())
+        return self.boundary.bottom != "free" or any(
+            "z" in hold.axes for hold in self.holds.values()
+        )
 
     @property
     def has_holder_friction(self) -> bool:
@@ -161,11 +191,17 @@ class Case:
     @property
     def has_rotation(self) -> bool:
         """True if spheres rotate: with friction, or with an initial spin of a sphere or striker."""
-        return self.has_friction or any(self.load.spin) or any(any(striker.spin) for striker in self.striker)
+        return (
+            self.has_friction
+            or any(self.load.spin)
+            or any(any(striker.spin) for striker in self.striker)
+        )
 
     @property
     def moves_otherwise(self) -> bool:
-        """True if there is kinetic energy besides that of the spheres' translation: of rotation, or of a plate."""
+        """True if there is kinetic energy besides that of the spheres' translation: of rotation, or
+        of a plate.
+        """
         return self.has_rotation or self.load.plate is not None
 
     @property
@@ -175,20 +211,32 @@ class Case:
 
     @property
     def probes(self) -> tuple[Probe, ...]:
-        """Probes: ``output.probes``, and in packings other than a chain also the spheres of the sensors."""
+        """Probes: ``output.probes``, and in packings other than a chain also the spheres of the
+        sensors.
+        """
         if self.packing.kind == "chain":
             return self.output.probes
-        return tuple(dict.fromkeys([*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]))
+        return tuple(
+            dict.fromkeys(
+                [*self.output.probes, *(Probe(sphere=sensor.id) for sensor in self.sensor)]
+            )
+        )
 
     @property
     def held(self) -> dict[str, Hold]:
-        """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by key, such as ``guide.1``."""
+        """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by key, such as
+        ``guide.1``.
+        """
         n = self.packing.n_spheres
-        return numbered("hold", self.hold) | numbered("guide", (guide.hold(n) for guide in self.guide))
+        return numbered("hold", self.hold) | numbered(
+            "guide", (guide.hold(n) for guide in self.guide)
+        )
 
     @property
     def holds(self) -> dict[str, Hold]:
-        """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by the name of its LAMMPS group."""
+        """Grains and directions held by ``[[hold]]`` and ``[[guide]]``, by the name of its LAMMPS
+        group.
+        """
         return {key.replace(".", ""): hold for key, hold in self.held.items()}
 
     @property
@@ -197,13 +245,17 @@ class Case:
         return mass_of(self.material, self.packing.diameter / 2, self.packing.of_grain)
 
     def to_dict(self) -> dict[str, Any]:
-        """Return the case as nested tables of TOML values, all defaults filled in; [figures] only if it is given."""
+        """Return the case as nested tables of TOML values, all defaults filled in; [figures] only
+        if it is given.
+        """
         tables = _plain(self)
         if self.figures == Figures():
             del tables[FIGURES_TABLE]
         if self.contact.line == Contact.line:
             del tables["contact"]["line"]
-        tables |= {name: _plain(getattr(self, name).keys()) for name in ("packing", "load", "boundary")}
+        tables |= {
+            name: _plain(getattr(self, name).keys()) for name in ("packing", "load", "boundary")
+        }
         if self.materials:
             tables[MATERIALS] = {str(one.name): _plain(one) for one in self.materials}
         if self.pair:

@@ -13,11 +13,15 @@ from granwave import _contact_laws
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
-
-_DENT_FORM = (
-    "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    read_table,
+    refuse_unknown,
+    show,
 )
+
+_DENT_FORM = "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
 
 
 def parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
@@ -40,15 +44,23 @@ def _parse_dent(table: Any) -> Dents:
     schema.inner_table(table, _DENT_FORM, ("overlap", "force", "low", "high"))
     schema.refuse_if(("overlap" in table) == ("force" in table), _DENT_FORM)
     found = {name: _parse_size(table[name]) for name in ("overlap", "force") if name in table}
-    corners = {name: schema.parse_point(table[name], _DENT_FORM) for name in ("low", "high") if name in table}
-    if len(corners) == 2 and any(a > b for a, b in zip(corners["low"], corners["high"], strict=True)):
+    corners = {
+        name: schema.parse_point(table[name], _DENT_FORM)
+        for name in ("low", "high")
+        if name in table
+    }
+    if len(corners) == 2 and any(
+        a > b for a, b in zip(corners["low"], corners["high"], strict=True)
+    ):
         raise ValidationError("low of a box of dents below its high, along each axis")
     return Dents(**found, **corners)  # type: ignore[arg-type]
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Dents:
-    """Initial dents of the contacts in a box, given by the largest earlier overlap (m) or force (N)."""
+    """Initial dents of the contacts in a box, given by the largest earlier overlap (m) or force
+    (N).
+    """
 
     overlap: float | None = None
     force: float | None = None
@@ -81,7 +93,8 @@ class Loss:
     time
         Loss time A, s.
     restitution, velocity
-        Restitution of a head-on collision, and its speed of approach, m/s; the loss time follows from both.
+        Restitution of a head-on collision, and its speed of approach, m/s; the loss time follows
+        from both.
     dashpot
         Factor of Tsuji's dashpot, or the restitution that it gives a Hertzian contact.
     """
@@ -94,11 +107,19 @@ class Loss:
 
 def parse_loss(value: Any) -> Loss:
     """Read a loss; raise `ValidationError` for anything but one of the three kinds."""
-    kinds = [name for name in _KINDS if name in schema.inner_table(value, LOSS_FORM, (*_KINDS, "velocity"))]
-    schema.refuse_if(len(kinds) > 1, f"one of {LOSS_FORM}; {' and '.join(kinds[:2])} exclude each other")
+    kinds = [
+        name
+        for name in _KINDS
+        if name in schema.inner_table(value, LOSS_FORM, (*_KINDS, "velocity"))
+    ]
+    schema.refuse_if(
+        len(kinds) > 1, f"one of {LOSS_FORM}; {' and '.join(kinds[:2])} exclude each other"
+    )
     if kinds == ["restitution"]:
         if "velocity" not in value:
-            of_dashpot = f"{{dashpot = {{restitution = {show(value['restitution'])}}}}} holds at any"
+            of_dashpot = (
+                f"{{dashpot = {{restitution = {show(value['restitution'])}}}}} holds at any"
+            )
             missing = "the velocity at which the restitution holds is missing"
             raise ValidationError(f"{LOSS_FORM}; {missing}, and {of_dashpot}")
         velocity = schema.finite(value["velocity"], LOSS_FORM)
@@ -107,13 +128,16 @@ def parse_loss(value: Any) -> Loss:
         return Loss(restitution=_parse_restitution(value["restitution"]), velocity=velocity)
     schema.refuse_if("velocity" in value, f"{LOSS_FORM}; a velocity belongs to a restitution")
     if kinds == ["time"]:
-        time, form = schema.finite(value["time"], LOSS_FORM), f"a loss time from 0 to {_LONGEST_TIME:g} s"
+        time = schema.finite(value["time"], LOSS_FORM)
+        form = f"a loss time from 0 to {_LONGEST_TIME:g} s"
         schema.refuse_if(time < 0, f"{form}; {_GAIN}")
         schema.refuse_if(time > _LONGEST_TIME, f"{form}; {time:g} us is {time:g}e-6")
         return Loss(time=time)
     if isinstance(factor := value["dashpot"], Mapping):
         schema.inner_table(factor, LOSS_FORM, ("restitution",))
-        return Loss(dashpot=DashpotRestitution(restitution=_parse_restitution(factor["restitution"])))
+        return Loss(
+            dashpot=DashpotRestitution(restitution=_parse_restitution(factor["restitution"]))
+        )
     factor = schema.finite(factor, LOSS_FORM)
     schema.refuse_if(factor < 0, f"a factor of the dashpot from 0 up; {_GAIN}")
     return Loss(dashpot=factor)
@@ -149,19 +173,28 @@ class Resistance:
 
 
 def _parse_resistance(value: Any, form: str) -> Resistance:
-    """Read a coefficient or a table; 0 is no resistance, also where a pair takes back that of [contact]."""
+    """Read a coefficient or a table; 0 is no resistance, also where a pair takes back that of
+    [contact].
+    """
     table = value if isinstance(value, Mapping) else {"coefficient": value}
     table = schema.inner_table(table, form, _MOST, needed=("coefficient",))
     found = {name: schema.finite(number, form) for name, number in table.items()}
     for name, number in found.items():
-        schema.refuse_if(not 0 <= number <= _MOST[name], f"{form}; {name} from 0 to {_MOST[name]:g}")
-    schema.refuse_if(found.get("stiffness") == 0, f"{form}; a stiffness above 0, or none, to follow the contact circle")
+        schema.refuse_if(
+            not 0 <= number <= _MOST[name], f"{form}; {name} from 0 to {_MOST[name]:g}"
+        )
+    schema.refuse_if(
+        found.get("stiffness") == 0,
+        f"{form}; a stiffness above 0, or none, to follow the contact circle",
+    )
     return Resistance(**found)
 
 
 def parse_rolling(value: Any) -> Resistance:
     """Read a resistance to rolling; raise `ValidationError` for anything else."""
-    return _parse_resistance(value, "a coefficient, or {coefficient = ..., stiffness = (N/m), damping = (N s/m)}")
+    return _parse_resistance(
+        value, "a coefficient, or {coefficient = ..., stiffness = (N/m), damping = (N s/m)}"
+    )
 
 
 def parse_twisting(value: Any) -> Resistance | str:
@@ -183,7 +216,8 @@ class Cohesion:
     kind
         ``jkr``: after Johnson, Kendall and Roberts; ``dmt``: after Derjaguin, Muller and Toporov.
     energy
-        Work of adhesion of both surfaces together, J/m^2; 0: none, as where a pair takes back that of [contact].
+        Work of adhesion of both surfaces together, J/m^2; 0: none, as where a pair takes back that
+        of [contact].
     """
 
     kind: str
@@ -194,9 +228,12 @@ def parse_cohesion(value: Any) -> Cohesion:
     """Read a cohesion; raise `ValidationError` for anything else."""
     form = '{kind = "jkr" or "dmt", energy = (work of adhesion, J/m^2)}'
     schema.inner_table(value, form, ("kind", "energy"), needed=("kind", "energy"))
-    kind, energy = value["kind"], schema.finite(value["energy"], form)
+    kind = value["kind"]
+    energy = schema.finite(value["energy"], form)
     schema.refuse_if(kind not in COHESIONS, f"{form}; kind = {show(kind)} is neither")
-    schema.refuse_if(not 0 <= energy <= _MOST_ADHESION, f"{form}; energy from 0 to {_MOST_ADHESION:g}")
+    schema.refuse_if(
+        not 0 <= energy <= _MOST_ADHESION, f"{form}; energy from 0 to {_MOST_ADHESION:g}"
+    )
     return Cohesion(kind=kind, energy=energy)
 
 
@@ -206,7 +243,8 @@ _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every 
 
 
 def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
-    """Return the exact C of the contact pressure at first yield, ``p_y = C sigma_y``, under Hertz's pressure.
+    """Return the exact C of the contact pressure at first yield, ``p_y = C sigma_y``, under Hertz's
+    pressure.
 
     On the axis below the centre of a Hertzian contact of radius a and peak pressure p0, at depth z = zeta a
     (K. L. Johnson, Contact Mechanics, 1985, eq. 3.45)::
@@ -214,8 +252,9 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
         sigma_z / p0 = -1 / (1 + zeta^2)
         sigma_r / p0 = -(1 + nu) (1 - zeta arctan(1/zeta)) + 1 / (2 (1 + zeta^2))
 
-    The von Mises stress there is ``|sigma_z - sigma_r|``; for nu >= 0 its largest value over the depth is the largest
-    in the body. Hence ``C = 1 / max |sigma_z - sigma_r|`` with p0 = 1: 1.613 at nu = 0.30; the laws take 1.60.
+    The von Mises stress there is ``|sigma_z - sigma_r|``; for nu >= 0 its largest value over the
+    depth is the largest in the body. Hence ``C = 1 / max |sigma_z - sigma_r|`` with p0 = 1: 1.613
+    at nu = 0.30; the laws take 1.60.
 
     Parameters
     ----------
@@ -227,11 +266,16 @@ def hertz_von_mises_yield_factor(poisson_ratio: float) -> float:
     def stress(depth: float | np.ndarray) -> np.ndarray:
         zeta = np.maximum(depth, 1e-300)
         vertical = -1.0 / (1.0 + zeta**2)
-        radial = -(1.0 + poisson_ratio) * (1.0 - zeta * np.arctan(1.0 / zeta)) + 0.5 / (1.0 + zeta**2)
+        radial = -(1.0 + poisson_ratio) * (1.0 - zeta * np.arctan(1.0 / zeta)) + 0.5 / (
+            1.0 + zeta**2
+        )
         return np.abs(vertical - radial)
 
     deepest = minimize_scalar(
-        lambda depth: -stress(depth), bounds=(0, _DEEPEST), method="bounded", options={"xatol": 1e-10}
+        lambda depth: -stress(depth),
+        bounds=(0, _DEEPEST),
+        method="bounded",
+        options={"xatol": 1e-10},
     )
     return 1.0 / max(-float(deepest.fun), float(stress(0.0)))
 
@@ -242,7 +286,9 @@ LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # thos
 NO_FORCE = "none"  # law of materials whose grains do not touch each other
 LINES = ("half-space", "plane-strain")
 LINE = "line"  # law of crystals of cylinders alone: Hertz's, with lines in plane strain
-LAW_CONSTANTS = tuple(_contact_laws.LAW_CONSTANTS)  # names of the constants of the elasto-plastic law
+LAW_CONSTANTS = tuple(
+    _contact_laws.LAW_CONSTANTS
+)  # names of the constants of the elasto-plastic law
 
 _CONSTANT: dict[str, Any] = {"above": 0, "default": None}
 
@@ -262,9 +308,14 @@ class Contact:
         default="continuous",
     )
     yield_factor: float = schema.number(
-        "C = p_y / sigma_y, contact pressure at first yield", at_least=0.1, at_most=10, default=DEFAULT_YIELD_FACTOR
+        "C = p_y / sigma_y, contact pressure at first yield",
+        at_least=0.1,
+        at_most=10,
+        default=DEFAULT_YIELD_FACTOR,
     )
-    constant: float | None = schema.number("law power: K of F = K overlap^p, N/m^p", above=0, default=None)
+    constant: float | None = schema.number(
+        "law power: K of F = K overlap^p, N/m^p", above=0, default=None
+    )
     exponent: float | None = schema.number("law power: p", at_least=1, default=None)
     line: str = schema.choice(
         "contact along a line, of a cylinder on a plane or beside another: with bodies that give way over its length "
@@ -276,7 +327,11 @@ class Contact:
         "bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8
     )
     friction: float = schema.number(
-        "coefficient of Coulomb friction between spheres", FRICTION, at_least=0, at_most=1e4, default=0.0
+        "coefficient of Coulomb friction between spheres",
+        FRICTION,
+        at_least=0,
+        at_most=1e4,
+        default=0.0,
     )
     tangential: str = schema.choice(
         "friction below Coulomb's limit: one spring, its force scaled down as the contact circle shrinks, or kept, "
@@ -315,8 +370,9 @@ class Contact:
         default=0.0,
     )
 
-    # Constants of the elasto-plastic law, for materials whose curve differs from the published one (None: published).
-    # a = alpha/alpha_y; pressure in units of sigma_y, area in units of pi R* alpha_y.
+    # Constants of the elasto-plastic law, for materials whose curve differs from the published one
+    # (None: published). a = alpha/alpha_y; pressure in units of sigma_y, area in units of pi R*
+    # alpha_y.
     pressure_limit: float | None = schema.number(
         "c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 if left out", **_CONSTANT
     )
@@ -324,7 +380,9 @@ class Contact:
         "c2 of the same; 0.098 if left out", at_least=1e-4, at_most=10, default=None
     )
     area_switch: float | None = schema.number(
-        "a from which the area is A = c4 a - c5, a power of a below; 177.6 if left out", above=1, default=None
+        "a from which the area is A = c4 a - c5, a power of a below; 177.6 if left out",
+        above=1,
+        default=None,
     )
     area_slope: float | None = schema.number("c4 of the area; 2.37 if left out", **_CONSTANT)
     area_offset: float | None = schema.number("c5 of the area; 59.96 if left out", default=None)
@@ -358,7 +416,9 @@ class Contact:
     def resists(self) -> bool:
         """True if contacts resist rolling or twisting."""
         both = self.rolling, self.twisting
-        return any(one.coefficient > 0 if isinstance(one, Resistance) else one is not None for one in both)
+        return any(
+            one.coefficient > 0 if isinstance(one, Resistance) else one is not None for one in both
+        )
 
     @property
     def coheres(self) -> bool:
@@ -366,9 +426,13 @@ class Contact:
         return self.cohesion is not None and self.cohesion.energy > 0
 
     def between(
-        self, materials: tuple[Material | None, Material | None], radii: tuple[float, float], **others: Any
+        self,
+        materials: tuple[Material | None, Material | None],
+        radii: tuple[float, float],
+        **others: Any,
     ) -> _contact_laws.ContactLaw:
-        """Return the compiled law between bodies of two materials (None: rigid) and radii (m; infinite: flat).
+        """Return the compiled law between bodies of two materials (None: rigid) and radii (m;
+        infinite: flat).
 
         Parameters
         ----------
@@ -379,8 +443,14 @@ class Contact:
                   for one in materials]  # fmt: skip
         moduli, ratios, strengths = zip(*bodies, strict=True)
         first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
-        sensitivity, reference = zip(*(one.rate if one else (0.0, 1.0) for one in materials), strict=True)
-        given = {name: getattr(self, name) for name in ("constant", "exponent") if getattr(self, name) is not None}
+        sensitivity, reference = zip(
+            *(one.rate if one else (0.0, 1.0) for one in materials), strict=True
+        )
+        given = {
+            name: getattr(self, name)
+            for name in ("constant", "exponent")
+            if getattr(self, name) is not None
+        }
         if self.cohesion is not None and self.coheres:
             given["cohesion"] = (self.cohesion.kind, self.cohesion.energy)
         return _contact_laws.ContactLaw(
@@ -449,20 +519,32 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
     Parameters
     ----------
     contact
-        The table ``[contact]``, source of the values that a pair does not give: all but the constants of another law.
+        The table ``[contact]``, source of the values that a pair does not give: all but the
+        constants of another law.
     """
     if not isinstance(tables, list | tuple):
         errors.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
         return ()
-    common = {name: value for name, value in contact.items() if name in _KEYS} if isinstance(contact, Mapping) else {}
+    common = (
+        {name: value for name, value in contact.items() if name in _KEYS}
+        if isinstance(contact, Mapping)
+        else {}
+    )
     found: list[Pair] = []
     for key, table in schema.numbered("pair", tables).items():
         if not isinstance(table, Mapping):
-            errors.add(key, f"found {show(table)}, expected a table of materials and keys of [contact]")
+            errors.add(
+                key, f"found {show(table)}, expected a table of materials and keys of [contact]"
+            )
             continue
-        before, names = len(errors.lines), table.get("materials", "nothing")
+        before = len(errors.lines)
+        names = table.get("materials", "nothing")
         refuse_unknown(table, ("materials", *_KEYS), key, errors)
-        two = isinstance(names, list | tuple) and len(names) == 2 and all(isinstance(one, str) for one in names)
+        two = (
+            isinstance(names, list | tuple)
+            and len(names) == 2
+            and all(isinstance(one, str) for one in names)
+        )
         own = {name: value for name, value in table.items() if name in _KEYS}
         same_law = own.get("law", common.get("law")) == common.get("law")
         shared = {name: value for name, value in common.items() if same_law or name in _OF_ANY_LAW}

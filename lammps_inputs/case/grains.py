@@ -1,4 +1,5 @@
-"""Grains at places of their own: the rows of ``packing.file``, or of the same text in ``packing.grains``.
+"""Grains at places of their own: the rows of ``packing.file``, or of the same text in
+``packing.grains``.
 
     x, y, z, diameter                    m; depth is +z
     shape, length                        sphere or cylinder, and the length of this, m
@@ -8,8 +9,8 @@
     group                                a word, for [[hold]]
     vx, vy, vz                           initial velocity, m/s
 
-Columns stand in any order under a line of their names. Other formats are read by ASE, in metres, with diameters (or
-radii) and materials from arrays of these names.
+Columns stand in any order under a line of their names. Other formats are read by ASE, in metres,
+with diameters (or radii) and materials from arrays of these names.
 """
 
 from __future__ import annotations
@@ -61,8 +62,8 @@ class Grains:
     shape
         Shapes: (n,); by default all are spheres.
     period
-        Periods along x and y of the file that they come from, m; None if it has none. Not part of the table, as the
-        three below.
+        Periods along x and y of the file that they come from, m; None if it has none. Not part of
+        the table, as the three below.
     file
         Name of the file that they come from; empty if from no file.
     lines
@@ -98,16 +99,24 @@ class Grains:
 
     @cached_property
     def text(self) -> str:
-        """The grains as a table, with only the columns that are used; numbers keep all their digits."""
+        """The grains as a table, with only the columns that are used; numbers keep all their
+        digits.
+        """
         columns: dict[str, Iterable[str]] = {
-            **{name: map(repr, values) for name, values in zip(_PLACE, self.position.T.tolist(), strict=True)},
+            **{
+                name: map(repr, values)
+                for name, values in zip(_PLACE, self.position.T.tolist(), strict=True)
+            },
             "diameter": map(repr, self.diameter.tolist()),
         }
         columns |= shape_columns(self.shape)
         named = (("material", self.material), ("group", self.group))
         columns |= {name: map(csv_cell, words) for name, words in named if any(words)}
         if self.velocity.any():
-            columns |= {name: map(repr, v) for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)}
+            columns |= {
+                name: map(repr, v)
+                for name, v in zip(_VELOCITY, self.velocity.T.tolist(), strict=True)
+            }
         lines = [",".join(columns), *(",".join(row) for row in zip(*columns.values(), strict=True))]
         return "\n".join(lines) + "\n"
 
@@ -167,16 +176,26 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
     """Read a table of grains; see `read_grains`."""
     rows = csv_rows(text)
     if not rows:
-        raise ValueError(f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain")
+        raise ValueError(
+            f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain"
+        )
     heads = [name.strip() for name in rows[0][1]]
-    names = _column_names(["diameter" if name == _RADIUS else name for name in heads], rows[0][0], diameter)
-    lines, places = [number for number, _ in rows[1:]], [f"line {number}" for number, _ in rows[1:]]
+    names = _column_names(
+        ["diameter" if name == _RADIUS else name for name in heads], rows[0][0], diameter
+    )
+    lines = [number for number, _ in rows[1:]]
+    places = [f"line {number}" for number, _ in rows[1:]]
     for place, (_, row) in zip(places, rows[1:], strict=True):
         if len(row) != len(names):
-            raise ValueError(f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}")
+            raise ValueError(
+                f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}"
+            )
     columns = zip(*(row for _, row in rows[1:]), strict=True)
     values: dict[str, list[Any]] = {
-        name: [(_number if name in _NUMBERS else _word)(*cell, name) for cell in zip(column, places, strict=True)]
+        name: [
+            (_number if name in _NUMBERS else _word)(*cell, name)
+            for cell in zip(column, places, strict=True)
+        ]
         for name, column in zip(names, columns, strict=False)
     }
     if _RADIUS in heads:
@@ -189,7 +208,9 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
 def _column_names(names: list[str], line: int, diameter: float | None) -> list[str]:
     for name in names:
         if name not in COLUMNS:
-            raise ValueError(f"line {line}: found a column {show(name)}, expected names among {', '.join(COLUMNS)}")
+            raise ValueError(
+                f"line {line}: found a column {show(name)}, expected names among {', '.join(COLUMNS)}"
+            )
         if names.count(name) > 1:
             either = " (or radius for it)" if name == "diameter" else ""
             raise ValueError(f"line {line}: found the column {name}{either} twice")
@@ -197,7 +218,9 @@ def _column_names(names: list[str], line: int, diameter: float | None) -> list[s
     for name in needed:
         if name not in names:
             more = ", or packing.diameter for all grains" if name == "diameter" else ""
-            raise ValueError(f"line {line}: found no column {name}, expected {', '.join(needed)}{more}")
+            raise ValueError(
+                f"line {line}: found no column {name}, expected {', '.join(needed)}{more}"
+            )
     return names
 
 
@@ -209,7 +232,9 @@ def _number(value: str, place: str, name: str) -> float:
     except ValueError:
         number = math.nan
     if not math.isfinite(number):
-        raise ValueError(f"{place}: found {show(value.strip())} for {name}, expected a finite number")
+        raise ValueError(
+            f"{place}: found {show(value.strip())} for {name}, expected a finite number"
+        )
     return number
 
 
@@ -220,7 +245,9 @@ def _word(value: str, place: str, name: str) -> str:
     return word
 
 
-def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: float | None) -> Grains:
+def _grains(
+    values: Mapping[str, list[Any]], places: Sequence[str], diameter: float | None
+) -> Grains:
     """Make the grains of columns of values; ``places`` names the place of each grain in the file."""
     n = len(places)
     if not n:
@@ -230,9 +257,13 @@ def _grains(values: Mapping[str, list[Any]], places: Sequence[str], diameter: fl
     sizes = np.array(values.get("diameter", [diameter] * n), dtype=np.float64)
     if not (sizes > 0).all():
         first = int(np.argmin(sizes > 0))
-        raise ValueError(f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0")
+        raise ValueError(
+            f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0"
+        )
     for name, unit in _UNITS.items():
-        low, high = POSSIBLE[unit] if name in _SIZES else (0.0, POSSIBLE[unit][1])  # rounding may leave places off 0
+        low, high = (
+            POSSIBLE[unit] if name in _SIZES else (0.0, POSSIBLE[unit][1])
+        )  # rounding may leave places off 0
         for place, value in zip(places, values.get(name, ()), strict=False):
             if value and not low <= abs(value) <= high:
                 expected = f"expected a magnitude from {plain(low)} to {plain(high)} {unit}"
@@ -253,14 +284,18 @@ def _read_ase(path: Path) -> Any:
     except Exception as error:  # ASE raises exceptions of all kinds
         reason = " ".join(str(error).split()) or type(error).__name__
         tables = ", ".join(_TABLES)
-        raise ValueError(f"ASE cannot read it ({reason}); expected a format of ASE, or a table ({tables})") from None
+        raise ValueError(
+            f"ASE cannot read it ({reason}); expected a format of ASE, or a table ({tables})"
+        ) from None
 
 
 def _from_ase(path: Path, diameter: float | None) -> Grains:
     """Read the last frame of a file by ASE, whose lengths are taken as metres."""
     atoms = _read_ase(path)
     if "momenta" in atoms.arrays and atoms.get_momenta().any():
-        raise ValueError("found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table")
+        raise ValueError(
+            "found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table"
+        )
     places = [f"grain {number}" for number in range(1, len(atoms) + 1)]
     columns: dict[str, Any] = dict(zip(_PLACE, atoms.positions.T, strict=True))
     for name in ("diameter", _RADIUS, "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS):
@@ -270,11 +305,15 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     if _RADIUS in columns:
         columns["diameter"] = 2 * np.asarray(columns.pop(_RADIUS))
     if "diameter" not in columns and diameter is None:
-        raise ValueError("found no diameters, expected an array diameter or radius, or packing.diameter for all grains")
+        raise ValueError(
+            "found no diameters, expected an array diameter or radius, or packing.diameter for all grains"
+        )
     values: dict[str, list[Any]] = {}
     for name, column in columns.items():
         if name not in _NUMBERS:
-            values[name] = [_word(str(word), place, name) for place, word in zip(places, column, strict=True)]
+            values[name] = [
+                _word(str(word), place, name) for place, word in zip(places, column, strict=True)
+            ]
             continue
         values[name] = np.asarray(column, dtype=np.float64).tolist()
         if name != "diameter" and not np.isfinite(values[name]).all():
@@ -283,6 +322,10 @@ def _from_ase(path: Path, diameter: float | None) -> Grains:
     grains = _grains(values, places, diameter)
     cell = np.asarray(atoms.cell)
     slant = np.abs(cell - np.diag(np.diag(cell))).max()
-    if atoms.pbc[:2].all() and slant <= _STRAIGHT * np.abs(cell).max() and min(cell[0, 0], cell[1, 1]) > 0:
+    if (
+        atoms.pbc[:2].all()
+        and slant <= _STRAIGHT * np.abs(cell).max()
+        and min(cell[0, 0], cell[1, 1]) > 0
+    ):
         grains.period = float(cell[0, 0]), float(cell[1, 1])  # a box along x, y and z
     return grains

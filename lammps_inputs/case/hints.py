@@ -1,4 +1,6 @@
-"""Hints at what a user meant: usual magnitudes of values in SI units, and keys of another name or table."""
+"""Hints at what a user meant: usual magnitudes of values in SI units, and keys of another name or
+table.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,8 @@ import re
 from collections.abc import Collection, Iterable, Sequence
 from typing import Any
 
-# Smallest and largest accepted magnitudes by unit; results beyond them would be meaningless. Zero is always accepted
-# here; the bounds of a key may exclude it.
+# Smallest and largest accepted magnitudes by unit; results beyond them would be meaningless. Zero
+# is always accepted here; the bounds of a key may exclude it.
 POSSIBLE: dict[str, tuple[float, float]] = {
     "m": (1e-18, 1e6),
     "m^2": (1e-36, 1e12),
@@ -44,7 +46,8 @@ class Usual:
     units
         Units other than SI that users often mean, the most likely first.
     beyond
-        Factor above ``high`` up to which there is no warning; for bodies that stand for rigid or heavy ones.
+        Factor above ``high`` up to which there is no warning; for bodies that stand for rigid or
+        heavy ones.
     """
 
     unit: str
@@ -74,7 +77,9 @@ FRICTION = Usual("", 0.0, 2.0)
 
 
 def impossible(value: Any, unit: str) -> str:
-    """Return the accepted magnitudes if a value, or a number in it, lies outside them; empty otherwise."""
+    """Return the accepted magnitudes if a value, or a number in it, lies outside them; empty
+    otherwise.
+    """
     low, high = POSSIBLE.get(unit, (0.0, float("inf")))
     if all(not number or low <= abs(number) <= high for number in _numbers(value)):
         return ""
@@ -82,13 +87,21 @@ def impossible(value: Any, unit: str) -> str:
 
 
 def unusual(value: Any, usual: Usual) -> str:
-    """Return a warning with found and expected magnitude if a number in a value is unusual; empty otherwise."""
-    most, of_unit = usual.high * usual.beyond, f" {usual.unit}" if usual.unit else ""
-    odd = next((number for number in _numbers(value) if number and not usual.low <= abs(number) <= most), None)
+    """Return a warning with found and expected magnitude if a number in a value is unusual; empty
+    otherwise.
+    """
+    most = usual.high * usual.beyond
+    of_unit = f" {usual.unit}" if usual.unit else ""
+    odd = next(
+        (number for number in _numbers(value) if number and not usual.low <= abs(number) <= most),
+        None,
+    )
     if odd is None:
         return ""
     shown = plain(odd)
-    text = f"found {shown}{of_unit}, expected some {plain(usual.low)} to {plain(usual.high)}{of_unit}"
+    text = (
+        f"found {shown}{of_unit}, expected some {plain(usual.low)} to {plain(usual.high)}{of_unit}"
+    )
     for other in usual.units:
         meant = odd * 10.0 ** _EXPONENTS[other]
         if usual.low <= abs(meant) <= usual.high:
@@ -108,7 +121,10 @@ def plain(number: float) -> str:
     return re.sub(r"e([+-])0*", lambda match: "e-" if match[1] == "-" else "e", f"{number:g}")
 
 
-_ALIKE, _SIMILAR, _FAINT = 0.75, 0.8, 0.5  # `difflib` ratios: same table, other tables, same table as a last resort
+# `difflib` ratios: same table, other tables, same table as a last resort
+_ALIKE = 0.75
+_SIMILAR = 0.8
+_FAINT = 0.5
 _MOST = 2  # keys of other tables in a hint
 
 _KEY_OF_WORD = {
@@ -196,15 +212,21 @@ def hint_for(name: str, known: Collection[str], prefix: str, vocabulary: Sequenc
     elsewhere = _elsewhere([word], vocabulary) or (_elsewhere([meant], vocabulary) if meant else [])
     if not elsewhere:
         last_parts = list(dict.fromkeys(key.rpartition(".")[2] for key in vocabulary))
-        elsewhere = _elsewhere(difflib.get_close_matches(word, last_parts, cutoff=_SIMILAR), vocabulary)
+        elsewhere = _elsewhere(
+            difflib.get_close_matches(word, last_parts, cutoff=_SIMILAR), vocabulary
+        )
     if elsewhere:
-        there = [f"{key}, outside [{prefix}]" if prefix and "." not in key else key for key in elsewhere]
+        there = [
+            f"{key}, outside [{prefix}]" if prefix and "." not in key else key for key in elsewhere
+        ]
         return f"did you mean {' or '.join(there[:_MOST])}?"
     faint = difflib.get_close_matches(word, known, n=1, cutoff=_FAINT)
     return f"did you mean {faint[0]}?" if faint else "known here: " + ", ".join(known)
 
 
 def _elsewhere(words: Iterable[str], vocabulary: Sequence[str]) -> list[str]:
-    """Return the dotted keys that end in one of the words; numbered tables only if no other table has them."""
+    """Return the dotted keys that end in one of the words; numbered tables only if no other table
+    has them.
+    """
     found = [key for word in words for key in vocabulary if key.rpartition(".")[2] == word]
     return [key for key in found if not any(part.isdigit() for part in key.split("."))] or found

@@ -45,7 +45,10 @@ _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
     schema.refuse_if(not isinstance(value, list | tuple) or len(value) < 2, _TABLE_FORM)
     rows: tuple[tuple[float, float], ...] = tuple(map(schema.numbers(2, _TABLE_FORM), value))
-    schema.refuse_if(rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)), _TABLE_FORM)
+    schema.refuse_if(
+        rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)),
+        _TABLE_FORM,
+    )
     if expected := hints.impossible([time for time, _ in rows], "s"):
         raise ValidationError(f"times of {expected}")
     schema.refuse_if(not any(size for _, size in rows), "a value other than zero")
@@ -54,7 +57,8 @@ def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
 
 def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
     """Read the two columns of a file of a load; raise ValueError with the fault."""
-    form, rows = f"two columns of numbers, {_TABLE_FORM}", []
+    form = f"two columns of numbers, {_TABLE_FORM}"
+    rows = []
     try:
         text = read_text(path)
     except ValueError as error:
@@ -64,7 +68,9 @@ def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
         try:
             rows += [[float(time), float(size)] for time, size in ([words] if words else [])]
         except ValueError:
-            raise ValueError(f"found {show(' '.join(words))} in line {n}; expected {form}") from None
+            raise ValueError(
+                f"found {show(' '.join(words))} in line {n}; expected {form}"
+            ) from None
     try:
         return parse_load_table(rows)
     except ValidationError as error:
@@ -74,7 +80,9 @@ def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
 Array = NDArray[np.float64]
 
 DEFAULT_VELOCITY = 5.0  # m/s
-_SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # keys that a shape needs, and those that it may have
+_SHAPES: dict[
+    str, tuple[tuple[str, ...], tuple[str, ...]]
+] = {  # keys that a shape needs, and those that it may have
     "half-sine": (("amplitude", "duration"), ()),
     "rectangle": (("amplitude", "duration"), ()),
     "harmonic": (("amplitude", "frequency"), ("ramp",)),
@@ -84,8 +92,19 @@ _SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {  # keys that a s
     "noise": (("amplitude", "frequency", "last_frequency", "duration"), ("ramp", "seed")),
     "table": (("table",), ()),
 }
-_OF_DISPLACEMENT = tuple(name for name in _SHAPES if name not in ("half-sine", "rectangle"))  # the others jump
-_OF_SHAPES = ("amplitude", "duration", "frequency", "last_frequency", "cycles", "ramp", "seed", "table")
+_OF_DISPLACEMENT = tuple(
+    name for name in _SHAPES if name not in ("half-sine", "rectangle")
+)  # the others jump
+_OF_SHAPES = (
+    "amplitude",
+    "duration",
+    "frequency",
+    "last_frequency",
+    "cycles",
+    "ramp",
+    "seed",
+    "table",
+)
 _OF_KIND = {  # keys of each kind of load
     "impact": ("kind", "spheres", "index", "velocity", "angle", "spin"),
     "striker": ("kind",),
@@ -119,19 +138,29 @@ class Load:
         default=DEFAULT_VELOCITY,
     )
     angle: float = schema.number(
-        "angle of an impact between the velocity and +z, towards +x", "degrees", at_least=0, below=90, default=0.0
+        "angle of an impact between the velocity and +z, towards +x",
+        "degrees",
+        at_least=0,
+        below=90,
+        default=0.0,
     )
-    spin: tuple[float, float, float] = schema.vector("angular velocity of the struck spheres at the start", hints.SPIN)
+    spin: tuple[float, float, float] = schema.vector(
+        "angular velocity of the struck spheres at the start", hints.SPIN
+    )
     spheres: int = schema.choice("how many spheres are struck", (1, 3, 7), default=1)
     index: tuple[int, ...] | None = schema.custom(
-        "ids of the struck spheres, instead of those at the centre of the top layer", parse_index, default=None
+        "ids of the struck spheres, instead of those at the centre of the top layer",
+        parse_index,
+        default=None,
     )
     direction: tuple[float, float, float] | None = schema.custom(
         "direction of a force or displacement; [0, 0, 1], straight down, by default",
         schema.numbers(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
         default=None,
     )
-    shape: str | None = schema.choice("shape of the force or displacement in time", tuple(_SHAPES), default=None)
+    shape: str | None = schema.choice(
+        "shape of the force or displacement in time", tuple(_SHAPES), default=None
+    )
     amplitude: float | None = schema.number(
         "amplitude of the force on all struck spheres together, along load.direction; of a displacement, in m; "
         "of noise its root mean square",
@@ -141,10 +170,13 @@ class Load:
         default=None,
     )
     duration: float | None = schema.number(
-        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise", above=0, **_TIME
+        "duration of a half-sine, a rectangle, a rise and fall of the amplitude, a sweep or noise",
+        above=0,
+        **_TIME,
     )
     frequency: float | None = schema.number(
-        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise", **_FREQUENCY
+        "frequency of a harmonic load or a burst, first frequency of a sweep, lowest of noise",
+        **_FREQUENCY,
     )
     last_frequency: float | None = schema.number(
         "frequency at the end of a sweep, which may fall, or highest of noise", **_FREQUENCY
@@ -201,7 +233,9 @@ class Load:
 
     @property
     def lasts(self) -> float:
-        """Time at which a force or displacement ends, s; 0 for other loads, infinite for a harmonic one."""
+        """Time at which a force or displacement ends, s; 0 for other loads, infinite for a harmonic
+        one.
+        """
         if not self.driven:
             return 0.0
         if self.shape == "harmonic":
@@ -224,7 +258,9 @@ class Load:
 
     @property
     def may_stop(self) -> bool:
-        """True for a displacement by a table: the moved spheres may give back most of the energy put in."""
+        """True for a displacement by a table: the moved spheres may give back most of the energy
+        put in.
+        """
         return self.kind == "displacement" and bool(self.table)
 
     @property
@@ -264,7 +300,9 @@ class Load:
 
     @property
     def impulse(self) -> float:
-        """Largest magnitude of the impulse up to any time, N s; one that oscillates reaches it after half a period."""
+        """Largest magnitude of the impulse up to any time, N s; one that oscillates reaches it
+        after half a period.
+        """
         if self.table:
             time, size = np.array(self.table).T
             parts = np.diff(time) * (size[1:] + size[:-1]) / 2
@@ -272,7 +310,9 @@ class Load:
         if self.oscillates:
             return self.largest / (math.pi * self.frequencies[0])
         amplitude = self.amplitude or 0.0
-        return amplitude * (self.duration or 0.0) * (2 / math.pi if self.shape == "half-sine" else 1.0)
+        return (
+            amplitude * (self.duration or 0.0) * (2 / math.pi if self.shape == "half-sine" else 1.0)
+        )
 
     @property
     def fastest(self) -> float:
@@ -285,22 +325,34 @@ class Load:
     def keys(self) -> dict[str, Any]:
         """Return the keys that apply to this kind of load, with their values."""
         given = {name: getattr(self, name) for name in _OF_KIND[self.kind] if name != "file"}
-        return given if self.index is None else {name: value for name, value in given.items() if name != "spheres"}
+        return (
+            given
+            if self.index is None
+            else {name: value for name, value in given.items() if name != "spheres"}
+        )
 
 
 def read_load(table: Any, errors: ErrorList) -> Load | None:
     """Read ``[load]``; missing and wrong values are added to ``errors``.
 
-    The points of ``load.file`` become ``load.table``, so that the case is complete without the file.
+    The points of ``load.file`` become ``load.table``, so that the case is complete without the
+    file.
     """
-    before, names = len(errors.lines), list(table) if isinstance(table, Mapping) else []
+    before = len(errors.lines)
+    names = list(table) if isinstance(table, Mapping) else []
     if "file" in names:
         expected = "the path of a file of two columns, time and value"
         errors.check(("table" in names, "load.file", "found beside load.table; give one of them"))
-        rows = None if "table" in names else schema.read_named("load.file", table["file"], expected, _read_rows, errors)
+        rows = (
+            None
+            if "table" in names
+            else schema.read_named("load.file", table["file"], expected, _read_rows, errors)
+        )
         if rows is None:
             return None
-        table = {"shape": "table", "table": rows} | {name: table[name] for name in names if name != "file"}
+        table = {"shape": "table", "table": rows} | {
+            name: table[name] for name in names if name != "file"
+        }
     load = read_table(Load, table, "load", errors)
     if load is None:
         return None
@@ -316,10 +368,8 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     if load.driven:
         _check_shape(load, errors)
         key = ("load.file" if "file" in names else "load.table") if load.table else "load.amplitude"
-        unit, first = (
-            hints.FORCE if load.kind == "force" else hints.DISPLACEMENT,
-            load.table[0][1] if load.table else 0.0,
-        )
+        unit = hints.FORCE if load.kind == "force" else hints.DISPLACEMENT
+        first = load.table[0][1] if load.table else 0.0
         errors.check_size(key, load.largest, unit, f"{load.largest:g}")
         errors.check(
             (load.kind == "displacement" and first, key,
@@ -330,25 +380,33 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
 
 
 def _check_shape(load: Load, errors: ErrorList) -> None:
-    options, shape = _OF_DISPLACEMENT if load.kind == "displacement" else tuple(_SHAPES), load.shape
+    options = _OF_DISPLACEMENT if load.kind == "displacement" else tuple(_SHAPES)
+    shape = load.shape
     if shape is None or shape not in options:
         found = "missing" if shape is None else f'found "{shape}"'
-        errors.add("load.shape", f"{found}; a {load.kind} needs one of {', '.join(map(show, options))}")
+        errors.add(
+            "load.shape", f"{found}; a {load.kind} needs one of {', '.join(map(show, options))}"
+        )
         return
     needed, possible = _SHAPES[shape]
-    taken, given = (*needed, *possible), [name for name in _OF_SHAPES if getattr(load, name) is not None]
+    taken = (*needed, *possible)
+    given = [name for name in _OF_SHAPES if getattr(load, name) is not None]
     errors.check(
         *((name not in given, f"load.{name}",
            f'missing; shape "{shape}" needs it{" (or load.file)" if name == "table" else ""}') for name in needed),
         *((name not in taken, f"load.{name}", f'does not belong to shape "{shape}", which takes {", ".join(taken)}')
           for name in given),
     )  # fmt: skip
-    duration, first, last = load.duration, load.frequency, load.last_frequency
+    duration = load.duration
+    first = load.frequency
+    last = load.last_frequency
     if shape not in ("sweep", "noise") or not (duration and first and last):
         return
     lowest, highest = load.frequencies
     band = highest - lowest or highest
-    lines = math.floor(highest * duration * (1 + 1e-12)) - max(1, math.ceil(lowest * duration * (1 - 1e-12)))
+    lines = math.floor(highest * duration * (1 + 1e-12)) - max(
+        1, math.ceil(lowest * duration * (1 - 1e-12))
+    )
     errors.check(
         (2 * load.rise > duration, "load.ramp",
          f"found {load.rise:g} s, expected at most half of load.duration, {duration / 2:g} s"),

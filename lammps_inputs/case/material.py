@@ -1,8 +1,9 @@
 """Materials and shapes of grains.
 
-A ``[material]`` table gives elastic constants, density and yield strength, or names a ``preset`` whose values it may
-override one by one. Presets come with the package (``materials.toml``) or from the user's own ``file`` of the same
-form. Shapes are spheres, and cylinders whose axis is fixed in space.
+A ``[material]`` table gives elastic constants, density and yield strength, or names a ``preset``
+whose values it may override one by one. Presets come with the package (``materials.toml``) or from
+the user's own ``file`` of the same form. Shapes are spheres, and cylinders whose axis is fixed in
+space.
 """
 
 from __future__ import annotations
@@ -20,7 +21,13 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import DENSITY, DIAMETER, YIELD_STRENGTH, YOUNGS_MODULUS
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    read_table,
+    refuse_unknown,
+    show,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 
@@ -38,7 +45,9 @@ class Material:
     youngs_modulus: float = schema.number("Young's modulus", YOUNGS_MODULUS, above=0)
     poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
     density: float = schema.number("mass density", DENSITY, above=0)
-    yield_strength: float | None = schema.number("uniaxial yield strength", YIELD_STRENGTH, above=0, default=None)
+    yield_strength: float | None = schema.number(
+        "uniaxial yield strength", YIELD_STRENGTH, above=0, default=None
+    )
     hardening: float | None = schema.number(
         "tangent modulus after yield over Young's modulus; only the law elastoplastic-fe and finite elements of two "
         "spheres take it",
@@ -53,7 +62,9 @@ class Material:
         default=None,
     )
     reference_rate: float | None = schema.number(
-        "strain rate up to which the yield strength is that given; 1/s, usually 1", above=0, default=None
+        "strain rate up to which the yield strength is that given; 1/s, usually 1",
+        above=0,
+        default=None,
     )
     source: str | None = schema.text("where the values come from", default=None)
 
@@ -66,7 +77,9 @@ class Material:
 @cache
 def presets() -> dict[str, Material]:
     """Return the materials that come with the package, by name."""
-    with resources.as_file(resources.files("granwave.lammps_inputs.case") / "materials.toml") as path:
+    with resources.as_file(
+        resources.files("granwave.lammps_inputs.case") / "materials.toml"
+    ) as path:
         return load_materials(path)
 
 
@@ -98,7 +111,8 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     InputError
         The file cannot be read, or a table in it is not a material.
     """
-    errors, read = ErrorList(str(path)), dict[str, Material | None]()
+    errors = ErrorList(str(path))
+    read = dict[str, Material | None]()
     for name, table in read_toml(path).items():
         named = {"name": name, **table} if isinstance(table, Mapping) else table
         read[name] = read_table(Material, named, name, errors)
@@ -112,7 +126,8 @@ def load_materials(path: str | Path) -> dict[str, Material]:
 
 
 def read_material(table: Any, errors: ErrorList, key: str = "material") -> Material | None:
-    """Read a material of a case: the name of a preset, or a table of values, optionally with ``preset`` and ``file``.
+    """Read a material of a case: the name of a preset, or a table of values, optionally with
+    ``preset`` and ``file``.
 
     Parameters
     ----------
@@ -130,10 +145,13 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
             errors.add(f"{key}.preset", f"missing; name the material to take from {key}.file")
             return None
         return read_table(Material, own, key, errors)
-    base, file = None, table.get("file")
+    base = None
+    file = table.get("file")
     try:
         if file is not None and (not isinstance(file, str) or not file):
-            errors.add(f"{key}.file", f"found {show(file)}, expected the path of a TOML file of materials")
+            errors.add(
+                f"{key}.file", f"found {show(file)}, expected the path of a TOML file of materials"
+            )
         else:
             known = presets() if file is None else load_materials(file)
             base = _select(table["preset"], known, f"{key}.preset", errors, file)
@@ -182,7 +200,9 @@ def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
 
 
 def with_named_materials(value: Any, materials: Mapping[str, Material]) -> Any:
-    """Copy tables of a case, with the names of further materials in ``material`` keys replaced by their values."""
+    """Copy tables of a case, with the names of further materials in ``material`` keys replaced by
+    their values.
+    """
     if isinstance(value, list | tuple):
         return [with_named_materials(item, materials) for item in value]
     if not isinstance(value, Mapping):
@@ -262,7 +282,9 @@ def axis_field() -> Any:
 
 
 def shape_of(table: Any, axis: Vector = AXES["y"]) -> Shape:
-    """Return the shape of a table with the keys shape, length and axis; ``axis`` is the usual direction."""
+    """Return the shape of a table with the keys shape, length and axis; ``axis`` is the usual
+    direction.
+    """
     if table.shape != "cylinder" or table.length is None:
         return None
     return Cylinder(table.length, table.axis or axis)
@@ -281,7 +303,11 @@ def check_shape(table: Any, key: str, errors: ErrorList) -> None:
 
 def mass_of(material: Material, radius: float, shape: Shape) -> float:
     """Return the mass of a grain, kg; radius in m."""
-    return sphere_mass(material, radius) if shape is None else material.density * math.pi * radius**2 * shape.length
+    return (
+        sphere_mass(material, radius)
+        if shape is None
+        else material.density * math.pi * radius**2 * shape.length
+    )
 
 
 def density_as_sphere(density: float, diameter: float, shape: Shape) -> float:
@@ -290,7 +316,8 @@ def density_as_sphere(density: float, diameter: float, shape: Shape) -> float:
 
 
 def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> list[Shape]:
-    """Return the shapes of grains from the columns shape, length, and axis or axis_x, axis_y, axis_z of a table.
+    """Return the shapes of grains from the columns shape, length, and axis or axis_x, axis_y,
+    axis_z of a table.
 
     A grain is a cylinder if it has a length, unless its column shape says sphere.
 
@@ -305,7 +332,8 @@ def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> l
         A cylinder has no length or axis; the message names the place.
     """
     n = len(places)
-    words, lengths = values.get("shape", [""] * n), values.get("length", [0.0] * n)
+    words = values.get("shape", [""] * n)
+    lengths = values.get("length", [0.0] * n)
     axes = _axes_of(values, places)
     found: list[Shape] = []
     for place, word, length, axis in zip(places, words, lengths, axes.tolist(), strict=True):
@@ -315,7 +343,9 @@ def read_shapes(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> l
             found.append(None)
             continue
         if not length > 0:
-            raise ValueError(f"{place}: found a cylinder with a length of {length:g} m, expected one above 0")
+            raise ValueError(
+                f"{place}: found a cylinder with a length of {length:g} m, expected one above 0"
+            )
         try:
             found.append(Cylinder(float(length), direction(axis)))
         except ValueError as error:
@@ -331,7 +361,10 @@ def _axes_of(values: Mapping[str, Sequence[Any]], places: Sequence[str]) -> NDAr
     n = len(places)
     letters = values.get("axis")
     if letters is None:
-        return np.array([values.get(name, [float(name == "axis_y")] * n) for name in AXIS_COLUMNS], dtype=np.float64).T
+        return np.array(
+            [values.get(name, [float(name == "axis_y")] * n) for name in AXIS_COLUMNS],
+            dtype=np.float64,
+        ).T
     if both := [name for name in AXIS_COLUMNS if name in values]:
         raise ValueError(f"found the columns axis and {both[0]}, expected one way to give axes")
     for place, letter in zip(places, letters, strict=True):

@@ -28,8 +28,19 @@ from granwave.lammps_inputs.lattices import FILE, KINDS, ROWS, Lattice, is_plane
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
-_FORM_OF_FILE = "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-_NOT_OF_FILE = ("size", "top_row", "gaps", "diameter_scatter", "scatter_distribution", "vacancies", "tilt", "seed")
+_FORM_OF_FILE = (
+    "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
+)
+_NOT_OF_FILE = (
+    "size",
+    "top_row",
+    "gaps",
+    "diameter_scatter",
+    "scatter_distribution",
+    "vacancies",
+    "tilt",
+    "seed",
+)
 _OF_FILE = ("file", "grains", "period")
 _OF_SHAPE = ("shape", "length", "axis")
 _BOTH_WAYS = schema.numbers(
@@ -59,9 +70,13 @@ def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
 
 def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
     expected = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
-    if not isinstance(value, list | tuple) or not all(isinstance(one, list | tuple) and len(one) == 2 for one in value):
+    if not isinstance(value, list | tuple) or not all(
+        isinstance(one, list | tuple) and len(one) == 2 for one in value
+    ):
         raise ValidationError(expected)
-    found = tuple((schema.whole(sphere, expected), schema.finite(width, expected)) for sphere, width in value)
+    found = tuple(
+        (schema.whole(sphere, expected), schema.finite(width, expected)) for sphere, width in value
+    )
     schema.refuse_if(not found or len({sphere for sphere, _ in found}) < len(found), expected)
     return found
 
@@ -71,7 +86,9 @@ def _parse_cell(value: Any) -> tuple[tuple[float, float, float], ...]:
     schema.refuse_if(not isinstance(value, list | tuple) or not 1 <= len(value) <= 3, expected)
     vectors = tuple(schema.parse_point(one, expected) for one in value)
     lengths = [math.hypot(*one) for one in vectors]
-    if not all(lengths) or np.linalg.matrix_rank(np.array(vectors) / np.array(lengths)[:, None]) < len(vectors):
+    if not all(lengths) or np.linalg.matrix_rank(
+        np.array(vectors) / np.array(lengths)[:, None]
+    ) < len(vectors):
         raise ValidationError(expected)
     return vectors
 
@@ -93,7 +110,8 @@ class PackingSection:
 
     kind: str = schema.choice("lattice; file: grains at places of their own", (*KINDS, FILE))
     size: tuple[int, ...] = schema.custom(
-        "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file", _parse_size
+        "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
+        _parse_size,
     )
     top_row: str = schema.choice(
         "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
@@ -108,7 +126,9 @@ class PackingSection:
     length: float | None = length_field()
     axis: Vector | None = axis_field()
     grains: Grains | None = schema.custom(
-        "the table of a file as text; a case that was run holds its grains so", _parse_grains, default=None
+        "the table of a file as text; a case that was run holds its grains so",
+        _parse_grains,
+        default=None,
     )
     period: tuple[float, float] | None = schema.custom(
         'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
@@ -118,7 +138,10 @@ class PackingSection:
         default=None,
     )
     gaps: tuple[tuple[int, float], ...] = schema.custom(
-        "gaps in a chain: after which sphere, and how wide; negative: an overlap", _parse_gaps, unit="m", default=()
+        "gaps in a chain: after which sphere, and how wide; negative: an overlap",
+        _parse_gaps,
+        unit="m",
+        default=(),
     )
     cell: tuple[tuple[float, float, float], ...] | None = schema.custom(
         "vectors after which the grains of a file, or [[grains]] with their lattice, repeat, for granwave bands; by "
@@ -139,7 +162,9 @@ class PackingSection:
         default="uniform",
     )
     vacancies: float | tuple[int, ...] = schema.custom(
-        "spheres left out: a share of them, chosen at random, or their ids", _parse_vacancies, default=0.0
+        "spheres left out: a share of them, chosen at random, or their ids",
+        _parse_vacancies,
+        default=0.0,
     )
     tilt: tuple[int, int] | None = schema.custom(
         "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
@@ -165,42 +190,59 @@ class PackingSection:
 
     @property
     def of_grain(self) -> Shape:
-        """Shape of the grains of a lattice; the axis of cylinders is y by default, or z where contacts are along y."""
-        along_y = any(abs(y) > _ACROSS for _, y, _ in kind_of(self.kind).contact_directions.tolist())
+        """Shape of the grains of a lattice; the axis of cylinders is y by default, or z where
+        contacts are along y.
+        """
+        along_y = any(
+            abs(y) > _ACROSS for _, y, _ in kind_of(self.kind).contact_directions.tolist()
+        )
         return shape_of(self, (0.0, 0.0, 1.0) if along_y else (0.0, 1.0, 0.0))
 
     def keys(self) -> dict[str, Any]:
         """Return the keys of the packing, as a case file has them."""
-        keys: dict[str, Any] = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
+        keys: dict[str, Any] = {
+            field.name: getattr(self, field.name) for field in dataclasses.fields(self)
+        }
         if self.grains is not None:
             own = {name: keys[name] for name in ("kind", "diameter", "grains", "period", "cell")}
-            return {name: value for name, value in (own | {"grains": self.grains.text}).items() if value is not None}
+            return {
+                name: value
+                for name, value in (own | {"grains": self.grains.text}).items()
+                if value is not None
+            }
         unused = {"cell": True, "gaps": not self.gaps, "top_row": not is_plane_crystal(self.kind),
                   "shape": self.shape == "sphere"}  # fmt: skip
         size = self.size[0] if len(self.size) == 1 else self.size
-        return {name: value for name, value in (keys | {"size": size}).items() if not unused.get(name)}
+        return {
+            name: value for name, value in (keys | {"size": size}).items() if not unused.get(name)
+        }
 
 
 def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     """Read ``[packing]``; missing and wrong values are added to ``errors``.
 
-    The grains of ``packing.file`` become ``packing.grains``, so that the case is complete without the file.
+    The grains of ``packing.file`` become ``packing.grains``, so that the case is complete without
+    the file.
     """
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
-    kind, before = table.get("kind"), len(errors.lines)
+    kind = table.get("kind")
+    before = len(errors.lines)
     if kind == FILE:
         text = 'does not belong to packing.kind = "file", whose grains are all in the file'
         foreign = dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
     else:  # a cell may come with [[grains]]: see `parse_case`
-        foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}')
+        foreign = dict.fromkeys(
+            _OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}'
+        )
         if kind in list(KINDS) and not is_plane_crystal(kind):
             able = " or ".join(show(name) for name in KINDS if is_plane_crystal(name))
             foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     errors.check(*((name in table, f"packing.{name}", text) for name, text in foreign.items()))
     rest = {name: value for name, value in table.items() if name not in (*foreign, "file")}
     if kind != FILE:
-        found, before = read_table(PackingSection, rest, "packing", errors), len(errors.lines)
+        found = read_table(PackingSection, rest, "packing", errors)
+        before = len(errors.lines)
         if found is not None:
             _check_cylinders(found, errors)
         return found if len(errors.lines) == before else None
@@ -223,7 +265,9 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
 
 
 def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
-    """Check the shape of the grains of a lattice: cylinders lie in a plane, with contacts across their axes."""
+    """Check the shape of the grains of a lattice: cylinders lie in a plane, with contacts across
+    their axes.
+    """
     check_shape(packing, "packing", errors)
     if (shape := packing.of_grain) is None:
         return
@@ -245,8 +289,12 @@ def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
         diameter = None
     name = table["file"]
-    grains = schema.read_named("packing.file", name, _FORM_OF_FILE, lambda path: read_grains(path, diameter), errors)
-    if grains and (odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)):
+    grains = schema.read_named(
+        "packing.file", name, _FORM_OF_FILE, lambda path: read_grains(path, diameter), errors
+    )
+    if grains and (
+        odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)
+    ):
         errors.notes.append(f"packing.file: {name}: diameter: {odd}")
     return grains
 
@@ -255,8 +303,12 @@ _KEY = "packing.size"
 
 
 def check_size(packing: PackingSection, errors: ErrorList) -> bool:
-    """Check that a packing has a size of its kind; return True if it has, or if its grains come from a file."""
-    axes, size, in_rows = kind_of(packing.kind).axes, show(packing.size), is_plane_crystal(packing.kind)
+    """Check that a packing has a size of its kind; return True if it has, or if its grains come
+    from a file.
+    """
+    axes = kind_of(packing.kind).axes
+    size = show(packing.size)
+    in_rows = is_plane_crystal(packing.kind)
     form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
     return packing.grains is not None or errors.check_first(
         (len(packing.size) != len(axes), _KEY, f"found {size}, expected {form} for {packing.kind}"),
@@ -265,9 +317,14 @@ def check_size(packing: PackingSection, errors: ErrorList) -> bool:
     )  # fmt: skip
 
 
-def check_memory_of_sites(packing: PackingSection, n_sites: int, bytes_of_site: float, errors: ErrorList) -> bool:
-    """Check that the memory suffices for arrays over so many sites of a lattice; return True if it does."""
-    needed, available = n_sites * bytes_of_site, available_memory()
+def check_memory_of_sites(
+    packing: PackingSection, n_sites: int, bytes_of_site: float, errors: ErrorList
+) -> bool:
+    """Check that the memory suffices for arrays over so many sites of a lattice; return True if it
+    does.
+    """
+    needed = n_sites * bytes_of_site
+    available = available_memory()
     return errors.check_first(
         (needed > available, _KEY,
          f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB "

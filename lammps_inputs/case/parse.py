@@ -1,8 +1,10 @@
-"""Tables of a case file to the fields of `Case`, with all faults, and overrides from the command line or a scan.
+"""Tables of a case file to the fields of `Case`, with all faults, and overrides from the command
+line or a scan.
 
-Overrides are ``KEY=VALUE`` with dotted keys and TOML values. Bare words are strings: ``packing.kind=hcp``,
-``material=steel``. Only the named key changes. The name of a table replaces the whole table: ``material=steel`` drops
-the keys of an earlier ``[material]``. Entries of an array of tables are numbered from 1: ``replace.2.index=8``.
+Overrides are ``KEY=VALUE`` with dotted keys and TOML values. Bare words are strings:
+``packing.kind=hcp``, ``material=steel``. Only the named key changes. The name of a table replaces
+the whole table: ``material=steel`` drops the keys of an earlier ``[material]``. Entries of an array
+of tables are numbered from 1: ``replace.2.index=8``.
 """
 
 from __future__ import annotations
@@ -17,13 +19,32 @@ from typing import Any
 
 from granwave.lammps_inputs.case.added_grains import with_added_grains
 from granwave.lammps_inputs.case.boundary import Boundary, Precompression, read_boundary
-from granwave.lammps_inputs.case.case import KNOWN, LISTS, OPTIONAL, PRECOMPRESSION, RECORD, SECTIONS
+from granwave.lammps_inputs.case.case import (
+    KNOWN,
+    LISTS,
+    OPTIONAL,
+    PRECOMPRESSION,
+    RECORD,
+    SECTIONS,
+)
 from granwave.lammps_inputs.case.contact import read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
-from granwave.lammps_inputs.case.material import MATERIALS, read_material, read_materials, with_named_materials
+from granwave.lammps_inputs.case.material import (
+    MATERIALS,
+    read_material,
+    read_materials,
+    with_named_materials,
+)
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
 from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
-from granwave.lammps_inputs.case.schema import ErrorList, read_list, read_name, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    read_list,
+    read_name,
+    read_table,
+    refuse_unknown,
+    show,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
@@ -39,11 +60,14 @@ def parse_override(override: str) -> tuple[str, Any]:
     Raises
     ------
     InputError
-        There is no ``=``, the key is not a dotted path, or the value is neither TOML nor a bare word.
+        There is no ``=``, the key is not a dotted path, or the value is neither TOML nor a bare
+        word.
     """
     key, equals, written = (part.strip() for part in override.partition("="))
     if not equals or not _KEY.fullmatch(key):
-        raise InputError(f"--set: found {show(override)}, expected KEY=VALUE such as load.velocity=10")
+        raise InputError(
+            f"--set: found {show(override)}, expected KEY=VALUE such as load.velocity=10"
+        )
     try:
         document = tomllib.loads(f"value = {written}")
     except tomllib.TOMLDecodeError:
@@ -53,7 +77,9 @@ def parse_override(override: str) -> tuple[str, Any]:
     if _BARE_WORD.fullmatch(written):
         return key, written
     hint = f"; a list is [{written}]" if "," in written and "[" not in written else ""
-    raise InputError(f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}")
+    raise InputError(
+        f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}"
+    )
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
@@ -101,19 +127,25 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
 
 
 def _set(table: Any, path: list[str], value: Any) -> None:
-    """Set a value of a table, or of an array of tables, whose numbers count from 1; raise ValueError on faults."""
+    """Set a value of a table, or of an array of tables, whose numbers count from 1; raise
+    ValueError on faults.
+    """
     for name, following in pairwise(path):
         if isinstance(table, list):
             inner = table[int(name) - 1]
         elif following.isdigit() and name not in table:
-            raise ValueError(f"found no [[{name}]] tables, expected {following} or more; give them whole")
+            raise ValueError(
+                f"found no [[{name}]] tables, expected {following} or more; give them whole"
+            )
         else:
             inner = table.setdefault(name, {})
             if name == "material" and isinstance(inner, str):
                 inner = table[name] = {"preset": inner}
         if isinstance(inner, list) and following.isdigit():
             if not 1 <= int(following) <= len(inner):
-                raise ValueError(f"found {len(inner)} [[{name}]] tables, expected {following} or more")
+                raise ValueError(
+                    f"found {len(inner)} [[{name}]] tables, expected {following} or more"
+                )
         elif not isinstance(inner, dict):
             raise ValueError(f"found {name} = {show(inner)}, expected a table [{name}]")
         table = inner
@@ -124,9 +156,13 @@ _READERS: dict[type, Callable[[Any, ErrorList], Any]] = {
     Load: read_load, PackingSection: read_packing, Boundary: read_boundary,
 }  # fmt: skip
 _OF_OTHERS = {  # tables of other files
-    **dict.fromkeys(("block", "punch", "sphere", "partner"), "belongs to a continuum case: granwave continuum runs it"),
     **dict.fromkeys(
-        ("replicates", "ranks", "case", "set", "grid", "zip", "points"), "belongs in a scan file: granwave scan runs it"
+        ("block", "punch", "sphere", "partner"),
+        "belongs to a continuum case: granwave continuum runs it",
+    ),
+    **dict.fromkeys(
+        ("replicates", "ranks", "case", "set", "grid", "zip", "points"),
+        "belongs in a scan file: granwave scan runs it",
     ),
 }
 
@@ -147,26 +183,48 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     for name in (one for one in _OF_OTHERS if one in data):
         errors.add_unknown(name, _OF_OTHERS[name])
     refuse_unknown(
-        {name: value for name, value in data.items() if name not in (*_OF_OTHERS, RECORD)}, KNOWN, "", errors
+        {name: value for name, value in data.items() if name not in (*_OF_OTHERS, RECORD)},
+        KNOWN,
+        "",
+        errors,
     )
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
     parts = read_parts(
-        data, source, errors, sections=SECTIONS, required=("packing", "material"), optional=OPTIONAL, readers=_READERS
+        data,
+        source,
+        errors,
+        sections=SECTIONS,
+        required=("packing", "material"),
+        optional=OPTIONAL,
+        readers=_READERS,
     )
     parts[PRECOMPRESSION] = _pressed(parts, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
-    parts |= {name: read_list(section, data.get(name, ()), name, errors) for name, section in LISTS.items()}
-    packing, added = parts.get("packing"), parts.pop("grains")
+    parts |= {
+        name: read_list(section, data.get(name, ()), name, errors)
+        for name, section in LISTS.items()
+    }
+    packing = parts.get("packing")
+    added = parts.pop("grains")
     if packing is not None and (added or packing.gaps):
         periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
-        packing = parts["packing"] = with_added_grains(packing, added, materials, errors, periodic=periodic)
+        packing = parts["packing"] = with_added_grains(
+            packing, added, materials, errors, periodic=periodic
+        )
     parts[MATERIALS] = tuple(materials.values())
-    if packing is not None and packing.cell is not None and packing.kind != FILE:  # a lattice has its own
+    if (
+        packing is not None and packing.cell is not None and packing.kind != FILE
+    ):  # a lattice has its own
         found = f"found {show(packing.kind)} alone"
         errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
-    if "load" not in data and packing is not None and packing.grains is not None and packing.grains.velocity.any():
+    if (
+        "load" not in data
+        and packing is not None
+        and packing.grains is not None
+        and packing.grains.velocity.any()
+    ):
         parts["load"] = Load(kind="grains")
     return parts
 
@@ -174,13 +232,16 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
 def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
     """Return the precompression, which a negative gap at the sides implies."""
     given: Precompression | None = parts.get(PRECOMPRESSION)
-    boundary, packing = parts.get("boundary"), parts.get("packing")
+    boundary = parts.get("boundary")
+    packing = parts.get("packing")
     if boundary is None or boundary.gap >= 0:
         return given
     flat = packing is not None and is_plane_crystal(packing.kind) and boundary.y is None
     moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
     implied = Precompression(kind="walls", **moves)
-    found = f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
+    found = (
+        f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
+    )
     errors.check((given is not None and given != implied, "boundary.side_gap", found))
     return implied if moves else given
 
@@ -202,7 +263,8 @@ def read_parts(
     source
         As in `parse_case`.
     sections
-        Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is required or optional.
+        Dataclass of each table. A table that ``data`` lacks takes its defaults, unless it is
+        required or optional.
     required
         Names of the tables that must be there.
     optional
@@ -218,14 +280,21 @@ def read_parts(
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
         if name not in data:
-            errors.add(name, f"missing; a case needs [{name}]" + ', or material = "steel"' * (name == "material"))
+            errors.add(
+                name,
+                f"missing; a case needs [{name}]"
+                + ', or material = "steel"' * (name == "material"),
+            )
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():
         if name not in data and name in (*required, *optional):
             continue
-        table, read = data.get(name, {}), (readers or {}).get(section)
-        parts[name] = read_table(section, table, name, errors) if read is None else read(table, errors)
+        table = data.get(name, {})
+        read = (readers or {}).get(section)
+        parts[name] = (
+            read_table(section, table, name, errors) if read is None else read(table, errors)
+        )
     return parts
 
 
@@ -241,8 +310,14 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     )
     if "striker" in data:
         data.setdefault("load", {"kind": "striker"})
-    if packing and packing.get("shape") == "cylinder" and isinstance(data.get("striker"), list | tuple):
-        usual = {"axis": "z"} if packing.get("kind") == "square" else {}  # rows of a square are along y
+    if (
+        packing
+        and packing.get("shape") == "cylinder"
+        and isinstance(data.get("striker"), list | tuple)
+    ):
+        usual = (
+            {"axis": "z"} if packing.get("kind") == "square" else {}
+        )  # rows of a square are along y
         axis = {"axis": packing["axis"]} if "axis" in packing else usual
         data["striker"] = [
             axis | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one

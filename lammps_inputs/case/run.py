@@ -1,4 +1,6 @@
-"""``[run]``, ``[output]`` and ``[figures]``: times of a run, records besides its snapshots, and what is drawn of it."""
+"""``[run]``, ``[output]`` and ``[figures]``: times of a run, records besides its snapshots, and
+what is drawn of it.
+"""
 
 from __future__ import annotations
 
@@ -22,19 +24,22 @@ _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 
 
 def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
-    expected = (
-        'how many snapshots (from 1 up), or a list of rising times, all in s or all shares of run.end_time ("25 %")'
-    )
+    expected = 'how many snapshots (from 1 up), or a list of rising times, all in s or all shares of run.end_time ("25 %")'
     if not isinstance(value, list | tuple):
         return schema.whole(value, expected, at_most=schema.NO_LIMIT)
     words = all(isinstance(one, str) for one in value)
     times = [parse_share(one, expected) if words else schema.finite(one, expected) for one in value]
-    schema.refuse_if(not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)), expected)
+    schema.refuse_if(
+        not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)),
+        expected,
+    )
     return tuple(value) if words else tuple(times)
 
 
 def parse_share(text: str, expected: str) -> float:
-    """Convert a share such as ``"25 %"`` to 0.25; raise `ValidationError` if it is none from 0 to 100 %."""
+    """Convert a share such as ``"25 %"`` to 0.25; raise `ValidationError` if it is none from 0 to
+    100 %.
+    """
     if not (found := _SHARE.fullmatch(text)) or float(found[1]) > 100:
         raise ValidationError(expected)
     return float(found[1]) / 100
@@ -59,22 +64,29 @@ class Run:
         default=ENERGY_TOLERANCE,
     )
     smallest_timestep: float | str = schema.positive_or_auto(
-        "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected", INTERVAL
+        "lower bound of an automatic timestep; auto: a quarter of that for the stiffest contact expected",
+        INTERVAL,
     )
     largest_timestep: float | str = schema.positive_or_auto(
-        "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected", INTERVAL
+        "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
+        INTERVAL,
     )
     frames: int | tuple[float, ...] | tuple[str, ...] = schema.custom(
-        "snapshots, the start and the end among them: how many, or the times", _parse_frames, default=DEFAULT_FRAMES
+        "snapshots, the start and the end among them: how many, or the times",
+        _parse_frames,
+        default=DEFAULT_FRAMES,
     )
 
     @property
     def frame_times(self) -> tuple[float, ...] | None:
-        """Times of the snapshots, s, shares of the end time among them; None if only their number is given."""
+        """Times of the snapshots, s, shares of the end time among them; None if only their number
+        is given.
+        """
         if isinstance(self.frames, int):
             return None
         return tuple(
-            parse_share(time, "a share") * self.longest if isinstance(time, str) else time for time in self.frames
+            parse_share(time, "a share") * self.longest if isinstance(time, str) else time
+            for time in self.frames
         )
 
     @property
@@ -98,9 +110,12 @@ def _parse_parts(value: Any) -> bool | str:
 
 
 def _parse_probes(value: Any) -> tuple[Probe, ...]:
-    if not isinstance(value, list | tuple) or not all(isinstance(one, Mapping) and len(one) == 1 for one in value):
+    if not isinstance(value, list | tuple) or not all(
+        isinstance(one, Mapping) and len(one) == 1 for one in value
+    ):
         raise ValidationError(_PROBE_FORM)
-    probes, expected = [], f"{_PROBE_FORM} with ids from 1 up"
+    probes = []
+    expected = f"{_PROBE_FORM} with ids from 1 up"
     for what, which in (item for one in value for item in one.items()):
         if what == "sphere":
             probes.append(Probe(sphere=schema.whole(which, expected)))
@@ -180,8 +195,11 @@ FIGURE_NAMES = (
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
-FRAMES_OF_A_FILM = 60  # default of `run.frames` where a film is asked for: ten seconds at six pictures a second
-_LIMITS = schema.numbers(2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high)
+# default of `run.frames` where a film is asked for: ten seconds at six pictures a second
+FRAMES_OF_A_FILM = 60
+_LIMITS = schema.numbers(
+    2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high
+)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -202,10 +220,16 @@ class CutPlane:
 
 def _parse_only(value: Any) -> tuple[str, ...]:
     expected = 'a list of names of figures, as ["energies", "packing_3d"]'
-    schema.refuse_if(not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value), expected)
+    schema.refuse_if(
+        not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value),
+        expected,
+    )
     for name in value:
         if name not in FIGURE_NAMES:
-            hint = schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5) or f", but {', '.join(FIGURE_NAMES)}"
+            hint = (
+                schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5)
+                or f", but {', '.join(FIGURE_NAMES)}"
+            )
             raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
     return tuple(dict.fromkeys(value))
 
@@ -220,7 +244,9 @@ def _parse_plane(value: Any) -> CutPlane:
     value = schema.inner_table(value, expected, ("normal", "through"), needed=("normal",))
     normal = schema.parse_point(value["normal"], expected)
     schema.refuse_if(not any(normal), "a normal that is not [0, 0, 0]")
-    return CutPlane(normal, schema.parse_point(value["through"], expected) if "through" in value else None)
+    return CutPlane(
+        normal, schema.parse_point(value["through"], expected) if "through" in value else None
+    )
 
 
 def _parse_colour_map(value: Any) -> str:
@@ -267,7 +293,9 @@ class Figures:
         default=None,
     )
     dissipation_limits: tuple[float, float] | None = schema.custom(
-        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default", _LIMITS, default=None
+        "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default",
+        _LIMITS,
+        default=None,
     )
     width: float = schema.number(
         "width of a figure of one column; wider ones grow in proportion, texts stay as they are",

@@ -1,9 +1,10 @@
 """Schema of TOML tables: types and bounds of their keys, and reading a table into a typed section.
 
-A section is a frozen dataclass whose fields are made by the functions below. The metadata of each field holds its
-``description``, its ``unit``, its ``options`` if it is one of some words, the ``parse`` function that converts a
-TOML value to the value of the field or raises `ValidationError`, and ``json``, the JSON Schema of its TOML values (of
-`custom` fields none). `read_table` applies them and collects all faults instead of stopping at the first.
+A section is a frozen dataclass whose fields are made by the functions below. The metadata of each
+field holds its ``description``, its ``unit``, its ``options`` if it is one of some words, the
+``parse`` function that converts a TOML value to the value of the field or raises `ValidationError`,
+and ``json``, the JSON Schema of its TOML values (of `custom` fields none). `read_table` applies
+them and collects all faults instead of stopping at the first.
 """
 
 from __future__ import annotations
@@ -87,7 +88,9 @@ class ErrorList:
         return found is None
 
     def check_names(self, entries: Mapping[str, Any]) -> None:
-        """Add an error for each entry of an array of tables, by key, that has the name of an earlier one."""
+        """Add an error for each entry of an array of tables, by key, that has the name of an
+        earlier one.
+        """
         known: list[str] = []
         for key, entry in entries.items():
             self.check((entry.name in known, f"{key}.name",
@@ -102,7 +105,9 @@ class ErrorList:
             self.notes.append(f"{key}: {odd}")
 
     def add_unknown(self, key: str, message: str) -> None:
-        """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key given there."""
+        """Add an error of an unknown key; if the key is a table that ``--set`` made, name the key
+        given there.
+        """
         self.add(next((one for one in self.overridden if one.startswith(f"{key}.")), key), message)
 
     def report(self, name: str) -> None:
@@ -126,7 +131,8 @@ def number(
     word: str | None = None,
     units: str | None = None,
 ) -> Any:
-    """Field of a finite number within bounds, or of ``word`` in its place; unusual values give a warning.
+    """Field of a finite number within bounds, or of ``word`` in its place; unusual values give a
+    warning.
 
     ``units`` stands in messages for the unit, of a key that has another one in some tables.
     """
@@ -142,7 +148,9 @@ def number(
         refuse_if(not (above < result < below and at_least <= result <= at_most), expected)
         return result
 
-    bounds = zip(("exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum"), limits, strict=True)
+    bounds = zip(
+        ("exclusiveMinimum", "minimum", "exclusiveMaximum", "maximum"), limits, strict=True
+    )
     json: dict[str, Any] = {"type": "number"}
     json |= {keyword: limit for keyword, (limit, _) in bounds if math.isfinite(limit)}
     json = {"anyOf": [json, {"const": word}]} if word else json
@@ -183,18 +191,30 @@ def text(description: str, *, default: Any = REQUIRED) -> Any:
 
 
 def parse_label(value: Any) -> str:
-    """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError` otherwise."""
-    refuse_if(not isinstance(value, str) or not value or value != value.strip() or not value.isprintable(), LABEL_FORM)
+    """Return ``value`` if it is a name that stands in one line of a table; raise `ValidationError`
+    otherwise.
+    """
+    refuse_if(
+        not isinstance(value, str)
+        or not value
+        or value != value.strip()
+        or not value.isprintable(),
+        LABEL_FORM,
+    )
     return value
 
 
-def custom(description: str, parse: Parse, *, unit: str | Usual | None = None, default: Any = REQUIRED) -> Any:
+def custom(
+    description: str, parse: Parse, *, unit: str | Usual | None = None, default: Any = REQUIRED
+) -> Any:
     """Field of a value with its own ``parse`` function; unusual numbers in it give a warning."""
     return _field(description, unit, default, parse)
 
 
 def finite(value: Any, expected: str) -> float:
-    """Convert ``value`` to a finite float; raise `ValidationError` for booleans, strings, NaN and infinity."""
+    """Convert ``value`` to a finite float; raise `ValidationError` for booleans, strings, NaN and
+    infinity.
+    """
     refuse_if(isinstance(value, bool) or not isinstance(value, int | float), expected)
     try:
         result = float(value)
@@ -205,15 +225,21 @@ def finite(value: Any, expected: str) -> float:
 
 
 def whole(value: Any, expected: str, *, at_least: int = 1, at_most: int = LARGEST_COUNT) -> int:
-    """Return ``value`` as an integer within bounds; raise `ValidationError` for booleans and floats."""
+    """Return ``value`` as an integer within bounds; raise `ValidationError` for booleans and
+    floats.
+    """
     refuse_if(isinstance(value, bool) or not isinstance(value, int) or value < at_least, expected)
     refuse_if(value > at_most, f"at most {at_most}")
     return value
 
 
-def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT) -> Any:
+def count(
+    description: str, *, default: Any = REQUIRED, at_least: int = 1, at_most: int = LARGEST_COUNT
+) -> Any:
     """Field of a whole number within bounds."""
-    expected = f"a whole number from {at_least} " + ("up" if at_most == LARGEST_COUNT else f"to {at_most}")
+    expected = f"a whole number from {at_least} " + (
+        "up" if at_most == LARGEST_COUNT else f"to {at_most}"
+    )
     json = {"type": "integer", "minimum": at_least, "maximum": at_most}
 
     def parse(value: Any) -> int:
@@ -222,7 +248,9 @@ def count(description: str, *, default: Any = REQUIRED, at_least: int = 1, at_mo
     return _field(description, None, default, parse, json=json)
 
 
-def numbers(n: int, expected: str, fits: Callable[..., bool] = lambda *_: True, otherwise: str = "") -> Parse:
+def numbers(
+    n: int, expected: str, fits: Callable[..., bool] = lambda *_: True, otherwise: str = ""
+) -> Parse:
     """Make the parser of a list of ``n`` numbers that ``fits`` accepts.
 
     Parameters
@@ -246,8 +274,12 @@ def parse_point(value: Any, expected: str) -> tuple[float, float, float]:
     return x, y, z
 
 
-def inner_table(value: Any, form: str, known: Collection[str], needed: Collection[str] = ()) -> Mapping[str, Any]:
-    """Return ``value`` if it is a table of known keys, with the needed ones; raise `ValidationError` otherwise."""
+def inner_table(
+    value: Any, form: str, known: Collection[str], needed: Collection[str] = ()
+) -> Mapping[str, Any]:
+    """Return ``value`` if it is a table of known keys, with the needed ones; raise
+    `ValidationError` otherwise.
+    """
     refuse_if(not isinstance(value, Mapping) or not value, form)
     for name in value:
         refuse_if(name not in known, f"{form}; {name} is unknown")
@@ -264,14 +296,20 @@ def or_word(word: str, parse: Parse) -> Parse:
 def vector(description: str, unit: Usual) -> Any:
     """Field of three numbers, zero by default; unusual magnitudes give a warning."""
     json = {"type": "array", "items": {"type": "number"}, "minItems": 3, "maxItems": 3}
-    return _field(description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit.unit}"), json=json)
+    return _field(
+        description, unit, (0.0, 0.0, 0.0), numbers(3, f"[x, y, z] in {unit.unit}"), json=json
+    )
 
 
 def plain_name(value: Any) -> str:
-    """Return ``value`` if it is a name that can safely be used for a directory; raise `ValidationError` otherwise."""
+    """Return ``value`` if it is a name that can safely be used for a directory; raise
+    `ValidationError` otherwise.
+    """
     fits = isinstance(value, str) and value.strip() == value != "" and value.isprintable()
     if not fits or "/" in value or value[0] in ".-~":
-        raise ValidationError('a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"')
+        raise ValidationError(
+            'a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"'
+        )
     refuse_if(len(value.encode()) > _LONGEST_NAME, f"a plain name of at most {_LONGEST_NAME} bytes")
     return value
 
@@ -282,7 +320,9 @@ def read_name(data: Mapping[str, Any], source: str | Path, errors: ErrorList) ->
     try:
         return plain_name(name)
     except ValidationError as error:
-        where = "" if "name" in data else ", from the name of the file: give the case a name of its own"
+        where = (
+            "" if "name" in data else ", from the name of the file: give the case a name of its own"
+        )
         errors.add("name", f"found {show(name)}, expected {error}{where}")
         return str(name)
 
@@ -312,7 +352,9 @@ def _cut(text: str) -> str:
     return text if len(text) <= _SHOWN_CHARACTERS else text[: _SHOWN_CHARACTERS - 3] + "..."
 
 
-def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorList) -> Section | None:
+def read_table(
+    section: type[Section], table: Any, prefix: str, errors: ErrorList
+) -> Section | None:
     """Read one TOML table into ``section``; on faults, add them all to ``errors`` and return None.
 
     Fields that are not made by the functions above keep their defaults.
@@ -329,9 +371,16 @@ def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorLis
     values: dict[str, Any] = {}
     for field in dataclasses.fields(section):  # type: ignore[arg-type]
         if "read" in field.metadata and field.name in table:
-            values[field.name] = field.metadata["read"](table[field.name], errors, f"{prefix}.{field.name}")
+            values[field.name] = field.metadata["read"](
+                table[field.name], errors, f"{prefix}.{field.name}"
+            )
     fields = {field.name: field for field in key_fields(section)}
-    refuse_unknown({name: value for name, value in table.items() if name not in values}, list(fields), prefix, errors)
+    refuse_unknown(
+        {name: value for name, value in table.items() if name not in values},
+        list(fields),
+        prefix,
+        errors,
+    )
     for name, field in fields.items():
         key = f"{prefix}.{name}" if prefix else name
         parse: Parse = field.metadata["parse"]
@@ -341,22 +390,33 @@ def read_table(section: type[Section], table: Any, prefix: str, errors: ErrorLis
             except ValidationError as error:
                 errors.add(key, f"found {show(table[name])}, expected {error}")
                 continue
-            errors.check_size(key, values[name], field.metadata["usual"] or field.metadata["unit"], show(table[name]))
+            errors.check_size(
+                key,
+                values[name],
+                field.metadata["usual"] or field.metadata["unit"],
+                show(table[name]),
+            )
         elif field.default is REQUIRED and field.default_factory is REQUIRED:
             errors.add(key, f"missing; it is required: {field.metadata['description']}")
     return section(**values) if len(errors.lines) == before else None
 
 
-def refuse_unknown(table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList) -> None:
+def refuse_unknown(
+    table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList
+) -> None:
     """Add an error for each key of ``table`` that is not ``known``, with a suggestion."""
     for name in table:
         key = f"{prefix}.{name}" if prefix else name
         if name not in known:
-            errors.add_unknown(key, f"unknown key; {hint_for(name, known, prefix, errors.vocabulary)}")
+            errors.add_unknown(
+                key, f"unknown key; {hint_for(name, known, prefix, errors.vocabulary)}"
+            )
 
 
 def accepted(field: dataclasses.Field[Any]) -> str:
-    """Return what the ``parse`` function of a field expects, as its error messages say it, without the unit."""
+    """Return what the ``parse`` function of a field expects, as its error messages say it, without
+    the unit.
+    """
     try:
         field.metadata["parse"](_NOT_A_VALUE)
     except ValidationError as error:
@@ -368,7 +428,9 @@ def accepted(field: dataclasses.Field[Any]) -> str:
 def read_named(
     key: str, name: Any, expected: str, read: Callable[[Path], Content], errors: ErrorList
 ) -> Content | None:
-    """Return what ``read`` makes of the file that a key names; None with an error if there is a fault."""
+    """Return what ``read`` makes of the file that a key names; None with an error if there is a
+    fault.
+    """
     if not isinstance(name, str) or not name:
         errors.add(key, f"found {show(name)}, expected {expected}")
         return None
@@ -398,15 +460,25 @@ def key_fields(section: type) -> list[dataclasses.Field[Any]]:
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:
     """Return the dotted keys of tables, given by dotted name."""
-    return [f"{name}.{field.name}" for name, section in sections.items() for field in key_fields(section)]
+    return [
+        f"{name}.{field.name}"
+        for name, section in sections.items()
+        for field in key_fields(section)
+    ]
 
 
-def read_list(section: type[Entry], tables: Any, prefix: str, errors: ErrorList) -> tuple[Entry, ...]:
-    """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``, from 1."""
+def read_list(
+    section: type[Entry], tables: Any, prefix: str, errors: ErrorList
+) -> tuple[Entry, ...]:
+    """Read an array of tables, such as ``[[replace]]``; entry n has the dotted name ``replace.n``,
+    from 1.
+    """
     if not isinstance(tables, list | tuple):
         errors.add(prefix, f"found {show(tables)}, expected one or more [[{prefix}]] tables")
         return ()
-    read = [read_table(section, table, key, errors) for key, table in numbered(prefix, tables).items()]
+    read = [
+        read_table(section, table, key, errors) for key, table in numbered(prefix, tables).items()
+    ]
     return tuple(entry for entry in read if entry is not None)
 
 
@@ -420,7 +492,9 @@ def _field(
 ) -> Any:
     usual = unit if isinstance(unit, Usual) else None
     metadata = {"description": description, "unit": unit_name(unit), "usual": usual, "parse": parse}
-    return dataclasses.field(default=default, metadata=metadata | {"options": options, "json": json})
+    return dataclasses.field(
+        default=default, metadata=metadata | {"options": options, "json": json}
+    )
 
 
 def unit_name(unit: str | Usual | None) -> str:

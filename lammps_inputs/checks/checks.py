@@ -30,7 +30,8 @@ _SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
 _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
 _MEMORY_OF_SITE = 40.0  # bytes a site; measured 34 to 68 for 1e7 spheres
-_LEAST_PERIODIC = 3  # spheres along a period; fewer would touch their own images, or one neighbour twice
+# spheres along a period; fewer would touch their own images, or one neighbour twice
+_LEAST_PERIODIC = 3
 
 Check = Callable[[Case, ErrorList], None]
 
@@ -57,7 +58,8 @@ def check_together(case: Case, errors: ErrorList) -> None:
 
 def _fit(case: Case, errors: ErrorList, *checks: Check) -> bool:
     """Return True if a case passes some checks; one that needs a table that is wrong ends there."""
-    before, complete = len(errors.lines), True
+    before = len(errors.lines)
+    complete = True
     for check in checks:
         try:
             check(case, errors)
@@ -67,7 +69,9 @@ def _fit(case: Case, errors: ErrorList, *checks: Check) -> bool:
 
 
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
-    """Check the whole case: space for larger spheres, places of strikers, support, static load and dents."""
+    """Check the whole case: space for larger spheres, places of strikers, support, static load and
+    dents.
+    """
     packing.check_room(case, errors)
     grains.check_cylinders(case, errors)
     if not grains.check_touched(case, errors):
@@ -79,7 +83,12 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         errors.add("striker", str(error))
         return None
     grains.check_lines(assembly, errors)
-    for check in (precompression.check_plates, _check_struck, precompression.check_first_yield, loads.check_absorbing):
+    for check in (
+        precompression.check_plates,
+        _check_struck,
+        precompression.check_first_yield,
+        loads.check_absorbing,
+    ):
         check(assembly, errors)
     if not errors.lines:
         loads.check_driving(assembly, errors)
@@ -92,7 +101,9 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
 
 
 def _check_size(case: Case, errors: ErrorList) -> None:
-    """Check size and memory; grains of a file were read into memory, a lattice needs arrays over sites."""
+    """Check size and memory; grains of a file were read into memory, a lattice needs arrays over
+    sites.
+    """
     if not check_size(case.packing, errors) or case.packing.grains is not None:
         return
     nx, ny, nz = case.packing.lattice().shape
@@ -101,9 +112,13 @@ def _check_size(case: Case, errors: ErrorList) -> None:
 
 
 def _check_ids(case: Case, errors: ErrorList) -> None:
-    """Check that ids are those of grains of the packing, or also of strikers, and names those of one sensor alone."""
-    n, known = case.packing.n_spheres, vars(case)
-    last, lists = n + len(case.striker), ("replace", "hold", "guide", "absorb")
+    """Check that ids are those of grains of the packing, or also of strikers, and names those of
+    one sensor alone.
+    """
+    n = case.packing.n_spheres
+    known = vars(case)
+    last = n + len(case.striker)
+    lists = ("replace", "hold", "guide", "absorb")
     entries = [item for name in lists for item in numbered(name, getattr(case, name)).items()]
     probes = case.output.probes if "output" in known else ()
     named = [
@@ -130,20 +145,27 @@ def _check_strikers(case: Case, errors: ErrorList) -> None:
     for key, striker in numbered("striker", case.striker).items():
         check_shape(striker, key, errors)
         for name, shift in (("offset", striker.offset), ("misalignment", striker.misalignment)):
-            along = any(striker.velocity) and any(shift) and not np.cross(shift, striker.velocity).any()
+            along = (
+                any(striker.velocity) and any(shift) and not np.cross(shift, striker.velocity).any()
+            )
             found = f"found {show(shift)} along its way, expected a part across it: {no_effect}"
             errors.check((along, f"{key}.{name}", found))
 
 
 def _check_history(case: Case, errors: ErrorList) -> None:
-    history, has_one = case.output.history, case.packing.kind == "chain" or case.line
-    found = f"found {history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"
+    history = case.output.history
+    has_one = case.packing.kind == "chain" or case.line
+    found = (
+        f"found {history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"
+    )
     errors.check((not has_one and history not in (0, "auto"), "output.history", found))
 
 
 def _check_boundary(case: Case, errors: ErrorList) -> None:
     """Check that a packing can have such a bottom and such sides."""
-    kind, bottom, sides = case.packing.kind, case.boundary.bottom, case.boundary.sides
+    kind = case.packing.kind
+    bottom = case.boundary.bottom
+    sides = case.boundary.sides
     if case.packing.grains is not None:
         text = 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
         errors.check((bottom == "periodic", "boundary.bottom", text))
@@ -151,8 +173,12 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
             raise WrongTable("packing.period")  # see `grains.check_places`
         return
     rule, (nx, ny, nz) = KINDS[kind], case.packing.lattice().shape
-    endless, periodic = bottom == "periodic" and kind != "chain", sides == "periodic"
-    across = min((n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes), default=_LEAST_PERIODIC)
+    endless = bottom == "periodic" and kind != "chain"
+    periodic = sides == "periodic"
+    across = min(
+        (n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes),
+        default=_LEAST_PERIODIC,
+    )
     errors.check((bottom == "fixed" and nz == 1, "boundary.bottom",
                   'found "fixed" with a single layer, which is struck; expected two layers or more'))  # fmt: skip
     errors.check_first(
@@ -181,11 +207,14 @@ def _check_struck_spheres(case: Case, errors: ErrorList) -> None:
         try:
             struck_spheres(layout_of(case.packing, case.boundary), case.load.spheres)
         except ValueError as error:
-            errors.add("load.spheres", f"found {case.load.spheres}, but {error}; use 1, or another packing")
+            errors.add(
+                "load.spheres", f"found {case.load.spheres}, but {error}; use 1, or another packing"
+            )
 
 
 def _check_bars(case: Case, errors: ErrorList) -> None:
-    longest, kind = _LONGEST_ELEMENT * case.packing.diameter, case.packing.kind
+    longest = _LONGEST_ELEMENT * case.packing.diameter
+    kind = case.packing.kind
     for name, bar in ((BAR, case.bar), (INCIDENT_BAR, case.incident_bar)):
         if bar is not None:
             errors.check_first(
@@ -210,7 +239,8 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
 
 def _check_holder(case: Case, errors: ErrorList) -> None:
     """Check that a holder that rubs bears the weight of a chain."""
-    friction, key = case.boundary.holder_friction or 0.0, "boundary.holder_friction"
+    friction = case.boundary.holder_friction or 0.0
+    key = "boundary.holder_friction"
     upright = case.precompression is not None and case.precompression.kind == "gravity"
     errors.check(
         (friction and case.packing.kind != "chain", key,
@@ -221,15 +251,23 @@ def _check_holder(case: Case, errors: ErrorList) -> None:
 
 
 def _check_times(case: Case, errors: ErrorList) -> None:
-    """Check times against the end of the run, and the bounds of an automatic timestep, which a fixed one lacks."""
+    """Check times against the end of the run, and the bounds of an automatic timestep, which a
+    fixed one lacks.
+    """
     run = case.run
-    end, ends = run.longest, f"run.end_time, {run.longest:g} s"
+    end = run.longest
+    ends = f"run.end_time, {run.longest:g} s"
     step = 0.0 if isinstance(run.timestep, str) else run.timestep
     last = run.frame_times[-1] if run.frame_times else 0.0
-    no_end = isinstance(run.frames, tuple) and isinstance(run.frames[0], str) and isinstance(run.end_time, str)
+    no_end = (
+        isinstance(run.frames, tuple)
+        and isinstance(run.frames[0], str)
+        and isinstance(run.end_time, str)
+    )
     names = ("smallest_timestep", "largest_timestep", "energy_tolerance")
     given = {name: getattr(run, name) for name in names if getattr(run, name) != getattr(Run, name)}
-    least, most = given.get("smallest_timestep", 0.0), given.get("largest_timestep", math.inf)
+    least = given.get("smallest_timestep", 0.0)
+    most = given.get("largest_timestep", math.inf)
     errors.check(
         (step > end, "run.timestep", f"found {step:g} s, expected at most {ends}"),
         (least > most, "run.smallest_timestep",
@@ -244,18 +282,28 @@ def _check_times(case: Case, errors: ErrorList) -> None:
 
 
 def _check_probe_interval(case: Case, errors: ErrorList) -> None:
-    interval, end = case.output.probe_interval, case.run.longest
+    interval = case.output.probe_interval
+    end = case.run.longest
     if not isinstance(interval, str) and interval > end:
-        errors.add("output.probe_interval", f"found {interval:g} s, expected at most run.end_time, {end:g} s")
+        errors.add(
+            "output.probe_interval",
+            f"found {interval:g} s, expected at most run.end_time, {end:g} s",
+        )
 
 
 def _check_resolution(case: Case, errors: ErrorList) -> None:
     """Check that a fixed timestep resolves the oscillation of the load."""
-    load, step = case.load, case.run.timestep
+    load = case.load
+    step = case.run.timestep
     if not load.driven or not load.oscillates or isinstance(step, str):
         return
-    key = "last_frequency" if load.last_frequency and load.last_frequency > (load.frequency or 0.0) else "frequency"
-    highest, most = load.frequencies[1], 1 / (_STEPS_IN_A_PERIOD * step)
+    key = (
+        "last_frequency"
+        if load.last_frequency and load.last_frequency > (load.frequency or 0.0)
+        else "frequency"
+    )
+    highest = load.frequencies[1]
+    most = 1 / (_STEPS_IN_A_PERIOD * step)
     errors.check(
         (highest > most, f"load.{key}",
          f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
@@ -265,40 +313,63 @@ def _check_resolution(case: Case, errors: ErrorList) -> None:
 
 def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
     """Check that no struck sphere is held in a direction in which the load moves it."""
-    case, load = assembly.case, assembly.case.load
+    case = assembly.case
+    load = assembly.case.load
     if not load.hits_spheres or case.incident_bar:
         return
     velocity = load.initial_velocity if load.kind == "impact" else load.way
     moved = {axis for axis, part in zip("xyz", velocity, strict=True) if part}
     struck = set(struck_of(assembly))
     for key, hold in case.held.items():
-        held, along = sorted(struck & set(held_ids(case, hold))), sorted(moved & set(hold.axes))
+        held = sorted(struck & set(held_ids(case, hold)))
+        along = sorted(moved & set(hold.axes))
         if held and along:
             errors.add(key, f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; leave it "
                        f"out of [[{key.partition('.')[0]}]], or strike another (load.index)")  # fmt: skip
     held = sorted(struck & set(assembly.lattice.last_layer.tolist()))
     if held and case.boundary.bottom == "fixed":
-        errors.add("load.index", f'found {held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds')
+        errors.add(
+            "load.index",
+            f'found {held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds',
+        )
 
 
 def _check_below(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that no striker overlaps the wall or bar below a chain; walls of other packings do not act on strikers."""
+    """Check that no striker overlaps the wall or bar below a chain; walls of other packings do not
+    act on strikers.
+    """
     case = assembly.case
     if case.packing.kind != "chain" or (case.boundary.bottom != "wall" and case.bar is None):
         return
     what = "bar" if case.bar is not None else "wall at the bottom"
     for n, (_, centre) in enumerate(assembly.strikers, start=1):
-        beyond = centre[2] + assembly.diameter_of(assembly.lattice.n_spheres + n) / 2 - assembly.bottom()
+        beyond = (
+            centre[2] + assembly.diameter_of(assembly.lattice.n_spheres + n) / 2 - assembly.bottom()
+        )
         if beyond > _OVERLAP * case.packing.diameter:
-            errors.add(f"striker.{n}", f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away")
+            errors.add(
+                f"striker.{n}",
+                f"the {what} cuts through it, {beyond:.3g} m deep; take one of them away",
+            )
 
 
 def outside_fit(material: Material) -> str:
-    """Tell what of a material lies outside the range of law elastoplastic-fe; empty if nothing does."""
-    ratio = math.inf if material.yield_strength is None else material.youngs_modulus / material.yield_strength
+    """Tell what of a material lies outside the range of law elastoplastic-fe; empty if nothing
+    does.
+    """
+    ratio = (
+        math.inf
+        if material.yield_strength is None
+        else material.youngs_modulus / material.yield_strength
+    )
     ranges = (
         ("Poisson's ratio", material.poisson_ratio, 0.0, 0.45),
-        ("Young's modulus over yield strength", ratio if math.isfinite(ratio) else 50.0, 50.0, 1000.0),
+        (
+            "Young's modulus over yield strength",
+            ratio if math.isfinite(ratio) else 50.0,
+            50.0,
+            1000.0,
+        ),
         ("hardening", material.hardening or 0.0, 0.0, 0.1),
     )
     found = [f"{name} {value:.3g}, expected {low:g} to {high:g}" for name, value, low, high in ranges
@@ -307,14 +378,20 @@ def outside_fit(material: Material) -> str:
 
 
 def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that walls can hold the strikers that they are to hold: at rest, acting on all, clear of them at first."""
-    case, first = assembly.case, assembly.lattice.n_spheres + 1
+    """Check that walls can hold the strikers that they are to hold: at rest, acting on all, clear
+    of them at first.
+    """
+    case = assembly.case
+    first = assembly.lattice.n_spheres + 1
     planes = [wall for wall in walls(assembly) if not wall.held_layer]
     for number, (striker, centre) in enumerate(assembly.strikers):
         if not striker.walls:
             continue
-        key, sphere = f"striker.{number + 1}.walls", first + number
-        reach = extents(np.array([assembly.diameter_of(sphere) / 2]), [assembly.shape_of(sphere)])[0]
+        key = f"striker.{number + 1}.walls"
+        sphere = first + number
+        reach = extents(np.array([assembly.diameter_of(sphere) / 2]), [assembly.shape_of(sphere)])[
+            0
+        ]
         depth = {one.name: -float(one.gaps(centre[None], reach[:1] if one.tube else reach[one.axis : one.axis + 1])[0])
                  for one in planes}  # fmt: skip
         deepest = max(depth, key=depth.__getitem__, default="")
@@ -333,8 +410,12 @@ def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log warnings about values that are valid but may not be meant."""
-    case, warnings = assembly.case, list[str]()
-    ratio, n, law, end = case.material.poisson_ratio, assembly.lattice.n_spheres, case.contact, case.run.longest
+    case = assembly.case
+    warnings = list[str]()
+    ratio = case.material.poisson_ratio
+    n = assembly.lattice.n_spheres
+    law = case.contact
+    end = case.run.longest
     if law.takes("yield_factor") and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
         warnings.append(
             f"the contact law was fitted for a Poisson's ratio of {FITTED_POISSON_RATIO:.2f}, found {ratio:g}; its "
@@ -351,13 +432,21 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         text = "contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: contact.law ="
         warnings.append(f"{text} {law.law} holds for the others")
     for wall, grain, depth in untouched(assembly):
-        text = f"grain {grain} reaches {depth:.3g} m into the wall {wall}, which does not act on it:"
+        text = (
+            f"grain {grain} reaches {depth:.3g} m into the wall {wall}, which does not act on it:"
+        )
         warnings.append(f"{text} boundary.sides_touch")
     for contact in (probe.contact for probe in case.output.probes if probe.contact is not None):
         low, high = sorted(contact)
-        near = assembly.striker_contacts if high > n else [(low, one) for one in assembly.lattice.neighbours(low)]
+        near = (
+            assembly.striker_contacts
+            if high > n
+            else [(low, one) for one in assembly.lattice.neighbours(low)]
+        )
         if (low, high) not in near:
-            warnings.append(f"the spheres of the probed contact {contact} do not touch at the start")
+            warnings.append(
+                f"the spheres of the probed contact {contact} do not touch at the start"
+            )
     for name, echo in echoes(assembly.bars).items():
         if end > echo:
             text = f"an echo of the end of the {name} can reach the chain after {echo:.3g} s, the run lasts"
@@ -365,11 +454,17 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     if law.initial_overlap and case.precompression and case.boundary.forget_gap < _SMALL_GAP:
         gap = case.boundary.forget_gap * case.packing.diameter
         text = f"boundary.forget_gap: dents from before the run are forgotten beyond gaps of {gap:.3g} m, so that the"
-        warnings.append(f"{text} packing may never come to rest under its static load; give {_SMALL_GAP:g} or more")
+        warnings.append(
+            f"{text} packing may never come to rest under its static load; give {_SMALL_GAP:g} or more"
+        )
     if case.load.first_time >= end:
-        text = f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended:"
+        text = (
+            f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended:"
+        )
         warnings.append(f"{text} give run.end_time a later time")
     if case.run.end_time == "auto" and not law.yields and not case.has_cohesion:
-        warnings.append('a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us')
+        warnings.append(
+            'a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us'
+        )
     for text in warnings:
         _LOG.warning("%s: %s", case.name, text)

@@ -20,8 +20,14 @@ from granwave.lammps_inputs.packing.places import layout_of, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
 
-_PLACED = (": packing.grains", ": packing.file", ": packing.gaps", ": grains.")  # of grains that could not be placed
-_LEAST_PERIOD = 2.5  # largest diameters; in fewer two grains could touch twice, one of them also as its image
+_PLACED = (
+    ": packing.grains",
+    ": packing.file",
+    ": packing.gaps",
+    ": grains.",
+)  # of grains that could not be placed
+# largest diameters; in fewer two grains could touch twice, one of them also as its image
+_LEAST_PERIOD = 2.5
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
     "replace": "the file gives each grain its diameter and material",
@@ -31,8 +37,11 @@ _OF_LATTICES = {
 
 
 def check_columns(case: Case, errors: ErrorList) -> None:
-    """Check the materials of grains of a file, and that nothing is asked of them that only lattices have."""
-    grains, stage = case.packing.grains, case.precompression
+    """Check the materials of grains of a file, and that nothing is asked of them that only lattices
+    have.
+    """
+    grains = case.packing.grains
+    stage = case.precompression
     if grains is None:
         return
     errors.check(
@@ -51,13 +60,20 @@ def check_columns(case: Case, errors: ErrorList) -> None:
 
 
 def check_places(case: Case, errors: ErrorList) -> None:
-    """Check the periods of grains of a file, and that no grains overlap at the start or touch at a cylinder's end."""
-    packing, grains, stage = case.packing, case.packing.grains, case.precompression
+    """Check the periods of grains of a file, and that no grains overlap at the start or touch at a
+    cylinder's end.
+    """
+    packing = case.packing
+    grains = case.packing.grains
+    stage = case.precompression
     if grains is None:
         return
-    periodic = "boundary" in vars(case) and case.boundary.sides == "periodic"  # a wrong boundary hides no overlaps
+    periodic = (
+        "boundary" in vars(case) and case.boundary.sides == "periodic"
+    )  # a wrong boundary hides no overlaps
     if periodic:
-        before, least = len(errors.lines), _LEAST_PERIOD * float(grains.diameter.max())
+        before = len(errors.lines)
+        least = _LEAST_PERIOD * float(grains.diameter.max())
         errors.check(
             (packing.period is None, "packing.period",
              'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
@@ -71,14 +87,13 @@ def check_places(case: Case, errors: ErrorList) -> None:
     places = places_of(grains, packing.diameter, packing.period if periodic else None)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
     if at_ends:
-        text = (
-            ", which touch at the end of a cylinder{}; its side has a law, its end none: move them apart, or make the"
-        )
+        text = ", which touch at the end of a cylinder{}; its side has a law, its end none: move them apart, or make the"
         _add_pair(errors, grains, at_ends[0], f"{text} cylinder longer", len(at_ends))
     pairs, overlaps = places.overlapping()
     if at_ends:
         other = np.array([tuple(pair) not in at_ends for pair in pairs.tolist()], dtype=bool)
-        pairs, overlaps = pairs[other], overlaps[other]
+        pairs = pairs[other]
+        overlaps = overlaps[other]
     if not len(pairs):
         return errors.check(
             (stage is not None and stage.kind == "overlaps" and packing.cell is None, "precompression.kind",
@@ -90,7 +105,12 @@ def check_places(case: Case, errors: ErrorList) -> None:
         worst = int(np.argmax(overlaps / shared))
         if overlaps[worst] > (most := LARGEST * shared[worst]):
             text = f"as precompression expected at most {most:.3g} m, {LARGEST} R*"
-            _add_pair(errors, grains, pairs[worst].tolist(), f", which overlap by {overlaps[worst]:.3g} m; {text}")
+            _add_pair(
+                errors,
+                grains,
+                pairs[worst].tolist(),
+                f", which overlap by {overlaps[worst]:.3g} m; {text}",
+            )
         return
     text = f", which overlap by {overlaps[0]:.3g} m{{}}; move them apart, or take that as a load: [precompression] "
     text += 'kind = "overlaps"'
@@ -101,21 +121,38 @@ def check_places(case: Case, errors: ErrorList) -> None:
 
 
 def check_cylinders(case: Case, errors: ErrorList) -> None:
-    """Check that nothing is asked of cylinders that only spheres have, and that they lie along or across walls."""
+    """Check that nothing is asked of cylinders that only spheres have, and that they lie along or
+    across walls.
+    """
     packed = case.packing.grains
     shapes = [case.packing.of_grain] if packed is None else list(dict.fromkeys(packed.shape))
     cylinders = [one for one in shapes if one is not None]
     if not cylinders:
         return
-    given, path = case.contact.initial_overlap, "the path of an earlier run's result.h5"
+    given = case.contact.initial_overlap
+    path = "the path of an earlier run's result.h5"
     errors.check(
-        (case.boundary.sides_tube, "boundary.sides.tube", "found with cylinders; a tube holds spheres"),
+        (
+            case.boundary.sides_tube,
+            "boundary.sides.tube",
+            "found with cylinders; a tube holds spheres",
+        ),
         (case.bar, "bar", "found with cylinders; a bar touches spheres"),
         (case.incident_bar, "incident_bar", "found with cylinders; a bar touches spheres"),
-        (case.packing.tilt, "packing.tilt", "found with cylinders; they do not roll on a tilted floor"),
-        (given and not isinstance(given, str), "contact.initial_overlap", f"found with cylinders, expected {path}"),
+        (
+            case.packing.tilt,
+            "packing.tilt",
+            "found with cylinders; they do not roll on a tilted floor",
+        ),
+        (
+            given and not isinstance(given, str),
+            "contact.initial_overlap",
+            f"found with cylinders, expected {path}",
+        ),
     )
-    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (case.boundary.bottom == "wall")
+    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (
+        case.boundary.bottom == "wall"
+    )
     for shape in cylinders:
         for letter in planes:
             if _OBLIQUE < abs(shape.axis["xyz".index(letter)]) < 1 - _OBLIQUE:
@@ -129,7 +166,12 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         if packed is not None and cylinder_pair(one, other).nearly_parallel:
             axes = f"{show(list(one.axis))} and {show(list(other.axis))}"
             fault = "which are nearly parallel; expected parallel axes, or axes at 1 degree or more"
-            _add(errors, packed, [packed.shape.index(other) + 1], f"found cylinders along {axes}, {fault}")
+            _add(
+                errors,
+                packed,
+                [packed.shape.index(other) + 1],
+                f"found cylinders along {axes}, {fault}",
+            )
             return
 
 
@@ -139,7 +181,9 @@ def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], message: str) ->
     errors.add(key, f"{grains.file}: {message}" if key == "packing.file" else message)
 
 
-def _add_pair(errors: ErrorList, grains: Grains, pair: Sequence[int], message: str, n_pairs: int = 1) -> None:
+def _add_pair(
+    errors: ErrorList, grains: Grains, pair: Sequence[int], message: str, n_pairs: int = 1
+) -> None:
     """Add an error of two grains; ``{}`` in the message stands for the number of more such pairs."""
     more = f" (and {n_pairs - 1} more pairs)" if n_pairs > 1 else ""
     first, second = map(grains.called, pair)
@@ -148,9 +192,12 @@ def _add_pair(errors: ErrorList, grains: Grains, pair: Sequence[int], message: s
 
 def check_loaded(case: Case, errors: ErrorList) -> None:
     """Check that grains of a file move if they are the load, and that one that is struck does not."""
-    grains, load = case.packing.grains, case.load
+    grains = case.packing.grains
+    load = case.load
     struck = load.index or () if load.kind == "impact" and grains is not None else ()
-    moving = [one for one in struck if grains and one <= len(grains) and grains.velocity[one - 1].any()]
+    moving = [
+        one for one in struck if grains and one <= len(grains) and grains.velocity[one - 1].any()
+    ]
     errors.check(
         (load.kind == "grains" and grains is None, "load.kind",
          f'found "grains" with packing.kind = {show(case.packing.kind)}, expected it with "file"'),
@@ -163,12 +210,17 @@ def check_loaded(case: Case, errors: ErrorList) -> None:
 
 def check_held(case: Case, errors: ErrorList) -> None:
     """Check the grains of ``[[hold]]`` and ``[[guide]]``."""
-    grains, n = case.packing.grains, case.packing.n_spheres
+    grains = case.packing.grains
+    n = case.packing.n_spheres
     groups = sorted(set(grains.group) - {""}) if grains is not None else []
     there = f"one of {', '.join(map(show, groups))}" if groups else "index: no grain has a group"
     for key, hold in case.held.items():
         of_group = hold.group is not None and hold.group not in groups
-        if of_group and hold.index is None and any(one in line for line in errors.lines for one in _PLACED):
+        if (
+            of_group
+            and hold.index is None
+            and any(one in line for line in errors.lines for one in _PLACED)
+        ):
             continue  # the grains of the group could not be placed, which has its own error
         fits = errors.check_first(
             ((hold.index is None) == (hold.group is None), key,
@@ -177,9 +229,19 @@ def check_held(case: Case, errors: ErrorList) -> None:
         )  # fmt: skip
         if not fits or max(hold.index or (0,)) > n:
             continue
-        errors.check((not hold.axes and not hold.rotation, key, "holds nothing; give directions, or rotation = true"))
+        errors.check(
+            (
+                not hold.axes and not hold.rotation,
+                key,
+                "holds nothing; give directions, or rotation = true",
+            )
+        )
         rows = np.array(hold.index or (grains.of_group(hold.group or "") if grains else ())) - 1
-        moving = {letter: rows[grains.velocity[rows, "xyz".index(letter)] != 0] for letter in hold.axes if grains}
+        moving = {
+            letter: rows[grains.velocity[rows, "xyz".index(letter)] != 0]
+            for letter in hold.axes
+            if grains
+        }
         errors.check_first(
             *((len(there), key, f"holds grain {there[0] + 1} along {letter}, along which the file gives it a velocity")
               for letter, there in moving.items() if len(there)),
@@ -187,15 +249,19 @@ def check_held(case: Case, errors: ErrorList) -> None:
 
 
 def check_touched(case: Case, errors: ErrorList) -> bool:
-    """Check that the side walls that act on some grains only find these, and that there are such walls.
+    """Check that the side walls that act on some grains only find these, and that there are such
+    walls.
 
     Return False if walls would act on no grain, so that they have no place.
     """
-    boundary, key = case.boundary, "boundary.sides_touch"
+    boundary = case.boundary
+    key = "boundary.sides_touch"
     if boundary.sides_touch is None or errors.lines:
         return True
     if boundary.sides_tube is None and not any(boundary.has_planes(axis) for axis in "xy"):
-        errors.add(key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}')
+        errors.add(
+            key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}'
+        )
         return True
     grains = case.packing.grains
     sites = sites_of(case, layout_of(case.packing, case.boundary))
@@ -237,7 +303,9 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
     errors.check_names(lines)
     for key, line in lines.items():
         index = line.index if isinstance(line.index, tuple) else ()
-        named = [("index", one) for one in index] + ([("start", line.start)] if line.start is not None else [])
+        named = [("index", one) for one in index] + (
+            [("start", line.start)] if line.start is not None else []
+        )
         vacant = np.setdiff1d([one for _, one in named], assembly.ids)
         fits = errors.check_first(
             (line.index is not None and line.start is not None, f"{key}.index", "found beside start; give one of them"),
@@ -246,6 +314,8 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
             (len(set(index)) < len(index), f"{key}.index", f"found {show(list(index))}, expected each id once"),
         )  # fmt: skip
         if fits and (found := len(line_ids(assembly, line))) < 2:
-            text = f"found {found} grain{'' if found == 1 else 's'} along {show(list(line.direction))}"
+            text = (
+                f"found {found} grain{'' if found == 1 else 's'} along {show(list(line.direction))}"
+            )
             hint = "give another direction or start, or the ids as index"
             errors.add(key, f"{text}, expected two or more; {hint}")

@@ -1,8 +1,9 @@
 """Checks of loads, and of what bounds and damps the motion that they cause.
 
-A load that oscillates needs time for the waves to arrive and to become steady, and records that resolve them: a row
-passes a packet of the frequency f on at its group velocity, which is zero at the edges of a band. Runs that end before
-it has arrived show a row that seems to stop such waves: a cut-off that is not there.
+A load that oscillates needs time for the waves to arrive and to become steady, and records that
+resolve them: a row passes a packet of the frequency f on at its group velocity, which is zero at
+the edges of a band. Runs that end before it has arrived show a row that seems to stop such waves: a
+cut-off that is not there.
 """
 
 from __future__ import annotations
@@ -40,8 +41,12 @@ def check_plate(case: Case, errors: ErrorList) -> None:
 
 
 def check_side_gap(case: Case, errors: ErrorList) -> None:
-    """Check that there are side walls to leave a gap to, and that a negative gap leaves room for the packing."""
-    gap, most, key = case.boundary.gap, LARGEST * case.packing.diameter / 2, "boundary.side_gap"
+    """Check that there are side walls to leave a gap to, and that a negative gap leaves room for
+    the packing.
+    """
+    gap = case.boundary.gap
+    most = LARGEST * case.packing.diameter / 2
+    key = "boundary.side_gap"
     errors.check_first(
         (gap and not any(map(case.boundary.has_planes, "xy")), key,
          f'found {gap:g} m, but there are no side walls; expected boundary.sides = "wall"'),
@@ -51,7 +56,8 @@ def check_side_gap(case: Case, errors: ErrorList) -> None:
 
 LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
 LEAST_PERIODS = 3  # that sines are fitted to, in the last half of a run
-WINDOW_PERIODS = 8  # of a load whose amplitude rises and falls; even, for whole periods of half of its frequency
+# of a load whose amplitude rises and falls; even, for whole periods of half of its frequency
+WINDOW_PERIODS = 8
 LEAST_WINDOWS = 4
 
 _LOG = logging.getLogger("granwave")
@@ -68,9 +74,11 @@ Array = NDArray[np.float64]
 def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     """Check that a run measures what it is to measure of a load that oscillates.
 
-    Weak waves in a row under a static load that surely do not arrive are an error, all else a warning.
+    Weak waves in a row under a static load that surely do not arrive are an error, all else a
+    warning.
     """
-    case, load = assembly.case, assembly.case.load
+    case = assembly.case
+    load = assembly.case.load
     if not load.driven or not load.oscillates or assembly.bars or case.output.history == 0:
         return
     row = measured_row(assembly)
@@ -91,37 +99,56 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def _too_few_periods(load: Load, end: float) -> str:
-    """Describe a run or a load that is too short for what is measured, with its key; empty if there is none."""
-    period, ends = 1 / load.frequencies[1], end * (1 + _TOLERANCE)
+    """Describe a run or a load that is too short for what is measured, with its key; empty if there
+    is none.
+    """
+    period = 1 / load.frequencies[1]
+    ends = end * (1 + _TOLERANCE)
     if load.shape == "harmonic" and ends < (least := 2 * LEAST_PERIODS * period):
         return (
             f"{_KEY}: found {end:g} s, expected {_up(least)} s or more: the steady motion is fitted over whole periods "
             f"in the last half of a run, at least {LEAST_PERIODS} of {period:.4g} s"
         )
-    if load.shape == "up-and-down" and load.lasts < (least := LEAST_WINDOWS * WINDOW_PERIODS * period):
+    if load.shape == "up-and-down" and load.lasts < (
+        least := LEAST_WINDOWS * WINDOW_PERIODS * period
+    ):
         return (
             f"load.duration: found {load.lasts:g} s, expected {_up(least)} s or more: the amplitudes of "
             f"{LEAST_WINDOWS} windows of {WINDOW_PERIODS} periods at least are compared"
         )
     if ends < load.lasts < math.inf:
-        what = "its amplitudes rising and falling are compared" if load.shape == "up-and-down" else "all of it is heard"
+        what = (
+            "its amplitudes rising and falling are compared"
+            if load.shape == "up-and-down"
+            else "all of it is heard"
+        )
         text = f"found {end:g} s, expected {_up(load.lasts)} s or more: the load lasts so long, and {what} then"
         return f"{_KEY}: {text}"
     return ""
 
 
 def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList) -> None:
-    """Check that waves have come from the loaded grain to the last one, and are steady where they are to be."""
+    """Check that waves have come from the loaded grain to the last one, and are steady where they
+    are to be.
+    """
     row, case, (first, last) = row_of(assembly), assembly.case, measured.ends
     if row is None:
         return
-    load, end, chain = case.load, case.run.longest, case.packing.kind == "chain"
+    load = case.load
+    end = case.run.longest
+    chain = case.packing.kind == "chain"
     way = abs(float(assembly.centre_of(last)[2] - assembly.centre_of(first)[2]))
-    beads = max(abs(last - first) if chain else way / (assembly.lattice.rule.layer_spacing * case.packing.diameter), 1)
+    beads = max(
+        abs(last - first)
+        if chain
+        else way / (assembly.lattice.rule.layer_spacing * case.packing.diameter),
+        1,
+    )
     low, high = load.frequencies
     frequency = np.array([low]) if low == high else np.linspace(low, high, _FREQUENCIES)
     travel = beads * row.per_bead(frequency)
-    passed, due = np.isfinite(travel), _due(load, frequency, travel)
+    passed = np.isfinite(travel)
+    due = _due(load, frequency, travel)
     late = passed & (due > end * (1 + _TOLERANCE))
     if not late.any():
         return
@@ -132,7 +159,8 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
             f"{_STEADY if load.shape == 'harmonic' else ''}"
         )
     else:
-        low, high = float(frequency[late].min()), float(frequency[late].max())
+        low = float(frequency[late].min())
+        high = float(frequency[late].max())
         text = (
             f"found {end:g} s, but waves of {low:.4g} to {high:.4g} Hz, the slower the nearer to the edge of a band, "
             f"come from sphere {first} to {last} after {float(due[late].min()):.3g} to {float(due[late].max()):.3g} s: "
@@ -143,18 +171,25 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
     unreached = beads * row.of_long_wave > end * (1 + 2 / beads)
     # weak loads leave contacts closed, so that waves run as small ones do
     on_contact = load.largest * (1.0 if load.kind == "force" else float(row.stiffness.max()))
-    if (sure or unreached) and case.precompression is not None and on_contact <= force_of_contact(assembly):
+    if (
+        (sure or unreached)
+        and case.precompression is not None
+        and on_contact <= force_of_contact(assembly)
+    ):
         errors.add(_KEY, f"{text}; output.history = 0 runs without measuring it")
     else:
         _LOG.warning("%s: %s: %s", case.name, _KEY, text)
 
 
 def _due(load: Load, frequency: Array, travel: Array) -> Array:
-    """Time after which each frequency has come, of a harmonic load when half of the run is steady: (n,), s."""
+    """Time after which each frequency has come, of a harmonic load when half of the run is steady:
+    (n,), s.
+    """
     if load.shape == "harmonic":
         return 2 * travel + load.rise
     if load.shape == "sweep":
-        start, end = load.frequency or 0.0, load.last_frequency or 0.0
+        start = load.frequency or 0.0
+        end = load.last_frequency or 0.0
         sent = load.lasts * (frequency - start) / (end - start) if end != start else 0.0 * frequency
         return np.asarray(sent + travel)
     return travel + (load.lasts if load.shape == "burst" else 0.0)
@@ -168,12 +203,16 @@ def _up(value: float) -> str:
 
 def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
     """Check which spheres absorb waves, and by what."""
-    case, lattice, seen = assembly.case, assembly.lattice, dict[int, str]()
+    case = assembly.case
+    lattice = assembly.lattice
+    seen = dict[int, str]()
     driven = struck_of(assembly) if case.absorb and case.load.kind == "displacement" else ()
     stage = case.precompression
     no_force = stage is None or stage.kind == "walls" or not len(lattice.rule.supports)
     for key, entry in numbered("absorb", case.absorb).items():
-        before, layers, by_rate = len(errors.lines), entry.layers or 0, entry.rate is not None
+        before = len(errors.lines)
+        layers = entry.layers or 0
+        by_rate = entry.rate is not None
         errors.check_first(
             ((entry.index is None) == (entry.layers is None), key,
              f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them"),
@@ -195,7 +234,8 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
             continue
         chosen = absorbing_ids(assembly, entry)
         low, high = rise_of(assembly, entry) or (0.0, 1.0)
-        moved, twice = sorted(set(chosen).intersection(driven)), [one for one in chosen if one in seen]
+        moved = sorted(set(chosen).intersection(driven))
+        twice = [one for one in chosen if one in seen]
         errors.check(
             *((True, key, f"damps sphere {one}, whose displacement is prescribed; expected others")
               for one in moved[:1]),

@@ -24,11 +24,15 @@ _WAYS = "index, a box from low to high, or share"
 
 
 def check_disorder(case: Case, errors: ErrorList) -> None:
-    """Check scatter, tilt and replaced spheres of a lattice, as far as possible before the bodies are placed."""
-    packing, replaced = case.packing, numbered("replace", case.replace)
+    """Check scatter, tilt and replaced spheres of a lattice, as far as possible before the bodies
+    are placed.
+    """
+    packing = case.packing
+    replaced = numbered("replace", case.replace)
     if packing.grains is not None:
         return
-    scatter, radius = packing.diameter_scatter, packing.diameter / 2
+    scatter = packing.diameter_scatter
+    radius = packing.diameter / 2
     errors.check(
         (scatter >= radius, "packing.diameter_scatter",
          f"found {scatter:g}, expected less than the radius, {radius:g} m"),
@@ -59,7 +63,9 @@ def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> 
     scatter = case.packing.diameter_scatter
     ways = {"index": entry.index, "a box": entry.low or entry.high, "share": entry.share}
     found = [name for name, value in ways.items() if value is not None]
-    low, high, one_way = entry.low, entry.high, len(found) == 1
+    low = entry.low
+    high = entry.high
+    one_way = len(found) == 1
     errors.check(
         (entry.diameter is None and entry.material is None, key, "changes nothing; give a material, or a diameter"),
         (entry.diameter is not None and scatter >= entry.diameter / 2, f"{key}.diameter",
@@ -73,20 +79,28 @@ def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> 
 
 
 def check_vacancies(case: Case, errors: ErrorList) -> None:
-    """Check that vacancies leave what the case names, and that every ``[[replace]]`` entry replaces a sphere."""
-    packing, key = case.packing, "packing.vacancies"
+    """Check that vacancies leave what the case names, and that every ``[[replace]]`` entry replaces
+    a sphere.
+    """
+    packing = case.packing
+    key = "packing.vacancies"
     if packing.grains is not None or not (packing.vacancies or case.replace):
         return
     listed = packing.vacancies if isinstance(packing.vacancies, tuple) else ()
-    n, chain = packing.n_spheres, bool(packing.vacancies) and packing.kind == "chain"
+    n = packing.n_spheres
+    chain = bool(packing.vacancies) and packing.kind == "chain"
     wrong = [sphere for sphere in listed if sphere > n]
     errors.check(
         (chain, key, "found in a chain, which has none: it would be two chains"),
-        *((not chain, key, f"found {one}, expected ids from 1 to {n}, the end of the packing") for one in wrong[:1]),
+        *(
+            (not chain, key, f"found {one}, expected ids from 1 to {n}, the end of the packing")
+            for one in wrong[:1]
+        ),
     )
     if errors.lines:
         return  # the named spheres are unknown while other keys are wrong
-    lattice, present = packing.lattice(periodic=case.boundary.sides == "periodic"), np.ones(n, dtype=bool)
+    lattice = packing.lattice(periodic=case.boundary.sides == "periodic")
+    present = np.ones(n, dtype=bool)
     if packing.vacancies:
         named = named_spheres(case, lattice)
         clash = [sphere for sphere in listed if sphere in named]
@@ -100,19 +114,28 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         try:
             present[vacant_sites(packing, n, named)] = False
         except ValueError as error:
-            errors.add(key, f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller")
+            errors.add(
+                key,
+                f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller",
+            )
             return
-    low, high = ("[" + ", ".join(f"{value:g}" for value in corner) + "]" for corner in lattice.bounds())
+    low, high = (
+        "[" + ", ".join(f"{value:g}" for value in corner) + "]" for corner in lattice.bounds()
+    )
     for place, entry in enumerate(case.replace, start=1):
         if not present[chosen_sites(packing, lattice, entry, place, present)].any():
             box = f"found no sphere in the box from {list(entry.low or ())} to {list(entry.high or ())}; centres lie"
             share = f"found a share of {entry.share or 0.0:g} of {np.count_nonzero(present)} spheres, which is none"
-            errors.add(f"replace.{place}", f"{box} from {low} to {high}" if entry.share is None else share)
+            errors.add(
+                f"replace.{place}", f"{box} from {low} to {high}" if entry.share is None else share
+            )
 
 
 def check_room(case: Case, errors: ErrorList) -> None:
     """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
-    if case.packing.kind == "chain" or not any((entry.diameter or 0) > case.packing.diameter for entry in case.replace):
+    if case.packing.kind == "chain" or not any(
+        (entry.diameter or 0) > case.packing.diameter for entry in case.replace
+    ):
         return
     sites = sites_of(case, layout_of(case.packing, case.boundary))
     pairs, gaps = sites.near_larger()
@@ -133,7 +156,8 @@ def check_room(case: Case, errors: ErrorList) -> None:
 
 def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
     """Check that larger spheres do not overlap the planes, which touch nominal spheres."""
-    lattice, boundary = sites.lattice, case.boundary
+    lattice = sites.lattice
+    boundary = case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
     planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
     planes += [("plate", 2, low[2], -1)] if case.load.plate is not None else []
@@ -168,7 +192,11 @@ def check_pairs(case: Case, errors: ErrorList) -> None:
     for key, pair in numbered("pair", case.pair).items():
         _check_law(pair.contact, key, errors)
     bodies = [*case.replace, *case.striker, case.bar, case.incident_bar]
-    materials = [case.material, *(body.material for body in bodies if body is not None), *case.materials]
+    materials = [
+        case.material,
+        *(body.material for body in bodies if body is not None),
+        *case.materials,
+    ]
     materials += [case.boundary.bottom_material, case.boundary.sides_material]
     known = dict.fromkeys([*(one.name for one in materials if one is not None and one.name), RIGID])
     for key, pair in numbered("pair", case.pair).items():
@@ -180,13 +208,19 @@ def check_pairs(case: Case, errors: ErrorList) -> None:
 
 
 def check_contact(case: Case, errors: ErrorList) -> None:
-    """Check ``[contact]``, and yield strengths where a law yields; walls and bars without one are elastic."""
+    """Check ``[contact]``, and yield strengths where a law yields; walls and bars without one are
+    elastic.
+    """
     _check_law(case.contact, "contact", errors)
-    for key, body in (numbered("replace", case.replace) | numbered("striker", case.striker)).items():
+    for key, body in (
+        numbered("replace", case.replace) | numbered("striker", case.striker)
+    ).items():
         _check_yield(case, body.material, f"{key}.material", errors)
     _check_yield(case, case.material, "material", errors)
     of_file = case.packing.grains.material if case.packing.grains is not None else ()
-    for name in sorted({*presets(), *(str(one.name) for one in case.materials)}.intersection(of_file)):
+    for name in sorted(
+        {*presets(), *(str(one.name) for one in case.materials)}.intersection(of_file)
+    ):
         _check_yield(case, case.named_material(name), f"packing.file: material {name}", errors)
 
 
@@ -194,7 +228,9 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
     """Check that a material has a yield strength if its contacts yield."""
     if material is None or material.yield_strength is not None:
         return
-    law, name, give = case.contact_between(material, material), material.name, "give a number in Pa"
+    law = case.contact_between(material, material)
+    name = material.name
+    give = "give a number in Pa"
     if name in presets():
         give = f'{name} has none, write material = {{preset = "{name}", yield_strength = (Pa)}}'
     errors.check((law.yields, f"{key}.yield_strength",
@@ -202,9 +238,12 @@ def _check_yield(case: Case, material: Material | None, key: str, errors: ErrorL
 
 
 def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
-    """Check that a law has the constants that it takes, and no others, and that it can cohere and resist twisting."""
+    """Check that a law has the constants that it takes, and no others, and that it can cohere and
+    resist twisting.
+    """
     for name in ("constant", "exponent"):
-        value, takes = getattr(contact, name), contact.takes(name)
+        value = getattr(contact, name)
+        takes = contact.takes(name)
         errors.check(
             (value is None and takes, f"{key}.{name}",
              f'missing; law = "{contact.law}" is F = constant overlap^exponent'),
@@ -227,19 +266,28 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
         errors.check(*((True, f"{key}.{name}", f"belongs to law elastoplastic, variant continuous; {found}")
                        for name in names))  # fmt: skip
     elif names and (fault := error_in_constants(contact)):
-        key, found = (f"{key}.{names[0]}", "") if len(names) == 1 else (key, f"{', '.join(names)}: ")
+        key, found = (
+            (f"{key}.{names[0]}", "") if len(names) == 1 else (key, f"{', '.join(names)}: ")
+        )
         errors.add(key, f"{found}no passive law: {fault}")
 
 
-_MOST_SUNKEN = 0.05  # overlap by cohesion over the radius of a sphere, up to which contacts are small
+# overlap by cohesion over the radius of a sphere, up to which contacts are small
+_MOST_SUNKEN = 0.05
 
 
 def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
     """Check that a packing that coheres begins at rest, and that necks are within reach."""
-    case, boundary, packing = assembly.case, assembly.case.boundary, assembly.case.packing
+    case = assembly.case
+    boundary = assembly.case.boundary
+    packing = assembly.case.packing
     if not case.has_cohesion:
         return
-    keys = [f"{key}.cohesion" for key, pair in numbered("pair", case.pair).items() if pair.contact.coheres]
+    keys = [
+        f"{key}.cohesion"
+        for key, pair in numbered("pair", case.pair).items()
+        if pair.contact.coheres
+    ]
     key = "contact.cohesion" if case.contact.coheres else keys[0]
     unlike = [name for name, there in (
         ("packing.diameter_scatter", packing.diameter_scatter), ("replace", case.replace),
@@ -249,11 +297,14 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
         ("cylinders", assembly.has_cylinders),
     ) if there]  # fmt: skip
     rest = "it begins at rest where no contact bears a force, which is found for equal spheres"
-    errors.check(*((True, key, f"found with {name}, expected a packing without: {rest}") for name in unlike))
+    errors.check(
+        *((True, key, f"found with {name}, expected a packing without: {rest}") for name in unlike)
+    )
     if isinstance(assembly.lattice, Places) and assembly.lattice.n_contacts:
         text = f'found with packing.kind = "file" and {assembly.lattice.n_contacts} contacts between its grains'
         errors.add(key, f"{text}, expected grains that are apart: {rest} on a lattice")
-    gap, radius = boundary.forget_gap * packing.diameter, packing.diameter / 2
+    gap = boundary.forget_gap * packing.diameter
+    radius = packing.diameter / 2
     laws = [] if unlike else [law for law, _ in cohesive_laws(assembly)]
     neck = max((law.neck_length for law in laws), default=0.0)
     sunken = max((law.balanced_overlap for law in laws), default=0.0)
@@ -276,38 +327,62 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
     wrong: dict[str, str] = {}
     for first, second, shapes in _material_pairs(assembly):
         contact = case.contact_between(first, second)
-        own = [f"{key}.loss" for key, pair in numbered("pair", case.pair).items() if pair.contact is contact]
+        own = [
+            f"{key}.loss"
+            for key, pair in numbered("pair", case.pair).items()
+            if pair.contact is contact
+        ]
         try:
             viscous_loss(assembly, contact, first, second, flat=shapes is None, shapes=shapes)
         except ValueError as error:
             names = " and ".join(RIGID if one is None else str(one.name) for one in (first, second))
             loss = dataclasses.asdict(contact.loss) if contact.loss else {}
             found = show({name: value for name, value in loss.items() if value is not None})
-            wrong.setdefault([*own, "contact.loss"][0], f"found {found}, expected of {names} a restitution of {error}")
+            wrong.setdefault(
+                [*own, "contact.loss"][0],
+                f"found {found}, expected of {names} a restitution of {error}",
+            )
     errors.check(*((True, key, message) for key, message in wrong.items()))
 
 
 def check_rates(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that laws of yielding contacts know materials whose yield strength depends on the strain rate."""
+    """Check that laws of yielding contacts know materials whose yield strength depends on the
+    strain rate.
+    """
     case = assembly.case
     for first, second, _ in _material_pairs(assembly):
         contact = case.contact_between(first, second)
         known = contact.takes("rate_sensitivity") and contact.variant == "continuous"
-        if contact.yields and not known and any(one is not None and one.rate_sensitivity for one in (first, second)):
+        if (
+            contact.yields
+            and not known
+            and any(one is not None and one.rate_sensitivity for one in (first, second))
+        ):
             law = f"{contact.law}, {contact.variant}" if contact.takes("variant") else contact.law
-            names = ", ".join(name for name, entry in LAWS.items() if "rate_sensitivity" in entry.options)
+            names = ", ".join(
+                name for name, entry in LAWS.items() if "rate_sensitivity" in entry.options
+            )
             errors.add(
-                "material.rate_sensitivity", f"found with law {law}, expected one of {names} (continuous), or none"
+                "material.rate_sensitivity",
+                f"found with law {law}, expected one of {names} (continuous), or none",
             )
             return
 
 
-def _material_pairs(assembly: Assembly) -> Iterable[tuple[Material, Material | None, tuple[Shape, Shape] | None]]:
-    """Iterate over the materials that may touch, and the shapes of two grains; None: a grain on a plane."""
+def _material_pairs(
+    assembly: Assembly,
+) -> Iterable[tuple[Material, Material | None, tuple[Shape, Shape] | None]]:
+    """Iterate over the materials that may touch, and the shapes of two grains; None: a grain on a
+    plane.
+    """
     grains = [species for species in assembly.species if species.role == "sphere"]
     for n, one in enumerate(grains):
-        yield from ((one.material, other.material, (one.shape, other.shape)) for other in grains[n:])
-        yield from ((one.material, face.material, None) for face in assembly.species if face.role == "face")
+        yield from (
+            (one.material, other.material, (one.shape, other.shape)) for other in grains[n:]
+        )
+        yield from (
+            (one.material, face.material, None) for face in assembly.species if face.role == "face"
+        )
     for wall in walls(assembly):
         fixes = wall.fixes
         yield from ((material, wall.material, None) for _, _, material in fixes)

@@ -28,15 +28,21 @@ _INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 de
 
 def check_precompression(case: Case, errors: ErrorList) -> None:
     """Check the values of a precompression, and that the boundary can bear it."""
-    stage, packing, boundary = case.precompression, case.packing, case.boundary
+    stage = case.precompression
+    packing = case.packing
+    boundary = case.boundary
     if stage is None:
         return
     for name, bar in (("bar", case.bar), ("incident_bar", case.incident_bar)):
         if bar is not None:
-            errors.add(_TABLE, f"found beside [{name}], whose far end nothing holds; take one of them out")
+            errors.add(
+                _TABLE, f"found beside [{name}], whose far end nothing holds; take one of them out"
+            )
             return
     _check_size(stage, packing, errors)
-    lattice, chain, uniform = packing.grains is None, packing.kind == "chain", stage.kind == "uniform"
+    lattice = packing.grains is None
+    chain = packing.kind == "chain"
+    uniform = stage.kind == "uniform"
     errors.check(
         (stage.takes_overlaps and lattice, f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
          f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
@@ -46,7 +52,8 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(case, stage, errors)
         return
-    flat, support = uniform and (chain or is_plane_crystal(packing.kind)), boundary.bottom_support
+    flat = uniform and (chain or is_plane_crystal(packing.kind))
+    support = boundary.bottom_support
     errors.check(
         (flat, f"{_TABLE}.kind",
          f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
@@ -65,23 +72,32 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
 
 
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
-    """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the layers."""
+    """Refuse a static load that yields every contact, exceeds the range of the law, or spreads the
+    layers.
+    """
     case = assembly.case
-    stage, contact = case.precompression, case.contact_between(case.material, case.material)
+    stage = case.precompression
+    contact = case.contact_between(case.material, case.material)
     if stage is None:
         return
     if stage.kind == "walls":
         _check_yield_by_walls(assembly, stage, errors)
     if stage.moves_walls or isinstance(assembly.lattice, Places):
-        if case.packing.cell is None or case.bears_along_z:  # else it is a load on an endless packing, for bands
+        if (
+            case.packing.cell is None or case.bears_along_z
+        ):  # else it is a load on an endless packing, for bands
             _check_top(assembly, stage, errors)
         _check_presses(assembly, stage, errors)
         return
     name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
     if stage.kind == "gravity":
-        name, unit = "acceleration", "m/s^2"
-    law, largest = sphere_contact(case), force_of_contact(assembly)
-    least = largest / (assembly.lattice.shape[2] if stage.kind == "gravity" else 1)  # on contacts of the top layer
+        name = "acceleration"
+        unit = "m/s^2"
+    law = sphere_contact(case)
+    largest = force_of_contact(assembly)
+    least = largest / (
+        assembly.lattice.shape[2] if stage.kind == "gravity" else 1
+    )  # on contacts of the top layer
     deepest = _force_at_largest_overlap(law)
     # contacts with initial dents stay elastic beyond first yield
     elastic_range = contact.yields and law.elastic_limit > 0 and not case.contact.initial_overlap
@@ -107,13 +123,23 @@ def _force_at_largest_overlap(law: ContactLaw) -> float:
 
 
 def check_plates(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix of its own."""
-    case, layers = assembly.case, []
+    """Check that spheres on a moving bottom, or under a plate, are of one material, which has a fix
+    of its own.
+    """
+    case = assembly.case
+    layers = []
     if (support := case.boundary.bottom_support) is not None:
         below = materials_at(assembly, assembly.lattice.last_layer)
         layers.append(("boundary.bottom", f"found a {support.kind} under", below, "last"))
     if case.load.plate is not None:
-        layers.append(("load.kind", 'found "plate" on', materials_at(assembly, assembly.lattice.top_layer), "top"))
+        layers.append(
+            (
+                "load.kind",
+                'found "plate" on',
+                materials_at(assembly, assembly.lattice.top_layer),
+                "top",
+            )
+        )
     for key, found, materials, layer in layers:
         names = " and ".join(material.name or "?" for material in materials) or "no material"
         errors.check((len(materials) != 1, key,
@@ -121,7 +147,9 @@ def check_plates(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> bool:
-    """Return True if the load would push the spheres of a layer apart: no friction, pressure or period holds them."""
+    """Return True if the load would push the spheres of a layer apart: no friction, pressure or
+    period holds them.
+    """
     (nx, ny, nz), packing, boundary = shape, case.packing, case.boundary
     if is_plane_crystal(packing.kind) and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
@@ -133,7 +161,11 @@ def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> 
 def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
     """Check that there are walls to move, and that they do not move through the packing."""
     boundary = case.boundary
-    there = {"x": boundary.has_planes("x"), "y": boundary.has_planes("y"), "tube": boundary.sides_tube is not None}
+    there = {
+        "x": boundary.has_planes("x"),
+        "y": boundary.has_planes("y"),
+        "tube": boundary.sides_tube is not None,
+    }
     most = LARGEST * case.packing.diameter / 2
     for name, distance in stage.moves.items():
         errors.check_first(
@@ -152,8 +184,11 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
     )  # fmt: skip
     if case.contact.line == "plane-strain":
         return
-    grains, own = case.packing.grains, (case.packing.of_grain, case.packing.diameter)
-    sizes = {own} if grains is None else set(zip(grains.shape, grains.diameter.tolist(), strict=True))
+    grains = case.packing.grains
+    own = (case.packing.of_grain, case.packing.diameter)
+    sizes = (
+        {own} if grains is None else set(zip(grains.shape, grains.diameter.tolist(), strict=True))
+    )
     for axis, name in enumerate("xy"):
         # The law of cylinders that lie along a wall ends at 2 length^2/diameter.
         ends = [(2 * shape.length**2 / diameter, shape.length) for shape, diameter in sizes
@@ -168,12 +203,20 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
 
 
 def _wall_key(name: str) -> str:
-    return f'boundary.{name} = "wall"' if name != "tube" else "boundary.sides = {tube = {radius = ...}}"
+    return (
+        f'boundary.{name} = "wall"'
+        if name != "tube"
+        else "boundary.sides = {tube = {radius = ...}}"
+    )
 
 
 def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Check that a force on the top of grains acts on some that can move, and that something bears it."""
-    case, top, key = assembly.case, set(assembly.lattice.top_layer.tolist()), f"{_TABLE}.force"
+    """Check that a force on the top of grains acts on some that can move, and that something bears
+    it.
+    """
+    case = assembly.case
+    top = set(assembly.lattice.top_layer.tolist())
+    key = f"{_TABLE}.force"
     held = [min(grains) for hold in case.holds.values()
             if "z" in hold.axes and (grains := top.intersection(held_ids(case, hold)))]  # fmt: skip
     errors.check_first(
@@ -187,17 +230,21 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
 
 
 def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Check that walls that move to a force do not yield the spheres that they press, nor exceed their law."""
+    """Check that walls that move to a force do not yield the spheres that they press, nor exceed
+    their law.
+    """
     for name, force in stage.presses.items():
         wall = next((wall for wall in walls(assembly) if wall.name.startswith(name)), None)
         grains = [] if wall is None else grains_at_wall(assembly, wall).tolist()
         if not grains or assembly.shape_of(grains[0]) is not None:  # a cylinder stays elastic
             continue
-        law, share = flat_contact(assembly, grains[0], wall.material if wall else None), force / len(grains)
+        law = flat_contact(assembly, grains[0], wall.material if wall else None)
+        share = force / len(grains)
         limit = _force_at_largest_overlap(law)
         what = f"the law holds up to {limit:.3g} N"
         if assembly.case.contact.yields and 0 < law.yield_force < limit:
-            limit, what = law.yield_force, f"first yield is at {law.yield_force:.3g} N"
+            limit = law.yield_force
+            what = f"first yield is at {law.yield_force:.3g} N"
         if share > limit:
             found = f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}"
             hint = f"give less than {limit * len(grains):.3g} N, or a distance {name}"
@@ -205,18 +252,33 @@ def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList)
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
-    """Refuse walls that move farther than any row of contacts, from wall to wall or axis, can give way elastically."""
-    case, n, grains = assembly.case, assembly.lattice.n_spheres, assembly.case.packing.grains
+    """Refuse walls that move farther than any row of contacts, from wall to wall or axis, can give
+    way elastically.
+    """
+    case = assembly.case
+    n = assembly.lattice.n_spheres
+    grains = assembly.case.packing.grains
     contact = case.contact_between(case.material, case.material)
     if errors.lines or not contact.yields or case.contact.initial_overlap:
         return
-    kinds = {(assembly.diameter_of(k), assembly.material_of(k).name): k for k in range(1, (n if grains else 1) + 1)}
-    ids, smallest = list(kinds.values()), min(diameter for diameter, _ in kinds)
-    laws = [pair_contact(assembly, first, second) for first, second in combinations_with_replacement(ids, 2)]
+    kinds = {
+        (assembly.diameter_of(k), assembly.material_of(k).name): k
+        for k in range(1, (n if grains else 1) + 1)
+    }
+    ids = list(kinds.values())
+    smallest = min(diameter for diameter, _ in kinds)
+    laws = [
+        pair_contact(assembly, first, second)
+        for first, second in combinations_with_replacement(ids, 2)
+    ]
     laws += [flat_contact(assembly, sphere, case.boundary.sides_material) for sphere in ids]
     most = max(law.yield_overlap for law in laws)
     places = grains.position if grains else assembly.lattice.positions(1, n)
-    across = {"tube": case.boundary.sides_tube or 0.0, "x": np.ptp(places[:, 0]) / 2, "y": np.ptp(places[:, 1]) / 2}
+    across = {
+        "tube": case.boundary.sides_tube or 0.0,
+        "x": np.ptp(places[:, 0]) / 2,
+        "y": np.ptp(places[:, 1]) / 2,
+    }
     for name, distance in stage.moves.items():
         limit = _INCLINED * (math.ceil(across[name] / smallest) + 1) * most
         errors.check(
@@ -228,15 +290,21 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
 
 def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
     """Check that a load has the values of its kind, and no others."""
-    kind, of_kind = stage.kind, "precompression.kind = "
+    kind = stage.kind
+    of_kind = "precompression.kind = "
     moving = [*stage.moves, *(f"{name}_force" for name in stage.presses)]
     given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
-    instead = "acceleration" if kind == "gravity" else "x, y or tube, in m, or force, in N, on the top"
-    foreign = [name for name in given if kind == "gravity" or (stage.moves_walls and name != "force")]
+    instead = (
+        "acceleration" if kind == "gravity" else "x, y or tube, in m, or force, in N, on the top"
+    )
+    foreign = [
+        name for name in given if kind == "gravity" or (stage.moves_walls and name != "force")
+    ]
     faceless = packing.kind == "chain" or is_plane_crystal(packing.kind)
     what = "a chain" if packing.kind == "chain" else "a crystal in the plane"
     count = f"found {'both' if given else 'neither'} pressure {'and' if given else 'nor'} force, expected one of them"
-    by_force, dead = kind == "uniform" and stage.force is not None, kind in ("uniaxial", "uniform")
+    by_force = kind == "uniform" and stage.force is not None
+    dead = kind in ("uniaxial", "uniform")
     errors.check(
         *((kind != "walls", f"{_TABLE}.{name}", f'belongs to {of_kind}"walls"; found {show(kind)}') for name in moving),
         *((True, f"{_TABLE}.{name}", f"does not belong to {of_kind}{show(kind)}; give {instead}") for name in foreign),

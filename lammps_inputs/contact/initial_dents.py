@@ -1,8 +1,9 @@
-"""Initial dents of contacts, ``contact.initial_overlap``: by value, by region, or from an earlier run.
+"""Initial dents of contacts, ``contact.initial_overlap``: by value, by region, or from an earlier
+run.
 
-A dent is given by the largest overlap that a contact had before the run, or by the force that it carried at this
-overlap on first loading; up to it the contact is elastic from then on. Overlaps below first yield leave no dent, and
-neither do contacts whose law does not yield.
+A dent is given by the largest overlap that a contact had before the run, or by the force that it
+carried at this overlap on first loading; up to it the contact is elastic from then on. Overlaps
+below first yield leave no dent, and neither do contacts whose law does not yield.
 """
 
 from __future__ import annotations
@@ -68,23 +69,27 @@ class NearContacts(NamedTuple):
 
 
 def _dents(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the largest overlaps so far, as a region gives them, of contacts with effective radii (n,): (n,), m.
+    """Return the largest overlaps so far, as a region gives them, of contacts with effective radii
+    (n,): (n,), m.
 
     Those by a force (N) are where first loading reaches it; F/R*^2 depends on alpha/R* only.
     """
     if not region.force:
         return np.full(len(radius), (region.overlap or 0.0) if region.force is None else 0.0)
     wanted = region.force * (law.effective_radius / radius) ** 2
-    low, high = np.zeros_like(wanted), np.full_like(wanted, 2 * law.effective_radius)
+    low = np.zeros_like(wanted)
+    high = np.full_like(wanted, 2 * law.effective_radius)
     for _ in range(_HALVINGS):
         middle = (low + high) / 2
         below = law.loading_force(middle) < wanted
-        low, high = np.where(below, middle, low), np.where(below, high, middle)
+        low = np.where(below, middle, low)
+        high = np.where(below, high, middle)
     return high * radius / law.effective_radius
 
 
 def dents_table(assembly: Assembly) -> str:
-    """Return the initial dents as input of ``gran/dents read``: spheres i and j, or a wall's fix and a sphere.
+    """Return the initial dents as input of ``gran/dents read``: spheres i and j, or a wall's fix
+    and a sphere.
 
     Raises
     ------
@@ -95,7 +100,9 @@ def dents_table(assembly: Assembly) -> str:
     path = earlier_result(assembly.case)
     known = None if path is None else dents_of_result(assembly, path)
     for near in contacts_at_start(assembly):
-        law, radius, peak = near.law, near.effective_radius, np.zeros(len(near.second))
+        law = near.law
+        radius = near.effective_radius
+        peak = np.zeros(len(near.second))
         for region in _regions(assembly.case) if known is None else ():
             peak = np.where(near.inside(region), _dents(region, law, radius), peak)
         if known is not None:
@@ -103,18 +110,27 @@ def dents_table(assembly: Assembly) -> str:
             peak = np.array([known.get(key, 0.0) for key in keys])
         dented = peak > law.elastic_limit * radius / law.effective_radius  # beyond first yield
         columns = (column[dented].tolist() for column in (near.first, near.second, peak))
-        rows += [f"{first} {second} {value:.17g}\n" for first, second, value in zip(*columns, strict=True)]
+        rows += [
+            f"{first} {second} {value:.17g}\n"
+            for first, second, value in zip(*columns, strict=True)
+        ]
     return "".join(rows)
 
 
 def error_in_dents(assembly: Assembly) -> str:
-    """Describe the fault in dents given by value; empty if none. A result.h5 is not read: it may have been removed."""
+    """Describe the fault in dents given by value; empty if none. A result.h5 is not read: it may
+    have been removed.
+    """
     case = assembly.case
     given = case.contact.initial_overlap
     if not given:
         return ""
     kinds = [species.material for species in assembly.species if species.role == "sphere"]
-    yielding = [pair for pair in combinations_with_replacement(kinds, 2) if case.contact_between(*pair).yields]
+    yielding = [
+        pair
+        for pair in combinations_with_replacement(kinds, 2)
+        if case.contact_between(*pair).yields
+    ]
     if not yielding:
         return f'found dents with contact.law = "{case.contact.law}", which cannot yield; take another law, or no dents'
     if isinstance(given, str):
@@ -122,16 +138,23 @@ def error_in_dents(assembly: Assembly) -> str:
     smallest = float(assembly.sphere_diameters().min()) / 2
     for pair in yielding:
         law = law_between(case.contact_between(*pair), pair, (smallest, smallest))
-        deepest, limit = _deepest(case, law), LARGEST * law.effective_radius
+        deepest = _deepest(case, law)
+        limit = LARGEST * law.effective_radius
         if deepest > limit:
-            found = f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
+            found = (
+                f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
+            )
             return f"{found}, as far as the contact law holds"
     boxes = [region for region in _regions(case) if region.low or region.high]
     there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
         if not any(near.inside(box).any() for near in there):
-            bounds = {name: list(getattr(box, name)) for name in ("low", "high") if getattr(box, name)}
-            return f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
+            bounds = {
+                name: list(getattr(box, name)) for name in ("low", "high") if getattr(box, name)
+            }
+            return (
+                f"found no contact in the box {show(bounds)}, expected one that holds contacts (m)"
+            )
     return ""
 
 
@@ -147,11 +170,17 @@ def largest_dent(case: Case, law: ContactLaw) -> float:
         earlier = _read_earlier(path)
     except _UNREADABLE:  # reported by `dents_of_result`
         return 0.0
-    return float(max(earlier[name]["peak_overlap"].max(initial=0.0) for name in ("contacts", "wall_contacts")))
+    return float(
+        max(
+            earlier[name]["peak_overlap"].max(initial=0.0) for name in ("contacts", "wall_contacts")
+        )
+    )
 
 
 def earlier_result(case: Case) -> Path | None:
-    """Return the path of the result.h5 that the dents of a case come from; None if they are given by value."""
+    """Return the path of the result.h5 that the dents of a case come from; None if they are given
+    by value.
+    """
     if not isinstance(case.contact.initial_overlap, str):
         return None
     path = Path(case.contact.initial_overlap)
@@ -159,25 +188,40 @@ def earlier_result(case: Case) -> Path | None:
 
 
 def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
-    """Return the yielding contacts of spheres, walls and bars with a small gap at the start, by pair of materials."""
+    """Return the yielding contacts of spheres, walls and bars with a small gap at the start, by
+    pair of materials.
+    """
     case = assembly.case
-    ids, positions, radii = assembly.ids, assembly.positions(), assembly.sphere_diameters() / 2
+    ids = assembly.ids
+    positions = assembly.positions()
+    radii = assembly.sphere_diameters() / 2
     of_types = [species.material for species in assembly.species if species.role == "sphere"]
     materials = list(dict.fromkeys(of_types))
     kind = np.array([materials.index(one) for one in of_types])[assembly.body[assembly.present]]
     reach = _INSIDE * min(case.boundary.forget_gap, _REACH) * case.packing.diameter
     found = []
 
-    def add(pair: tuple[Material, Material | None], first: NDArray, row: NDArray, *radius_and_place: NDArray) -> None:
+    def add(
+        pair: tuple[Material, Material | None],
+        first: NDArray,
+        row: NDArray,
+        *radius_and_place: NDArray,
+    ) -> None:
         contact = case.contact_between(*pair)
         if contact.yields and len(row):
-            found.append(NearContacts(law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place))
+            found.append(
+                NearContacts(
+                    law_between(contact, pair, (1.0, 1.0)), first, ids[row], *radius_and_place
+                )
+            )
 
     period = assembly.lattice.lengths if assembly.lattice.periodic else None
     one, two = near_pairs(positions, radii, reach, period).T
     step = nearest_image(positions[two] - positions[one], period)
     near = np.linalg.norm(step, axis=1) - radii[one] - radii[two] <= reach
-    one, two, step = one[near], two[near], step[near]
+    one = one[near]
+    two = two[near]
+    step = step[near]
     place = positions[one] + step * (radii[one] / (radii[one] + radii[two]))[:, None]
     radius = radii[one] * radii[two] / (radii[one] + radii[two])
     low, high = np.sort([kind[one], kind[two]], axis=0)
@@ -185,17 +229,28 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
         rows = (low == n) & (high == m)
         add((materials[n], materials[m]), ids[one[rows]], two[rows], radius[rows], place[rows])
     for wall in walls(assembly):
-        near = np.flatnonzero((wall.gaps(positions, radii) <= reach) & (ids <= assembly.lattice.n_spheres))
+        near = np.flatnonzero(
+            (wall.gaps(positions, radii) <= reach) & (ids <= assembly.lattice.n_spheres)
+        )
         if (chosen := touched_by(assembly, wall)) is not None:
             near = near[chosen[ids[near] - 1]]
         for name, _, material in wall.fixes:
             own = near[kind[near] == materials.index(material)]
-            radius, place = wall.effective_radii(radii[own]), wall.nearest(positions[own])
-            add((material, wall.material), np.full(len(own), name, dtype=object), own, radius, place)
+            radius = wall.effective_radii(radii[own])
+            place = wall.nearest(positions[own])
+            add(
+                (material, wall.material), np.full(len(own), name, dtype=object), own, radius, place
+            )
     for bar in assembly.bars:
         row = np.searchsorted(ids, [bar.touches])
         face = np.array([[0.0, 0.0, bar.position[bar.face - bar.first]]])
-        add((assembly.material_of(bar.touches), bar.material), np.array([bar.face]), row, radii[row], face)
+        add(
+            (assembly.material_of(bar.touches), bar.material),
+            np.array([bar.face]),
+            row,
+            radii[row],
+            face,
+        )
     return found
 
 
@@ -207,11 +262,21 @@ def _regions(case: Case) -> tuple[Dents, ...]:
 
 def _deepest(case: Case, law: ContactLaw) -> float:
     """Return the largest dent given by value, for contacts of one law, m."""
-    return max(float(_dents(region, law, np.array([law.effective_radius]))[0]) for region in _regions(case))
+    return max(
+        float(_dents(region, law, np.array([law.effective_radius]))[0]) for region in _regions(case)
+    )
 
 
-_UNREADABLE = (OSError, KeyError, TypeError, ValueError, AttributeError)  # errors of h5py with a damaged or other file
-_COLUMNS: dict[str, dict[str, tuple[type, int]]] = {  # by group: type and width; widths of 0 are columns of numbers
+_UNREADABLE = (
+    OSError,
+    KeyError,
+    TypeError,
+    ValueError,
+    AttributeError,
+)  # errors of h5py with a damaged or other file
+_COLUMNS: dict[
+    str, dict[str, tuple[type, int]]
+] = {  # by group: type and width; widths of 0 are columns of numbers
     "spheres": {"id": (np.int64, 0), "position": (np.float64, 3), "radius": (np.float64, 0)},
     "contacts": {"i": (np.int64, 0), "j": (np.int64, 0), "peak_overlap": (np.float64, 0)},
     "wall_contacts": {"wall": (object, 0), "id": (np.int64, 0), "peak_overlap": (np.float64, 0)},
@@ -234,14 +299,22 @@ def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int
         hint = "expected the result.h5 of a run, or its directory"
         raise InputError(f"{source}: there is no such file; {hint}") from None
     except _UNREADABLE as error:
-        raise InputError(f"{source}: is not the result.h5 of a run ({' '.join(str(error).split())})") from None
+        raise InputError(
+            f"{source}: is not the result.h5 of a run ({' '.join(str(error).split())})"
+        ) from None
     if fault := _other_packing(assembly, earlier["spheres"]):
         raise InputError(f"{source}: is of another packing: {fault}")
     first, second, peaks = (column.tolist() for column in earlier["contacts"].values())
-    found: dict[tuple[int | str, int], float] = dict(zip(zip(first, second, strict=True), peaks, strict=True))
+    found: dict[tuple[int | str, int], float] = dict(
+        zip(zip(first, second, strict=True), peaks, strict=True)
+    )
     faces = {bar.name: bar.face for bar in assembly.bars}
-    fixes = {(wall.name, material): name for wall in walls(assembly) for name, _, material in wall.fixes}
-    for wall, sphere, peak in zip(*(column.tolist() for column in earlier["wall_contacts"].values()), strict=True):
+    fixes = {
+        (wall.name, material): name for wall in walls(assembly) for name, _, material in wall.fixes
+    }
+    for wall, sphere, peak in zip(
+        *(column.tolist() for column in earlier["wall_contacts"].values()), strict=True
+    ):
         what = faces.get(wall) or fixes.get((wall, assembly.material_of(sphere)))
         if what is not None:
             found[what, sphere] = max(peak, found.get((what, sphere), 0.0))
@@ -249,7 +322,9 @@ def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int
 
 
 def _read_earlier(path: Path) -> dict[str, dict[str, NDArray]]:
-    """Read `_COLUMNS` of a result.h5, once until the file changes; raise one of `_UNREADABLE` for other files."""
+    """Read `_COLUMNS` of a result.h5, once until the file changes; raise one of `_UNREADABLE` for
+    other files.
+    """
     state = path.stat()
     return _read_once(path, state.st_mtime_ns, state.st_size)
 
@@ -264,21 +339,28 @@ def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDA
             table = found[group] = {}
             for name, (kind, width) in columns.items():
                 data = file[f"{group}/{name}"]
-                values = table[name] = np.asarray(data.asstr()[()] if kind is object else data[()], dtype=kind)
+                values = table[name] = np.asarray(
+                    data.asstr()[()] if kind is object else data[()], dtype=kind
+                )
                 if values.shape[1:] != (width,) * bool(width) or not values.ndim:
                     raise ValueError(f"{group}/{name}: found the shape {values.shape}")
                 least = 0.0 if name == "peak_overlap" else -np.inf
                 if kind is not object and not (np.isfinite(values) & (values >= least)).all():
-                    raise ValueError(f"{group}/{name}: found values that are not finite, or negative")
+                    raise ValueError(
+                        f"{group}/{name}: found values that are not finite, or negative"
+                    )
             lengths = [len(values) for values in table.values()]
             if len(set(lengths)) > 1:
-                raise ValueError(f"{group}: found columns of {' and '.join(map(str, lengths))} rows")
+                raise ValueError(
+                    f"{group}: found columns of {' and '.join(map(str, lengths))} rows"
+                )
     return found
 
 
 def _other_packing(assembly: Assembly, earlier: dict[str, NDArray]) -> str:
     """Describe the difference to the spheres of an earlier result; empty if none."""
-    limit, ids = TOUCHING * assembly.case.packing.diameter, assembly.ids
+    limit = TOUCHING * assembly.case.packing.diameter
+    ids = assembly.ids
     if len(earlier["id"]) != len(ids):
         return f"found {len(earlier['id'])} spheres, expected {len(ids)}"
     if (missing := np.setdiff1d(ids, earlier["id"])).size:

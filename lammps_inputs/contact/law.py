@@ -1,7 +1,9 @@
-"""Compiled contact laws of a case, between two spheres or a sphere and a wall or bar, and their viscous losses.
+"""Compiled contact laws of a case, between two spheres or a sphere and a wall or bar, and their
+viscous losses.
 
-The loss time of a restitution at a speed is found from the head-on collision of two bodies with their own law
-(`ContactLaw.collide`). Grains have the median diameter of those of their material, all of which have one time.
+The loss time of a restitution at a speed is found from the head-on collision of two bodies with
+their own law (`ContactLaw.collide`). Grains have the median diameter of those of their material,
+all of which have one time.
 """
 
 from __future__ import annotations
@@ -16,7 +18,13 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, LAWS, Cohesion, Contact, DashpotRestitution
+from granwave.lammps_inputs.case.contact import (
+    LAW_CONSTANTS,
+    LAWS,
+    Cohesion,
+    Contact,
+    DashpotRestitution,
+)
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
@@ -40,7 +48,9 @@ def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
 
 
 def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = None) -> ContactLaw:
-    """Return the law between a sphere and a flat: a wall or bar of a material, or a rigid wall (None)."""
+    """Return the law between a sphere and a flat: a wall or bar of a material, or a rigid wall
+    (None).
+    """
     assembly = assemble(case)
     return _law(assembly.case, _grain(assembly, sphere), (partner, math.inf, None))
 
@@ -49,7 +59,9 @@ def _grain(assembly: Assembly, sphere: int) -> tuple[Material, float, Shape]:
     return assembly.material_of(sphere), assembly.diameter_of(sphere) / 2, assembly.shape_of(sphere)
 
 
-def _law(case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]) -> ContactLaw:
+def _law(
+    case: Case, first: tuple[Material, float, Shape], second: tuple[Material | None, float, Shape]
+) -> ContactLaw:
     """Return the law between two bodies: material, radius and shape of each; without cohesion."""
     (material, radius, shape), (other, other_radius, other_shape) = first, second
     bare = dataclasses.replace(case.contact_between(material, other), cohesion=None)
@@ -69,7 +81,8 @@ def law_between(
     plane_strain: bool = False,
     effective_radius: float | None = None,
 ) -> ContactLaw:
-    """Return the law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m; infinite: flat).
+    """Return the law of ``[contact]`` between bodies of two materials (None: rigid) and radii (m;
+    infinite: flat).
 
     Parameters
     ----------
@@ -80,7 +93,8 @@ def law_between(
     plane_strain
         True if contacts along lines are in plane strain, False if bodies are half-spaces.
     effective_radius
-        Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and shapes: in a tube.
+        Radius of the sphere that is as stiff on a flat, m, where it does not follow from radii and
+        shapes: in a tube.
     """
     others: dict[str, Any] = {"checked": checked}
     if effective_radius is not None:
@@ -90,20 +104,27 @@ def law_between(
         if pair is not None and not pair.parallel:
             others["effective_radius"] = pair.effective_radius(*radii)
         else:  # along a line; a flat is not in the second place of shapes
-            elastic = [(one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0) for one in materials]
+            elastic = [
+                (one.youngs_modulus, one.poisson_ratio) if one else (math.inf, 0.0)
+                for one in materials
+            ]
             moduli, ratios = zip(*elastic, strict=True)
             bodies = {"youngs_modulus": moduli, "poisson_ratio": ratios}
             length = pair.length if pair is not None else shapes[0].length  # type: ignore[union-attr]
             others["line"] = (
                 LineContact.plane_strain(**bodies, radius=radii, length=length)
                 if plane_strain
-                else LineContact(**bodies, diameter=2 / sum(1 / radius for radius in radii), length=length)
+                else LineContact(
+                    **bodies, diameter=2 / sum(1 / radius for radius in radii), length=length
+                )
             )
     return contact.between(materials, radii, **others)
 
 
 def error_in_constants(contact: Contact) -> str:
-    """Describe why the constants of the elasto-plastic law do not give a passive law; empty if they do."""
+    """Describe why the constants of the elasto-plastic law do not give a passive law; empty if they
+    do.
+    """
     try:
         ContactLaw(
             youngs_modulus=(1.0, 1.0), poisson_ratio=(0.0, 0.0), yield_strength=(1.0, 1.0), radius=(1.0, 1.0),
@@ -124,7 +145,8 @@ def contact_of(
     checked: bool = True,
     cohesion: Cohesion | None = None,
 ) -> ContactLaw:
-    """Return the law between two bodies of one or two materials (None: rigid) and radii (m; infinite: flat).
+    """Return the law between two bodies of one or two materials (None: rigid) and radii (m;
+    infinite: flat).
 
     Parameters
     ----------
@@ -144,21 +166,29 @@ def contact_of(
     """
     for material in materials:
         if LAWS[law].yields and material is not None and material.yield_strength is None:
-            raise InputError(f"material {material.name}: yield_strength: missing; law {law} needs it")
+            raise InputError(
+                f"material {material.name}: yield_strength: missing; law {law} needs it"
+            )
     values: dict[str, Any] = {"law": law, "variant": variant, **(constants or {})}
     unknown = sorted(values.keys() - {"law", "variant", *LAW_CONSTANTS})
     if unknown:
-        raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}")
-    bodies, contact = (materials[0], materials[-1]), Contact(**values, cohesion=cohesion)
+        raise ValueError(
+            f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}"
+        )
+    bodies = (materials[0], materials[-1])
+    contact = Contact(**values, cohesion=cohesion)
     return law_between(contact, bodies, (radii[0], radii[-1]), checked=checked)  # type: ignore[arg-type]
 
 
 def energy_at_start(assembly: Assembly) -> float:
-    """Energy of contacts that cohere at the start, below 0 that of surfaces apart, J; 0 without cohesion.
+    """Energy of contacts that cohere at the start, below 0 that of surfaces apart, J; 0 without
+    cohesion.
 
     The energy is stationary there, so that rounding of positions does not count.
     """
-    case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
+    case = assembly.case
+    lattice = assembly.lattice
+    sites = assembly.sites
     if not case.has_cohesion or not isinstance(lattice, Lattice):
         return 0.0
     found = 0.0
@@ -175,7 +205,9 @@ def energy_at_start(assembly: Assembly) -> float:
 
 
 def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
-    """Iterate over the laws of spheres of the packing that cohere, each with twice the effective mass, kg."""
+    """Iterate over the laws of spheres of the packing that cohere, each with twice the effective
+    mass, kg.
+    """
     case = assembly.case
     if case.contact_between(case.material, case.material).coheres:
         yield cohesive_law(case, case.material), case.sphere_mass
@@ -186,7 +218,8 @@ def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
 
 _STEPS = 2000  # of a collision
 _ROUNDING = 1e-6  # of a restitution, in which collisions without loss differ from 1
-_MOST_TIME = 20.0  # loss time over the duration of the collision without loss: restitution is below 0.01
+# loss time over the duration of the collision without loss: restitution is below 0.01
+_MOST_TIME = 20.0
 _MOST_FACTOR = 50.0  # of a dashpot: restitution is below 0.01
 _ACCURACY = 1e-9  # of the time or factor found, relative to these
 
@@ -202,7 +235,8 @@ def viscous_loss(
     flat: bool = False,
     shapes: tuple[Shape, Shape] | None = None,
 ) -> Viscous | None:
-    """Return the loss of contacts between grains of a material and their partners; None if they lose nothing.
+    """Return the loss of contacts between grains of a material and their partners; None if they
+    lose nothing.
 
     Parameters
     ----------
@@ -224,13 +258,24 @@ def viscous_loss(
         return ("time", loss.time) if loss.time else None
     if loss.restitution is None or loss.velocity is None:
         dashpot = loss.dashpot
-        factor = dashpot_factor(dashpot.restitution) if isinstance(dashpot, DashpotRestitution) else dashpot
+        factor = (
+            dashpot_factor(dashpot.restitution)
+            if isinstance(dashpot, DashpotRestitution)
+            else dashpot
+        )
         return ("dashpot", factor) if factor else None
     grains = (first,) if flat or second is None else (first, second)
-    ids = [nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(grains)]
-    forms = [*(_grain(assembly, one)[1:] for one in ids), (math.inf, None)]  # a flat, where there is no second grain
+    ids = [
+        nominal_grain(assembly, one, shapes and shapes[n : n + 1]) for n, one in enumerate(grains)
+    ]
+    forms = [
+        *(_grain(assembly, one)[1:] for one in ids),
+        (math.inf, None),
+    ]  # a flat, where there is no second grain
     mass = 1 / sum(1 / assembly.mass_of(one) for one in ids)
-    time = _loss_time(contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass)
+    time = _loss_time(
+        contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass
+    )
     return ("time", time) if time else None
 
 
@@ -243,10 +288,13 @@ def _loss_time(
     plane_strain: bool,
     mass: float,
 ) -> float:
-    """Return the loss time with which two bodies of an effective mass (kg) have the restitution of the law, s."""
+    """Return the loss time with which two bodies of an effective mass (kg) have the restitution of
+    the law, s.
+    """
     loss = contact.loss
     assert loss is not None and loss.restitution is not None and loss.velocity is not None
-    restitution, velocity = loss.restitution, loss.velocity
+    restitution = loss.restitution
+    velocity = loss.velocity
     law = law_between(contact, materials, radii, shapes=shapes, plane_strain=plane_strain)
     alone = law.collide(mass, velocity, steps=_STEPS)
     if math.isnan(alone["restitution"]):  # nothing stops them
@@ -260,15 +308,21 @@ def _loss_time(
         return float(law.collide(mass, velocity, loss_time=time, steps=_STEPS)["restitution"])
 
     longest = _MOST_TIME * alone["duration"]
-    return _loss_of(left, restitution, longest, f"a loss time of {longest:.3g} s", _ACCURACY * alone["duration"])
+    return _loss_of(
+        left, restitution, longest, f"a loss time of {longest:.3g} s", _ACCURACY * alone["duration"]
+    )
 
 
 @lru_cache(maxsize=64)
 def dashpot_factor(restitution: float) -> float:
-    """Return the factor of the dashpot that gives a Hertzian contact this restitution, at any speed and size."""
+    """Return the factor of the dashpot that gives a Hertzian contact this restitution, at any speed
+    and size.
+    """
 
     one = (1.0, 1.0)
-    law = ContactLaw("hertz", youngs_modulus=one, poisson_ratio=(0.0, 0.0), yield_strength=one, radius=one)
+    law = ContactLaw(
+        "hertz", youngs_modulus=one, poisson_ratio=(0.0, 0.0), yield_strength=one, radius=one
+    )
 
     def left(factor: float) -> float:
         return float(law.collide(1.0, 1e-3, loss_dashpot=factor, steps=_STEPS)["restitution"])
@@ -276,8 +330,12 @@ def dashpot_factor(restitution: float) -> float:
     return _loss_of(left, restitution, _MOST_FACTOR, f"a factor of {_MOST_FACTOR:g}", _ACCURACY)
 
 
-def _loss_of(left: Callable[[float], float], restitution: float, most: float, named: str, accuracy: float) -> float:
-    """Return the size of a loss, at most ``most``, that leaves a restitution; raise ValueError if that leaves more."""
+def _loss_of(
+    left: Callable[[float], float], restitution: float, most: float, named: str, accuracy: float
+) -> float:
+    """Return the size of a loss, at most ``most``, that leaves a restitution; raise ValueError if
+    that leaves more.
+    """
     if left(0.0) <= restitution + _ROUNDING:
         return 0.0
     if (least := left(most)) > restitution:
@@ -285,8 +343,12 @@ def _loss_of(left: Callable[[float], float], restitution: float, most: float, na
     return brentq(lambda size: left(size) - restitution, 0.0, most, xtol=accuracy)
 
 
-def nominal_grain(assembly: Assembly, material: Material, shapes: Sequence[Shape] | None = None) -> int:
-    """Return the id of the grain of a material, and one of these shapes if they are given, with the median diameter."""
+def nominal_grain(
+    assembly: Assembly, material: Material, shapes: Sequence[Shape] | None = None
+) -> int:
+    """Return the id of the grain of a material, and one of these shapes if they are given, with the
+    median diameter.
+    """
     if assembly.sites.uniform and material == assembly.material:
         return 1
     fits = [one.material == material and (shapes is None or len(assembly.shapes) == 1 or one.shape in shapes)
@@ -294,10 +356,14 @@ def nominal_grain(assembly: Assembly, material: Material, shapes: Sequence[Shape
     ids = 1 + np.flatnonzero(assembly.present & np.array(fits)[assembly.body])
     own = ids[ids <= assembly.lattice.n_spheres]
     group = own if len(own) else ids if len(ids) else np.array([1])
-    return int(group[np.argsort(assembly.diameter[group - 1], kind="stable")[(len(group) - 1) // 2]])
+    return int(
+        group[np.argsort(assembly.diameter[group - 1], kind="stable")[(len(group) - 1) // 2]]
+    )
 
 
-def velocity_normalised(velocity: float, modulus: float, density: float, yield_strength: float) -> float:
+def velocity_normalised(
+    velocity: float, modulus: float, density: float, yield_strength: float
+) -> float:
     """Impact velocity in units that make materials collapse on one curve.
 
     ``(2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v``; for brass 4 m/s give 37.9.

@@ -1,7 +1,8 @@
-"""Contact of two bodies that are described by themselves, without a packing: sphere, cylinder, plane, tube.
+"""Contact of two bodies that are described by themselves, without a packing: sphere, cylinder,
+plane, tube.
 
-A body is a table such as ``{"shape": "cylinder", "radius": 0.005, "length": 0.01, "axis": "y", "material": "brass"}``.
-The laws are those of runs, from `granwave.lammps_inputs.contact.law`:
+A body is a table such as ``{"shape": "cylinder", "radius": 0.005, "length": 0.01, "axis": "y",
+"material": "brass"}``. The laws are those of runs, from `granwave.lammps_inputs.contact.law`:
 
 point   spheres on spheres, planes and the sides of cylinders, crossed cylinders, spheres in a tube: any law, with the
         radius of the sphere that is as stiff on a plane (general elliptic contact)
@@ -29,7 +30,15 @@ from granwave.lammps_inputs.case.material import (
     length_field,
     read_material,
 )
-from granwave.lammps_inputs.case.schema import ErrorList, choice, did_you_mean, number, read_table, refuse_unknown, show
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    choice,
+    did_you_mean,
+    number,
+    read_table,
+    refuse_unknown,
+    show,
+)
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
@@ -50,7 +59,9 @@ class _Table:
     """Keys of a body, without its material."""
 
     shape: str = choice("shape of the body", _SHAPES)
-    diameter: float | None = number("diameter of a sphere, cylinder or tube", "m", above=0, default=None)
+    diameter: float | None = number(
+        "diameter of a sphere, cylinder or tube", "m", above=0, default=None
+    )
     radius: float | None = number("radius, in place of the diameter", "m", above=0, default=None)
     length: float | None = length_field()
     axis: Vector | None = axis_field()
@@ -66,8 +77,11 @@ class Body:
     material: Material | None
 
 
-def contact_between_bodies(law: str, bodies: Sequence[Any], options: Mapping[str, Any]) -> ContactLaw:
-    """Return the law between two bodies, as tables (see the module) or the name of a shape without sizes (``plane``).
+def contact_between_bodies(
+    law: str, bodies: Sequence[Any], options: Mapping[str, Any]
+) -> ContactLaw:
+    """Return the law between two bodies, as tables (see the module) or the name of a shape without
+    sizes (``plane``).
 
     Parameters
     ----------
@@ -79,7 +93,8 @@ def contact_between_bodies(law: str, bodies: Sequence[Any], options: Mapping[str
     Raises
     ------
     InputError
-        A body, the law or an option is wrong, or the law does not describe the contact of these shapes.
+        A body, the law or an option is wrong, or the law does not describe the contact of these
+        shapes.
     """
     errors = ErrorList("contact")
     contact = _read_law(law, options, errors)
@@ -111,22 +126,40 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         errors.add("law", f"found {show(law)}, expected {expected}{did_you_mean(law, LAW_NAMES)}")
         return None
     entry = ALL_LAWS["hertz" if law == LINE else law]
-    known = [one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))]
+    known = [
+        one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))
+    ]
     known += [] if entry.is_power or law == LINE else ["cohesion"]
     before = len(errors.lines)
     if known:
         refuse_unknown(options, known, "", errors)
-    errors.check(*((not known, name, f"found with law {law}, which has no options") for name in options))
-    contact = read_table(Contact, {"law": law} | {name: options[name] for name in known if name in options}, "", errors)
+    errors.check(
+        *((not known, name, f"found with law {law}, which has no options") for name in options)
+    )
+    contact = read_table(
+        Contact,
+        {"law": law} | {name: options[name] for name in known if name in options},
+        "",
+        errors,
+    )
     missing = "missing; law power is F = constant overlap^exponent, N/m^exponent"
     if contact is not None and contact.cohesion is not None:
         neck = contact.cohesion.kind == "jkr" and contact.yields
-        errors.check((neck, "cohesion", f'found "jkr" with law {law}; it is of law hertz, expected "dmt"'))
-    errors.check(*((entry.is_power and name not in options, name, missing) for name in ("constant", "exponent")))
+        errors.check(
+            (neck, "cohesion", f'found "jkr" with law {law}; it is of law hertz, expected "dmt"')
+        )
+    errors.check(
+        *(
+            (entry.is_power and name not in options, name, missing)
+            for name in ("constant", "exponent")
+        )
+    )
     return contact if len(errors.lines) == before else None
 
 
-def _read_bodies(bodies: Any, errors: ErrorList, *, elastic: bool, needs_material: bool) -> tuple[Body, Body] | None:
+def _read_bodies(
+    bodies: Any, errors: ErrorList, *, elastic: bool, needs_material: bool
+) -> tuple[Body, Body] | None:
     """Return two bodies, a wall last; None with errors."""
     if isinstance(bodies, str | Mapping) or not isinstance(bodies, Sequence) or len(bodies) != 2:
         errors.add("bodies", f"found {show(bodies)}, expected {_EXAMPLE}")
@@ -149,18 +182,25 @@ def _read_bodies(bodies: Any, errors: ErrorList, *, elastic: bool, needs_materia
     return one, other
 
 
-def _read_body(table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_material: bool) -> Body | None:
+def _read_body(
+    table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_material: bool
+) -> Body | None:
     if isinstance(table, str):
         table = {"shape": table}
     if not isinstance(table, Mapping):
         errors.add(key, f"found {show(table)}, expected one of {_EXAMPLE}")
         return None
     before = len(errors.lines)
-    read = read_table(_Table, {name: value for name, value in table.items() if name != "material"}, key, errors)
+    read = read_table(
+        _Table, {name: value for name, value in table.items() if name != "material"}, key, errors
+    )
     if read is None:
         return None
-    shape, takes, material = read.shape, _KEYS[read.shape], table.get("material")
-    sized, sizes = _SIZE in takes, (read.diameter is not None) + (read.radius is not None)
+    shape = read.shape
+    takes = _KEYS[read.shape]
+    material = table.get("material")
+    sized = _SIZE in takes
+    sizes = (read.diameter is not None) + (read.radius is not None)
     given = "radius" if read.diameter is None else "diameter"
     errors.check(
         (sized and not sizes, f"{key}.diameter", f"missing; a {shape} has a diameter or a radius (m)"),
@@ -181,7 +221,9 @@ def _read_body(table: Any, key: str, errors: ErrorList, *, elastic: bool, needs_
     if len(errors.lines) > before:
         return None
     radius = math.inf if shape == "plane" else read.radius or (read.diameter or 0.0) / 2
-    cylinder = Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if shape == "cylinder" else None
+    cylinder = (
+        Cylinder(read.length or 0.0, read.axis or (0.0, 1.0, 0.0)) if shape == "cylinder" else None
+    )
     return Body(shape, radius, cylinder, material)
 
 
@@ -197,7 +239,9 @@ def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) 
         raise InputError(
             f"contact: cohesion: found a {one.shape} and a {other.shape}, expected spheres, planes or tubes"
         )
-    along_line = one.cylinder is not None and (other.shape == "plane" or (pair is not None and pair.parallel))
+    along_line = one.cylinder is not None and (
+        other.shape == "plane" or (pair is not None and pair.parallel)
+    )
     if law == LINE and not along_line:
         raise InputError(
             f"contact: law: found line for a {one.shape} and a {other.shape}, which touch in a point; expected a "

@@ -3,12 +3,14 @@
 Dead loads are constant forces on spheres during the static stage and the run:
 
 uniaxial   the same force along +z on each sphere of the top layer (grains of a file: on the uppermost ones); for a
-           pressure, pressure times area of a cell; the opposite force on the last sphere of a chain without a bottom
+           pressure, pressure times area of a cell; the opposite force on the last sphere of a chain
+           without a bottom
 uniform    the forces of the missing neighbours outside of the packing, if every contact of the lattice carried the
-           same force f. The mean stress (virial) of spheres with z contacts each in a cell of volume V is
-           p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and hcp. A lattice of equal spheres
-           is then in equilibrium in place under the pressure p, and its faces carry p times their area. Vacant sites
-           that are connected to the outside count as outside.
+           same force f. The mean stress (virial) of spheres with z contacts each in a cell of
+           volume V is p = z f D/(2 d V) in d dimensions; hence f = p D^2/(2 sqrt 2) for fcc and
+           hcp. A lattice of equal spheres is then in equilibrium in place under the pressure p, and
+           its faces carry p times their area. Vacant sites that are connected to the outside count
+           as outside.
 gravity    m g along +z on each sphere of the packing
 walls      none, or as uniaxial: walls are moved in, and held
 overlaps   the same: the grains overlap at the start
@@ -33,13 +35,18 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, touched_by, walls
 
-_SHELL = (3, 2, 1)  # rows of sites around the packing, along x, y, z, that contain all missing neighbours
+_SHELL = (
+    3,
+    2,
+    1,
+)  # rows of sites around the packing, along x, y, z, that contain all missing neighbours
 
 
 def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3), N."""
     case = assembly.case
-    stage, lattice = case.precompression, assembly.lattice
+    stage = case.precompression
+    lattice = assembly.lattice
     assert stage is not None
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = np.zeros((len(ids), 3))
@@ -62,7 +69,11 @@ def directions(assembly: Assembly) -> str:
     stage = assembly.case.precompression
     if stage is not None and stage.moves_walls:
         return "z" if stage.force is not None else ""
-    return "xyz"[: assembly.lattice.rule.dimension] if stage is not None and stage.kind == "uniform" else "z"
+    return (
+        "xyz"[: assembly.lattice.rule.dimension]
+        if stage is not None and stage.kind == "uniform"
+        else "z"
+    )
 
 
 def force_on_top(assembly: Assembly) -> float:
@@ -76,33 +87,57 @@ def force_on_top(assembly: Assembly) -> float:
 
 
 def force_of_contact(assembly: Assembly) -> float:
-    """Estimate the force on each contact that carries the load, under gravity on those at the bottom, N."""
+    """Estimate the force on each contact that carries the load, under gravity on those at the
+    bottom, N.
+    """
     case = assembly.case
-    stage, lattice = case.precompression, assembly.lattice
+    stage = case.precompression
+    lattice = assembly.lattice
     assert stage is not None
     if stage.moves_walls:
-        overlaps = lattice.overlapping()[1] if stage.takes_overlaps and isinstance(lattice, Places) else np.zeros(0)
+        overlaps = (
+            lattice.overlapping()[1]
+            if stage.takes_overlaps and isinstance(lattice, Places)
+            else np.zeros(0)
+        )
         deepest = max([*stage.moves.values(), *overlaps.tolist()], default=0.0)
         hertz = float(sphere_hertz(case).loading_force(deepest))
         there = walls(assembly) if stage.presses else ()
-        first = {name: next(wall for wall in there if wall.name.startswith(name)) for name in stage.presses}
-        pressed = (force / len(grains_at_wall(assembly, first[name])) for name, force in stage.presses.items())
+        first = {
+            name: next(wall for wall in there if wall.name.startswith(name))
+            for name in stage.presses
+        }
+        pressed = (
+            force / len(grains_at_wall(assembly, first[name]))
+            for name, force in stage.presses.items()
+        )
         return max([hertz, force_on_top(assembly), *pressed])
     if stage.kind == "uniform":
         rule = lattice.rule
-        layer, depth = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2, rule.layer_spacing
+        layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
+        depth = rule.layer_spacing
         stress = 2 * rule.dimension * (stage.pressure or 0.0)
         return stress * layer * depth * lattice.diameter / (rule.coordination * lattice.diameter)
     top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
     if stage.kind == "gravity":
-        nz, held = lattice.n_layers, case.boundary.bottom == "fixed" and not isinstance(lattice, Places)
-        top = float(assembly.sphere_masses().sum()) * stage.acceleration / len(lattice.last_layer) * (nz - held) / nz
+        nz = lattice.n_layers
+        held = case.boundary.bottom == "fixed" and not isinstance(lattice, Places)
+        top = (
+            float(assembly.sphere_masses().sum())
+            * stage.acceleration
+            / len(lattice.last_layer)
+            * (nz - held)
+            / nz
+        )
     return top if isinstance(lattice, Places) else top / lattice.rule.carried
 
 
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
-    """Return the ids of the grains that touch a wall before it moves, or are nearest to it; at least one."""
-    sites, chosen = assembly.sites, touched_by(assembly, wall)
+    """Return the ids of the grains that touch a wall before it moves, or are nearest to it; at
+    least one.
+    """
+    sites = assembly.sites
+    chosen = touched_by(assembly, wall)
     ids = 1 + np.flatnonzero(sites.present if chosen is None else chosen)
     gaps = wall.gaps(sites.positions(1, len(sites.present))[ids - 1], sites.diameter[ids - 1] / 2)
     return ids[gaps <= gaps.min() + TOUCHING * assembly.lattice.diameter]
@@ -110,28 +145,41 @@ def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
 
 def sphere_hertz(case: Case) -> ContactLaw:
     """Return the elastic law between two grains of the packing."""
-    radius, shape = case.packing.diameter / 2, case.packing.of_grain
-    return law_between(Contact(law="hertz"), (case.material, case.material), (radius, radius), shapes=(shape, shape))
+    radius = case.packing.diameter / 2
+    shape = case.packing.of_grain
+    return law_between(
+        Contact(law="hertz"),
+        (case.material, case.material),
+        (radius, radius),
+        shapes=(shape, shape),
+    )
 
 
 def static_stiffness(assembly: Assembly) -> float:
-    """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at `force_of_contact`."""
+    """Estimate the stiffness of a contact under the static load, N/m: that of Hertz's law at
+    `force_of_contact`.
+    """
     case = assembly.case
     law = sphere_hertz(case)
     if case.packing.of_grain is not None:
-        force, largest = force_of_contact(assembly), case.packing.diameter / 2
-        return float(law.unloading_stiffness(largest * min(1.0, force / law.loading_force(largest))))  # nearly linear
+        force = force_of_contact(assembly)
+        largest = case.packing.diameter / 2
+        return float(
+            law.unloading_stiffness(largest * min(1.0, force / law.loading_force(largest)))
+        )  # nearly linear
     hertz = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
     return 1.5 * hertz ** (2 / 3) * force_of_contact(assembly) ** (1 / 3)
 
 
 def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
-    """Sum the directions from the missing outside neighbours to each site of the lattice: (n_sites, 3).
+    """Sum the directions from the missing outside neighbours to each site of the lattice: (n_sites,
+    3).
 
     Below the last layer none is missing unless the bottom is free.
     """
     case = assembly.case
-    lattice, sites = assembly.lattice, assembly.sites
+    lattice = assembly.lattice
+    sites = assembly.sites
     ranges = [np.arange(-reach, n + reach) for reach, n in zip(_SHELL, lattice.shape, strict=True)]
     if case.boundary.bottom != "free":
         ranges[2] = ranges[2][: -_SHELL[2]]
@@ -143,10 +191,14 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     own = lattice.positions(1, lattice.n_spheres) / lattice.diameter
     from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-    border, vacant = missing, own[~sites.present]
-    while len(border) and len(vacant):  # vacant sites that are connected to the outside, directly or through others
+    border = missing
+    vacant = own[~sites.present]
+    while len(border) and len(
+        vacant
+    ):  # vacant sites that are connected to the outside, directly or through others
         reached = KDTree(border).query(vacant)[0] <= 1 + TOUCHING
-        border, vacant = vacant[reached], vacant[~reached]
+        border = vacant[reached]
+        vacant = vacant[~reached]
         missing = np.concatenate([missing, border])
     near = KDTree(missing).query_ball_point(own, 1 + TOUCHING)
     result = np.zeros_like(own)
@@ -167,28 +219,36 @@ def absorbing_ids(assembly: Assembly, entry: Absorb) -> tuple[int, ...]:
 
 
 def rise_of(assembly: Assembly, entry: Absorb) -> tuple[float, float] | None:
-    """Return the places along the axis where the rate is zero and where it is whole, m; None where it does not rise.
+    """Return the places along the axis where the rate is zero and where it is whole, m; None where
+    it does not rise.
 
     The rate is zero one diameter before the first of the spheres, so that all of them are damped.
     """
     if entry.rate is None or entry.towards == "none":
         return None
-    axis, sign = "xyz".index(entry.towards[1]), 1.0 if entry.towards[0] == "+" else -1.0
-    places = sign * np.array([assembly.centre_of(one)[axis] for one in absorbing_ids(assembly, entry)])
+    axis = "xyz".index(entry.towards[1])
+    sign = 1.0 if entry.towards[0] == "+" else -1.0
+    places = sign * np.array(
+        [assembly.centre_of(one)[axis] for one in absorbing_ids(assembly, entry)]
+    )
     return sign * (float(places.min()) - assembly.case.packing.diameter), sign * float(places.max())
 
 
 def impedance_of(assembly: Assembly, entry: Absorb) -> float:
     """Return the impedance of each sphere, N s/m.
 
-    That of long waves along z under the static load is sqrt(k m), with the stiffness k between a sphere and the next
-    layer: the sum over its contacts there of k_n cos^2 + k_t sin^2, where k_t = 2 (1 - nu)/(2 - nu) k_n with friction
-    and 0 without.
+    That of long waves along z under the static load is sqrt(k m), with the stiffness k between a
+    sphere and the next layer: the sum over its contacts there of k_n cos^2 + k_t sin^2, where k_t =
+    2 (1 - nu)/(2 - nu) k_n with friction and 0 without.
     """
     if entry.impedance != MATCHED:
         return float(entry.impedance or 0.0)
     case = assembly.case
     cosines = assembly.lattice.rule.supports[:, 2]
-    across = 2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio) if case.has_friction else 0.0
+    across = (
+        2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio)
+        if case.has_friction
+        else 0.0
+    )
     stiffness = static_stiffness(assembly) * float(np.sum(cosines**2 + across * (1 - cosines**2)))
     return math.sqrt(stiffness * case.sphere_mass)

@@ -1,12 +1,15 @@
-"""Row along which the transmission of a load that oscillates is measured, and the time that waves take along it.
+"""Row along which the transmission of a load that oscillates is measured, and the time that waves
+take along it.
 
-Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the next by
+Beads of masses m and contacts of stiffnesses k pass displacement u and force s from one bead to the
+next by
 
     s' = s - m omega^2 u,   u' = u + s'/k
 
-The product of these matrices over the beads that a row repeats has the trace 2 cos q, with the phase q from one
-repetition to the next; the group takes dq/domega for each. Where |cos q| > 1 there is no wave. A row that repeats
-nothing is taken bead by bead, each as one of an endless row of its kind (long rows that change slowly).
+The product of these matrices over the beads that a row repeats has the trace 2 cos q, with the
+phase q from one repetition to the next; the group takes dq/domega for each. Where |cos q| > 1 there
+is no wave. A row that repeats nothing is taken bead by bead, each as one of an endless row of its
+kind (long rows that change slowly).
 """
 
 from __future__ import annotations
@@ -54,13 +57,21 @@ class Row:
         return float(np.sqrt(self.mass / self.stiffness).mean())
 
     def per_bead(self, frequency: Array) -> Array:
-        """Return the time of a wave packet from a bead to the next, s; infinite where there is no wave: (n,)."""
+        """Return the time of a wave packet from a bead to the next, s; infinite where there is no
+        wave: (n,).
+        """
         if self.repeats:
-            low, here, high = (self._cosine(frequency * factor) for factor in (1 - _STEP, 1.0, 1 + _STEP))
+            low, here, high = (
+                self._cosine(frequency * factor) for factor in (1 - _STEP, 1.0, 1 + _STEP)
+            )
             inside = np.maximum.reduce([np.abs(low), np.abs(here), np.abs(high)]) < 1
             change = np.abs(np.arccos(np.clip(high, -1, 1)) - np.arccos(np.clip(low, -1, 1)))
-            return np.where(inside, change / (4 * math.pi * _STEP * frequency), np.inf) / len(self.mass)
-        kinds, counts = np.unique(np.stack([self.mass, self.stiffness], axis=1), axis=0, return_counts=True)
+            return np.where(inside, change / (4 * math.pi * _STEP * frequency), np.inf) / len(
+                self.mass
+            )
+        kinds, counts = np.unique(
+            np.stack([self.mass, self.stiffness], axis=1), axis=0, return_counts=True
+        )
         each = [Row(one[:1], one[1:]).per_bead(frequency) for one in kinds]
         return np.asarray(np.average(each, axis=0, weights=counts))
 
@@ -77,14 +88,21 @@ class Row:
 
 
 def row_of(assembly: Assembly) -> Row | None:
-    """Return the row that plane waves along z are in; None where the static force is not known beforehand.
+    """Return the row that plane waves along z are in; None where the static force is not known
+    beforehand.
 
-    A chain has its beads; the layers of a lattice without disorder move as wholes, and the force that turns with the
-    contacts is left out.
+    A chain has its beads; the layers of a lattice without disorder move as wholes, and the force
+    that turns with the contacts is left out.
     """
-    case, lattice = assembly.case, assembly.lattice
+    case = assembly.case
+    lattice = assembly.lattice
     stage = case.precompression
-    if stage is None or stage.kind not in ("uniaxial", "uniform") or assembly.bars or case.packing.grains is not None:
+    if (
+        stage is None
+        or stage.kind not in ("uniaxial", "uniform")
+        or assembly.bars
+        or case.packing.grains is not None
+    ):
         return None
     if case.packing.kind != "chain":
         cosines = lattice.rule.supports[:, 2]
@@ -92,9 +110,13 @@ def row_of(assembly: Assembly) -> Row | None:
             return None
         along = static_stiffness(assembly) * float(np.sum(cosines**2))
         return Row(np.array([case.sphere_mass]), np.array([along]))
-    force, n, sites = force_on_top(assembly), lattice.n_spheres, assembly.sites
+    force = force_on_top(assembly)
+    n = lattice.n_spheres
+    sites = assembly.sites
     if sites.uniform:
-        return Row(np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)]))
+        return Row(
+            np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)])
+        )
     if not sites.present.all():
         return None
     period = sites.period_of_chain()
@@ -103,8 +125,14 @@ def row_of(assembly: Assembly) -> Row | None:
     kinds = list(zip(sites.diameter.tolist(), sites.body.tolist(), strict=True))
     pairs = [(one, one + 1) if one < n else (one - 1, one) for one in beads.tolist()]
     of_kinds = {(kinds[a - 1], kinds[b - 1]): (a, b) for a, b in pairs}
-    known = {key: _stiffness(pair_contact(assembly, *pair), force) for key, pair in of_kinds.items()}
-    return Row(mass, np.array([known[kinds[a - 1], kinds[b - 1]] for a, b in pairs]), repeats=period is not None)
+    known = {
+        key: _stiffness(pair_contact(assembly, *pair), force) for key, pair in of_kinds.items()
+    }
+    return Row(
+        mass,
+        np.array([known[kinds[a - 1], kinds[b - 1]] for a, b in pairs]),
+        repeats=period is not None,
+    )
 
 
 def _stiffness(law: ContactLaw, force: float) -> float:
@@ -131,8 +159,8 @@ class MeasuredRow:
     ids
         Their ids.
     first, last
-        Places in ``ids`` of the loaded grain, or of the first where none is loaded, and of the last one that moves
-        and does not absorb.
+        Places in ``ids`` of the loaded grain, or of the first where none is loaded, and of the last
+        one that moves and does not absorb.
     """
 
     group: str
@@ -147,22 +175,31 @@ class MeasuredRow:
 
 
 def measured_row(assembly: Assembly) -> MeasuredRow | None:
-    """Return the grains of a chain, or of the first line that is not of all grains; None without any."""
+    """Return the grains of a chain, or of the first line that is not of all grains; None without
+    any.
+    """
     case = assembly.case
     if case.packing.kind == "chain":
-        group, ids = "chain", tuple(range(1, assembly.lattice.n_spheres + 1))
+        group = "chain"
+        ids = tuple(range(1, assembly.lattice.n_spheres + 1))
     else:
         line = next((one for one in case.line if one.index != "all"), None)
         if line is None:
             return None
-        group, ids = f"lines/{line.name}", line_ids(assembly, line)
+        group = f"lines/{line.name}"
+        ids = line_ids(assembly, line)
     if not ids:
         return None
     loaded = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
     struck = struck_of(assembly)
     first = next((place for place, one in enumerate(ids) if one in struck), 0)
     still = {one for entry in case.absorb for one in absorbing_ids(assembly, entry)}
-    still |= {one for hold in case.holds.values() if loaded & set(hold.axes) for one in held_ids(case, hold)}
+    still |= {
+        one
+        for hold in case.holds.values()
+        if loaded & set(hold.axes)
+        for one in held_ids(case, hold)
+    }
     if case.boundary.bottom == "fixed":
         still |= set(assembly.lattice.last_layer.tolist())
     rest = [place for place, one in enumerate(ids) if one not in still and place != first]

@@ -1,7 +1,7 @@
 """Columns of the output of LAMMPS: name in the file, source in LAMMPS, and unit.
 
-The input script, the readers and ``result.h5`` take names, order and units from here. Column numbers are those of the
-computes and fixes of the plugin (plugins/doc).
+The input script, the readers and ``result.h5`` take names, order and units from here. Column
+numbers are those of the computes and fixes of the plugin (plugins/doc).
 """
 
 from __future__ import annotations
@@ -13,11 +13,23 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
 
-# Conditions of columns: friction, initial dents, viscous losses, rotation; a record of the forces at every snapshot
-FRICTION, DENTS, LOSS, TURNING, FORCES_OF_ALL = "friction", "dents", "loss", "turning", "forces"
-RESISTANCE, COHESION = "resistance", "cohesion"  # to rolling and twisting; of contacts
-# a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an automatic timestep
-PLATE, HOLDER, ABSORB, SUPPORT, ADAPTIVE = "plate", "holder", "absorb", "support", "adaptive"
+# Conditions of columns: friction, initial dents, viscous losses, rotation; a record of the forces
+# at every snapshot
+FRICTION = "friction"
+DENTS = "dents"
+LOSS = "loss"
+TURNING = "turning"
+FORCES_OF_ALL = "forces"
+# to rolling and twisting; of contacts
+RESISTANCE = "resistance"
+COHESION = "cohesion"
+# a load by a plate, friction in a holder, spheres that absorb waves, a bottom that moves, an
+# automatic timestep
+PLATE = "plate"
+HOLDER = "holder"
+ABSORB = "absorb"
+SUPPORT = "support"
+ADAPTIVE = "adaptive"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -45,17 +57,20 @@ class Column:
 def of_compute(
     name: str, columns: Iterable[tuple[str, str] | tuple[str, str, str]], first: int = 1
 ) -> tuple[Column, ...]:
-    """Make the columns of a compute or fix from their names, units and conditions, in the order of their numbers.
+    """Make the columns of a compute or fix from their names, units and conditions, in the order of
+    their numbers.
 
     Parameters
     ----------
     name
-        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that `sources` fills in.
+        Reference to the compute or fix, such as ``c_contacts``; ``{}`` stands for a name that
+        `sources` fills in.
     first
         Number of the first column.
     """
     return tuple(
-        Column(column, f"{name}[{number}]", unit, *when) for number, (column, unit, *when) in enumerate(columns, first)
+        Column(column, f"{name}[{number}]", unit, *when)
+        for number, (column, unit, *when) in enumerate(columns, first)
     )
 
 
@@ -70,7 +85,12 @@ LEDGER = (
     Column("input", "v_input", "J"),
     *of_compute(
         "c_contact",
-        [("contacts_yielded", "1"), ("beyond_law", "1"), ("beyond_half", "1"), ("largest_force", "N")],
+        [
+            ("contacts_yielded", "1"),
+            ("beyond_law", "1"),
+            ("beyond_half", "1"),
+            ("largest_force", "N"),
+        ],
         first=2,
     ),
     Column("struck_velocity", "v_struck_velocity", "m s-1"),
@@ -86,7 +106,9 @@ LEDGER = (
     Column("viscous", "v_viscous", "J", LOSS),
     Column("holder", "f_holder", "J", HOLDER),
     Column("absorbed", "v_absorbed", "J", ABSORB),
-    Column("support", "f_{}[12]", "J", SUPPORT),  # energy of the support, that of its damper, work done on it
+    Column(
+        "support", "f_{}[12]", "J", SUPPORT
+    ),  # energy of the support, that of its damper, work done on it
     Column("support_lost", "f_{}[13]", "J", SUPPORT),
     Column("target", "f_{}[15]", "J", SUPPORT),
     Column("timestep", "v_timestep", "s", ADAPTIVE),
@@ -146,7 +168,9 @@ CONTACTS = of_compute(
 FORCES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force"))
 
 #: dumps/forces-*.dump: contact forces at every snapshot; the tangential force is that on sphere i.
-FORCES_AT_FRAMES = tuple(column for column in CONTACTS if column.name in ("i", "j", "force", "tx", "ty", "tz"))
+FORCES_AT_FRAMES = tuple(
+    column for column in CONTACTS if column.name in ("i", "j", "force", "tx", "ty", "tz")
+)
 
 #: dumps/wall_NAME.dump, after the id: fix wall/gran/hysteretic, per sphere.
 WALL_CONTACTS = of_compute(
@@ -184,7 +208,11 @@ def sources(table: Iterable[Column], *having: str, of: str = "") -> dict[str, st
     of
         Name of the fix, inserted for ``{}``.
     """
-    return {column.name: column.source.format(of) for column in table if not column.when or column.when in having}
+    return {
+        column.name: column.source.format(of)
+        for column in table
+        if not column.when or column.when in having
+    }
 
 
 def recorded(case: Case) -> tuple[str, ...]:

@@ -1,4 +1,6 @@
-"""Elements of the input script, and contacts in it: laws of all pairs of types, walls, and initial dents."""
+"""Elements of the input script, and contacts in it: laws of all pairs of types, walls, and initial
+dents.
+"""
 
 from __future__ import annotations
 
@@ -59,7 +61,9 @@ def command(*words: str) -> list[str]:
     return lines
 
 
-def time_series(name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool) -> list[str]:
+def time_series(
+    name: str, every: int, file: str, title: str, columns: dict[str, str], resumed: bool
+) -> list[str]:
     """Return the command of a time series: one row every so many steps, the step first."""
     return command(
         f"fix             {name} all ave/time {every} 1 {every}",
@@ -94,18 +98,23 @@ def dump(
     one_line
         True for one command with all names.
     """
-    start, custom = f"dump            {name} {group} {style} {every} {DUMPS}/{file}", style == "custom"
+    start = f"dump            {name} {group} {style} {every} {DUMPS}/{file}"
+    custom = style == "custom"
     first = "append yes first no" if resumed else "first yes"
-    modify, names = f"dump_modify     {name}", _column_names(columns)
+    modify = f"dump_modify     {name}"
+    names = _column_names(columns)
     return [
         *(command(start, *columns.values()) if custom else [f"{start} {joined(columns.values())}"]),
-        f"{modify} {first}{' sort id' if custom else ''}" + (f' format line "{form}"' if form else ""),
+        f"{modify} {first}{' sort id' if custom else ''}"
+        + (f' format line "{form}"' if form else ""),
         *(command(modify, *names) if one_line else (f"{modify} {one}" for one in names)),
     ]
 
 
 def write_dump(style: str, file: str, columns: dict[str, str], above: str = "") -> list[str]:
-    """Return the command that writes the present state; ``above``: of particles for which this source is positive."""
+    """Return the command that writes the present state; ``above``: of particles for which this
+    source is positive.
+    """
     of_id, select = ([], "") if style == "local" else (["%d"], f" sort id thresh {above} > 0.0")
     return command(
         f"write_dump      all {style} {DUMPS}/{file}{' id' if of_id else ''}",
@@ -137,7 +146,8 @@ def law_coefficients(
     first
         Material of a sphere.
     second
-        Material of its partner; None if it is the same. A partner without a yield strength is elastic.
+        Material of its partner; None if it is the same. A partner without a yield strength is
+        elastic.
     friction
         Coefficient of friction.
     loss
@@ -145,7 +155,8 @@ def law_coefficients(
     resists
         True to give the resistance to rolling and twisting.
     """
-    words, both = [contact.law], [one for one in (first, second) if one is not None]
+    words = [contact.law]
+    both = [one for one in (first, second) if one is not None]
     for material in both:
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]
         strength = "INF" if material.yield_strength is None else num(material.yield_strength)
@@ -161,7 +172,9 @@ def law_coefficients(
     words += [word for name, value in contact.constants.items() for word in (name, num(value))]
     if friction:
         words += ["friction", num(friction)]
-        words += [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
+        words += (
+            [] if contact.tangential == "mindlin_rescale" else ["tangential", contact.tangential]
+        )
     if resists:
         words += _slider("rolling", contact.rolling)
         marshall = contact.twisting == MARSHALL
@@ -200,16 +213,26 @@ def contacts(assembly: Assembly) -> list[str]:
 
 
 def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]:
-    """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of the case."""
+    """Return the laws of all pairs of types; ``elastic``: Hertz's without friction, regardless of
+    the case.
+    """
     case = assembly.case
     lines = []
-    for (i, first), (j, second) in combinations_with_replacement(enumerate(assembly.species, start=1), 2):
-        contact, partner, loss = _ELASTIC, None if i == j else second.material, None
+    for (i, first), (j, second) in combinations_with_replacement(
+        enumerate(assembly.species, start=1), 2
+    ):
+        contact = _ELASTIC
+        partner = None if i == j else second.material
+        loss = None
         if first.role == "sphere":  # nodes of bars do not touch each other
-            own, flat = case.contact_between(first.material, second.material), second.role != "sphere"
+            own = case.contact_between(first.material, second.material)
+            flat = second.role != "sphere"
             contact = _elastic(own) if elastic else own
-            bodies, shapes = (first.material, second.material), (first.shape, second.shape)
-            loss = None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
+            bodies = (first.material, second.material)
+            shapes = (first.shape, second.shape)
+            loss = (
+                None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
+            )
         rough = second.role == "sphere" and not elastic  # the face of a bar is not
         friction = contact.friction if rough else 0.0
         words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
@@ -223,7 +246,8 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     Parameters
     ----------
     again
-        True after the walls, whose torques it projects on the axes of the cylinders: the first one is taken back.
+        True after the walls, whose torques it projects on the axes of the cylinders: the first one
+        is taken back.
     """
     words = [
         f"{number} {num(one.shape.length)} {joined(map(num, one.shape.axis))}"
@@ -245,11 +269,19 @@ def _elastic(contact: Contact) -> Contact:
 def plane_names(assembly: Assembly) -> list[str]:
     """Return the names of the wall fixes, and of the fix that holds the last layer."""
     held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
-    return [*held, *plane_fixes(assembly), *(name for name, hold in assembly.case.holds.items() if hold.axes)]
+    return [
+        *held,
+        *plane_fixes(assembly),
+        *(name for name, hold in assembly.case.holds.items() if hold.axes),
+    ]
 
 
 def wall_commands(
-    assembly: Assembly, *, elastic: bool = False, prefix: str = "", only: Sequence[Wall] | None = None
+    assembly: Assembly,
+    *,
+    elastic: bool = False,
+    prefix: str = "",
+    only: Sequence[Wall] | None = None,
 ) -> list[str]:
     """Return the commands for walls, and for a last layer held in place.
 
@@ -279,13 +311,19 @@ def wall_commands(
             if not elastic:
                 friction = wall_friction(case, wall, material)
                 loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
-                law = law_coefficients(contact, material, wall.material, friction, loss, resists=True)
+                law = law_coefficients(
+                    contact, material, wall.material, friction, loss, resists=True
+                )
                 words = [law, *_support_arguments(assembly, wall, material), *line]
-            lines.append(f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}")
+            lines.append(
+                f"fix             {prefix}{name} {group} wall/gran/hysteretic {style} {joined(words)}"
+            )
     if only is not None:
         return lines
     if lines:
-        lines.insert(0, "# Walls: planes that touch the outermost spheres, or the last layer held in place.")
+        lines.insert(
+            0, "# Walls: planes that touch the outermost spheres, or the last layer held in place."
+        )
     lines += ["# Grains that do not move."] if case.holds else []
     for name, hold in case.holds.items():  # after all other forces on these
         lines.append(f"group           {name} id {id_ranges(held_ids(case, hold))}")
@@ -295,7 +333,9 @@ def wall_commands(
 
 
 def coordinate(case: Case, wall: Wall) -> str:
-    """Return the position of a plane, or the radius of a tube; of walls that move to a force as a formula."""
+    """Return the position of a plane, or the radius of a tube; of walls that move to a force as a
+    formula.
+    """
     name = "tube" if wall.tube else "xyz"[wall.axis]
     if case.precompression is None or name not in case.precompression.presses:
         return num(wall.coordinate)
@@ -303,24 +343,32 @@ def coordinate(case: Case, wall: Wall) -> str:
 
 
 def moved_wall(name: str) -> str:
-    """Return the variable of the distance by which walls move in to a force; ``name``: x, y or tube."""
+    """Return the variable of the distance by which walls move in to a force; ``name``: x, y or
+    tube.
+    """
     return f"wall_{name}"
 
 
 def _groups(assembly: Assembly) -> list[str]:
     """Return the commands for groups of spheres by material, if walls need them."""
-    lines, passing = [], assembly.passing
+    lines = []
+    passing = assembly.passing
     planes = [wall for wall in walls(assembly) if not wall.held_layer]
     selections = [touched_by(assembly, wall) for wall in planes]
     chosen = next((one for one in selections if one is not None), None)
     if chosen is not None:
-        lines += [f"group           {name} id {id_ranges(ids)}" for name, _, ids in touched_groups(assembly, chosen)]
+        lines += [
+            f"group           {name} id {id_ranges(ids)}"
+            for name, _, ids in touched_groups(assembly, chosen)
+        ]
     others = [wall for wall, selected in zip(planes, selections, strict=True) if selected is None]
     groups = [(group, of) for wall in others[-1:] for _, group, of in wall.fixes if group != "all"]
     outside = []
     if groups and passing:
         every = len(passing) == len(assembly.strikers)
-        outside = [f"group           strikers id {f'{passing[0]}:{passing[-1]}' if every else id_ranges(passing)}"]
+        outside = [
+            f"group           strikers id {f'{passing[0]}:{passing[-1]}' if every else id_ranges(passing)}"
+        ]
     for number, (group, of) in enumerate(groups, start=1):
         species = enumerate(assembly.species, start=1)
         types = joined(n for n, one in species if one.role == "sphere" and one.material == of)
@@ -330,7 +378,9 @@ def _groups(assembly: Assembly) -> list[str]:
 
 
 def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> list[str]:
-    """Support arguments of the wall fix for spheres of a material; empty for planes that do not move."""
+    """Support arguments of the wall fix for spheres of a material; empty for planes that do not
+    move.
+    """
     if wall.plate is not None:
         mass, velocity = wall.plate
         held = assembly.case.precompression is not None  # until the run begins, see `motion`

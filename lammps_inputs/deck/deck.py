@@ -1,4 +1,6 @@
-"""Deck of a case, a directory in which ``lmp -in in.granwave`` runs, and its data file of spheres and nodes."""
+"""Deck of a case, a directory in which ``lmp -in in.granwave`` runs, and its data file of spheres
+and nodes.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ from granwave.lammps_inputs.processes import ALONE, Processes
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once
-_PERIODIC_LOW = -0.1  # lower faces of a periodic box, diameters; no plane of centres coincides with a face
+_PERIODIC_LOW = (
+    -0.1
+)  # lower faces of a periodic box, diameters; no plane of centres coincides with a face
 _PLAIN_TITLE = "Atoms # sphere: id type diameter density x y z"
 _BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
 
@@ -42,11 +46,17 @@ _BAR_TITLE = "Atoms # hybrid: id type x y z diameter density molecule"
 def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> None:
     """Write the LAMMPS data file of ``atom_style sphere``, with 17 significant digits.
 
-    With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the density column. Rows of
-    equal spheres come from all processes; of unlike ones each would have to hold them all.
+    With bars it is ``atom_style hybrid sphere bond``; a node has diameter 0 and its mass in the
+    density column. Rows of equal spheres come from all processes; of unlike ones each would have to
+    hold them all.
     """
-    lattice, bars, n = assembly.lattice, assembly.bars, assembly.lattice.n_spheres
-    box = "".join(f"{a:.17g} {b:.17g} {x}lo {x}hi\n" for (a, b), x in zip(box_of(assembly), "xyz", strict=True))
+    lattice = assembly.lattice
+    bars = assembly.bars
+    n = assembly.lattice.n_spheres
+    box = "".join(
+        f"{a:.17g} {b:.17g} {x}lo {x}hi\n"
+        for (a, b), x in zip(box_of(assembly), "xyz", strict=True)
+    )
     n_bonds = sum(bar.section.elements for bar in bars)
     bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
     writers = processes if assembly.plain else ALONE
@@ -64,17 +74,28 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
         for bar in bars:
             roles = (Species(bar.material, role, bar.name) for role in ("node", "face"))
             node, face = (1 + assembly.species.index(one) for one in roles)
-            for number, z, mass in zip(range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True):
-                file.write(f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n")
+            for number, z, mass in zip(
+                range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True
+            ):
+                file.write(
+                    f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n"
+                )
         if moving := own_velocities(assembly):
             file.write("\nVelocities # id, velocity, angular velocity\n\n")
             file.writelines(
-                f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n" for number in assembly.ids
+                f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n"
+                for number in assembly.ids
             )
         if bars:
             file.write("\nBonds\n\n")
-            joints = [(kind, a) for kind, bar in enumerate(bars, start=1) for a in range(bar.first, bar.last)]
-            file.writelines(f"{number} {kind} {a} {a + 1}\n" for number, (kind, a) in enumerate(joints, start=1))
+            joints = [
+                (kind, a)
+                for kind, bar in enumerate(bars, start=1)
+                for a in range(bar.first, bar.last)
+            ]
+            file.writelines(
+                f"{number} {kind} {a} {a + 1}\n" for number, (kind, a) in enumerate(joints, start=1)
+            )
 
 
 def _batch(case: Case | Assembly, first: int) -> str:
@@ -87,14 +108,22 @@ def _batch(case: Case | Assembly, first: int) -> str:
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:
     """Return the rows of grains with these ids and centres (n, 3), m.
 
-    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its diameter.
+    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its
+    diameter.
     """
-    bodies = list(zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True))
+    bodies = list(
+        zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True)
+    )
     forms = {}
     for body, diameter in dict.fromkeys(bodies):
-        material, shape = assembly.species[body].material, assembly.species[body].shape
+        material = assembly.species[body].material
+        shape = assembly.species[body].shape
         constants = f"{diameter:.17g} {density_as_sphere(material.density, diameter, shape):.17g}"
-        words = ("%.17g %.17g %.17g", constants, "0") if assembly.bars else (constants, "%.17g %.17g %.17g")
+        words = (
+            ("%.17g %.17g %.17g", constants, "0")
+            if assembly.bars
+            else (constants, "%.17g %.17g %.17g")
+        )
         forms[body, diameter] = f"%d {body + 1} {joined(words)}\n"
     lines = zip(ids.tolist(), *centres.T.tolist(), strict=True)
     return "".join([forms[body] % line for body, line in zip(bodies, lines, strict=True)])
@@ -152,12 +181,17 @@ class Deck:
 
 
 def write_deck(
-    case: Case | Assembly, directory: str | Path, *, timestep: float | None = None, processes: Processes = ALONE
+    case: Case | Assembly,
+    directory: str | Path,
+    *,
+    timestep: float | None = None,
+    processes: Processes = ALONE,
 ) -> Deck:
-    """Write the deck of a case: case.toml, data.granwave, in.granwave, the tables that it reads, and an empty dumps/.
+    """Write the deck of a case: case.toml, data.granwave, in.granwave, the tables that it reads,
+    and an empty dumps/.
 
-    All files are replaced atomically, the script last. Files that granwave wrote there before are replaced; other
-    files in the directory are not touched.
+    All files are replaced atomically, the script last. Files that granwave wrote there before are
+    replaced; other files in the directory are not touched.
 
     Parameters
     ----------
@@ -169,8 +203,8 @@ def write_deck(
     Raises
     ------
     InputError
-        The directory cannot be written to, holds files of such names that granwave did not write, or the initial dents
-        cannot be read; see `dents_table`.
+        The directory cannot be written to, holds files of such names that granwave did not write,
+        or the initial dents cannot be read; see `dents_table`.
     """
     assembly = assemble(case)
     case = assembly.case
@@ -187,11 +221,18 @@ def write_deck(
     except OSError as error:
         if error.errno in DISK_IS_FULL:
             raise
-        raise InputError(f"{directory}: cannot be written to: {error.strerror}; choose another with -o") from None
-    texts = {deck.script: input_script(assembly, deck.schedule), deck.directory / run_directory.CASE_FILE: text}
+        raise InputError(
+            f"{directory}: cannot be written to: {error.strerror}; choose another with -o"
+        ) from None
+    texts = {
+        deck.script: input_script(assembly, deck.schedule),
+        deck.directory / run_directory.CASE_FILE: text,
+    }
     texts |= {directory / name: table for name, table in tables.items()}
     try:
-        with contextlib.ExitStack() as stack:  # left in reverse order: the script is moved into place last
+        with (
+            contextlib.ExitStack() as stack
+        ):  # left in reverse order: the script is moved into place last
             paths = dict.fromkeys((deck.script, deck.data, *texts))
             scratch = {path: stack.enter_context(replacing(path)) for path in paths}
             for path, unfinished in scratch.items():
@@ -234,7 +275,13 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-_NEW = {"history_every": 0, "first_step": 1, "longest_step": 1, "energy_tolerance": 0.0, "line_every": 0}  # since 0.1
+_NEW = {
+    "history_every": 0,
+    "first_step": 1,
+    "longest_step": 1,
+    "energy_tolerance": 0.0,
+    "line_every": 0,
+}  # since 0.1
 
 
 def read_deck(directory: str | Path) -> Deck:
@@ -247,24 +294,32 @@ def read_deck(directory: str | Path) -> Deck:
     """
     directory = Path(directory)
     path = directory / run_directory.CASE_FILE
-    case, table = load_case(path), read_toml(path).get("resolved", {})
+    case = load_case(path)
+    table = read_toml(path).get("resolved", {})
     try:
         table = _NEW | table
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))
     except KeyError as error:
-        raise InputError(f"{path}: resolved.{error.args[0]}: missing; write the deck again") from None
+        raise InputError(
+            f"{path}: resolved.{error.args[0]}: missing; write the deck again"
+        ) from None
 
 
 def resolved(deck: Deck) -> dict[str, Any]:
     """Return the derived values: the table ``[resolved]`` of case.toml."""
-    case, assembly = deck.case, assemble(deck.case)
+    case = deck.case
+    assembly = assemble(deck.case)
     return {
         "n_spheres": assembly.n_spheres,
         "n_contacts": assembly.n_contacts,
         "struck": deck.struck,
         "walls": [wall.name for wall in walls(case)],
         "forget_gap_m": case.boundary.forget_gap * case.packing.diameter,
-        **{name: value for name, value in dataclasses.asdict(deck.schedule).items() if name != "line_every" or value},
+        **{
+            name: value
+            for name, value in dataclasses.asdict(deck.schedule).items()
+            if name != "line_every" or value
+        },
     }

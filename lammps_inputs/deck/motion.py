@@ -1,4 +1,6 @@
-"""Motion in the LAMMPS input script: integration, initial velocities and spins, driven loads, and the energy ledger."""
+"""Motion in the LAMMPS input script: integration, initial velocities and spins, driven loads, and
+the energy ledger.
+"""
 
 from __future__ import annotations
 
@@ -24,10 +26,16 @@ _OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of 
 
 
 def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands of time integration and load; the variable ``input`` is the energy input so far."""
+    """Return the commands of time integration and load; the variable ``input`` is the energy input
+    so far.
+    """
     case = assembly.case
     struck = struck_of(assembly)
-    turning = "and rotations" if case.has_rotation else "(the contacts are frictionless, so nothing rotates)"
+    turning = (
+        "and rotations"
+        if case.has_rotation
+        else "(the contacts are frictionless, so nothing rotates)"
+    )
     lines = [
         f"# Motion: velocity Verlet {turning}, and what drives it.",
         *([_TICK] if schedule.adaptive else []),
@@ -41,21 +49,29 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         lines += _drive(assembly)
         lines.append("variable        input equal v_given+f_load")
         if case.load.may_stop:
-            lines.append("# The same without the kinetic energy of the moved spheres, which comes back when they stop.")
-            lines.append(f"variable        load_work equal v_input-0.5*mass(hit)*{_along(case, 'hit')}^2")
+            lines.append(
+                "# The same without the kinetic energy of the moved spheres, which comes back when they stop."
+            )
+            lines.append(
+                f"variable        load_work equal v_input-0.5*mass(hit)*{_along(case, 'hit')}^2"
+            )
     else:
         lines.append("variable        input equal v_given")
     return [*lines, *_absorbing(assembly), *_holder(assembly)]
 
 
 def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
-    """Timestep that follows the error of the energy balance; behind all fixes that act at the end of a step."""
+    """Timestep that follows the error of the energy balance; behind all fixes that act at the end
+    of a step.
+    """
     if not schedule.adaptive:
         return []
     kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     until = f"until {num(case.load.lasts)} " if 0 < case.load.lasts < math.inf else ""
     given = "v_load_work" if case.load.may_stop else "v_input"
-    tolerance, longest, first = schedule.energy_tolerance, schedule.longest_step, schedule.first_step
+    tolerance = schedule.energy_tolerance
+    longest = schedule.longest_step
+    first = schedule.first_step
     return [
         "# The timestep: up to so many ticks as the energy balance allows.",
         f"variable        balance equal {kinetic}+v_elastic+v_dissipated-v_input",
@@ -65,27 +81,46 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
 
 
 def _integration(assembly: Assembly) -> list[str]:
-    """Return the commands of time integration; nodes of bars and grains held upright are not rotated."""
+    """Return the commands of time integration; nodes of bars and grains held upright are not
+    rotated.
+    """
     case = assembly.case
-    lines, still, turning = [], _prescribed(assembly), case.has_rotation
-    upright = [name for name, hold in case.holds.items() if turning and hold.rotation and hold.axes != "xyz"]
+    lines = []
+    still = _prescribed(assembly)
+    turning = case.has_rotation
+    upright = [
+        name
+        for name, hold in case.holds.items()
+        if turning and hold.rotation and hold.axes != "xyz"
+    ]
     apart = [bar.name for bar in assembly.bars] if turning else []
     if upright:
         lines.append(f"group           upright union {joined(upright)}")
         lines += [f"group           upright subtract upright {joined(still)}"] if still else []
         apart.append("upright")
-    group, style = "mobile" if still or apart else "all", "nve/sphere" if turning else "gran/nve"
-    lines += [f"group           mobile subtract all {joined([*still, *apart])}"] if still or apart else []
+    group = "mobile" if still or apart else "all"
+    style = "nve/sphere" if turning else "gran/nve"
+    lines += (
+        [f"group           mobile subtract all {joined([*still, *apart])}"]
+        if still or apart
+        else []
+    )
     lines.append(f"fix             motion {group} {style}")
     return [*lines, *(f"fix             motion_{name} {name} nve" for name in apart)]
 
 
 def _prescribed(assembly: Assembly) -> list[str]:
-    """Return the groups of spheres whose motion is prescribed: those held in place, and those that are moved."""
+    """Return the groups of spheres whose motion is prescribed: those held in place, and those that
+    are moved.
+    """
     case = assembly.case
     held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
     moved = ["hit"] if case.load.kind == "displacement" else []
-    fixed = [name for name, one in case.holds.items() if one.axes == "xyz" and (one.rotation or not case.has_rotation)]
+    fixed = [
+        name
+        for name, one in case.holds.items()
+        if one.axes == "xyz" and (one.rotation or not case.has_rotation)
+    ]
     return [*held, *moved, *fixed]
 
 
@@ -93,7 +128,9 @@ def _absorbing(assembly: Assembly) -> list[str]:
     """Return the commands of spheres that absorb waves."""
     lines = ["# Spheres that absorb waves."] if assembly.case.absorb else []
     for number, entry in enumerate(assembly.case.absorb, start=1):
-        lines.append(f"group           absorb{number} id {id_ranges(absorbing_ids(assembly, entry))}")
+        lines.append(
+            f"group           absorb{number} id {id_ranges(absorbing_ids(assembly, entry))}"
+        )
         rise = rise_of(assembly, entry)
         words = [entry.towards[1], *map(num, rise)] if rise is not None else []
         if entry.rate is None:
@@ -105,7 +142,9 @@ def _absorbing(assembly: Assembly) -> list[str]:
 
 
 def _holder(assembly: Assembly) -> list[str]:
-    """Return the commands for the holder of a chain; after all that apply forces, for friction opposes their sum."""
+    """Return the commands for the holder of a chain; after all that apply forces, for friction
+    opposes their sum.
+    """
     friction = assembly.case.boundary.holder_friction
     if not friction:
         return []
@@ -120,11 +159,20 @@ def _holder(assembly: Assembly) -> list[str]:
 
 def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     """Return the commands for initial velocities and spins, and their kinetic energy."""
-    case, lines, terms = assembly.case, list[str](), list[str]()
+    case = assembly.case
+    lines = list[str]()
+    terms = list[str]()
     struck = struck_of(assembly) if case.load.kind == "impact" else ()
     moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
     if own := own_velocities(assembly):  # in the data file
-        terms.append(num(sum(assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2 for one, velocity in own.items())))
+        terms.append(
+            num(
+                sum(
+                    assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2
+                    for one, velocity in own.items()
+                )
+            )
+        )
     if case.load.plate is not None:
         mass, speed = case.load.plate
         terms.append(f"0.5*{num(mass)}*{num(speed)}^2")
@@ -161,10 +209,17 @@ def _square(vector: tuple[float, float, float]) -> str:
 
 
 def _drive(assembly: Assembly) -> list[str]:
-    """Return the commands for a force or displacement on the struck spheres or the end of the incident bar."""
-    load, driven = assembly.case.load, [bar.far for bar in assembly.bars if bar.name == INCIDENT_BAR]
+    """Return the commands for a force or displacement on the struck spheres or the end of the
+    incident bar.
+    """
+    load = assembly.case.load
+    driven = [bar.far for bar in assembly.bars if bar.name == INCIDENT_BAR]
     axes = [axis for axis, part in zip("xyz", load.way, strict=True) if part]
-    way = axes[0] if len(axes) == 1 and sum(load.way) > 0 else f"vector {joined(map(num, load.direction or load.way))}"
+    way = (
+        axes[0]
+        if len(axes) == 1 and sum(load.way) > 0
+        else f"vector {joined(map(num, load.direction or load.way))}"
+    )
     words = joined(num(value) for value in load.numbers) or LOAD_FILE
     return [
         *(f"group           driven id {far}" for far in driven),
@@ -197,11 +252,15 @@ _PARTS = (
 
 def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands of the energy ledger, which also counts yielded contacts."""
-    case, planes, bars = assembly.case, plane_fixes(assembly), [bar.name for bar in assembly.bars]
+    case = assembly.case
+    planes = plane_fixes(assembly)
+    bars = [bar.name for bar in assembly.bars]
     conditions = [*recorded(case), *([table.ADAPTIVE] if schedule.adaptive else [])]
     columns = sources(table.LEDGER) | {name: f"v_energy_{name}" for name in bars}
     columns |= sources(table.LEDGER, *conditions, of=moving_fix(assembly) or "")
-    lines, of_bars, moving = [], list[str](), ["c_kinetic"]
+    lines = []
+    of_bars = list[str]()
+    moving = ["c_kinetic"]
 
     def on_walls(*numbers: int) -> list[str]:
         return [f"f_{name}[{number}]" for number in numbers for name in planes]
@@ -211,7 +270,9 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
 
     if case.has_rotation:
         lines.append("compute         rotational all erotate/sphere")
-        if assembly.has_cylinders:  # of spheres of their masses and radii, and what they have beyond
+        if (
+            assembly.has_cylinders
+        ):  # of spheres of their masses and radii, and what they have beyond
             columns["rotational"] = "v_rotational"
             lines.append("variable        rotational equal c_rotational+f_cylinders")
         moving.append(columns["rotational"])
@@ -220,21 +281,32 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
     if case.moves_otherwise:
         columns["kinetic"] = "v_motion"
         lines.append(f"variable        motion equal {_sum(moving)}")
-    stored, lost = [4], [5]
-    elastic, dissipated = ["c_contact", *on_walls(4)], ["c_contact[1]", *on_walls(5)]
+    stored = [4]
+    lost = [5]
+    elastic = ["c_contact", *on_walls(4)]
+    dissipated = ["c_contact[1]", *on_walls(5)]
     for when, name, number, of_wall in _PARTS:
         if when in conditions:
-            terms, is_stored = [f"c_contact[{number}]", *on_walls(of_wall)], name.startswith("elastic")
+            terms = [f"c_contact[{number}]", *on_walls(of_wall)]
+            is_stored = name.startswith("elastic")
             lines.append(f"variable        {name} equal {_sum(terms)}")
             (stored if is_stored else lost).append(of_wall)
-            (elastic if is_stored else dissipated).extend([f"v_{name}"] if when == table.FRICTION else terms)
+            (elastic if is_stored else dissipated).extend(
+                [f"v_{name}"] if when == table.FRICTION else terms
+            )
     if case.absorb:
-        lines.append(f"variable        absorbed equal {_sum([f'f_absorb{n}' for n, _ in enumerate(case.absorb, 1)])}")
-    dissipated += [columns[name] for name in ("holder", "absorbed", "support_lost") if name in columns]
+        lines.append(
+            f"variable        absorbed equal {_sum([f'f_absorb{n}' for n, _ in enumerate(case.absorb, 1)])}"
+        )
+    dissipated += [
+        columns[name] for name in ("holder", "absorbed", "support_lost") if name in columns
+    ]
     elastic += [columns["support"]] if "support" in columns else []
     if schedule.adaptive:
         timestep = [column.name for column in table.LEDGER if column.when == table.ADAPTIVE]
-        lines += [f"variable        {name} equal f_step[{n}]" for n, name in enumerate(timestep, start=1)]
+        lines += [
+            f"variable        {name} equal f_step[{n}]" for n, name in enumerate(timestep, start=1)
+        ]
     elastic += [f"c_elastic_{name}" for name in bars]
     elastic += [POTENTIAL, f"-{STATIC}"] if case.precompression else []
     if at_start := energy_at_start(assembly):
@@ -259,7 +331,14 @@ def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         f"variable        elastic equal {_sum(elastic)}",
         f"variable        dissipated equal {_sum(dissipated)}",
         f"variable        struck_velocity equal {_along(case, 'struck')}",
-        *time_series("ledger", schedule.ledger_every, ENERGY_FILE, "energy ledger, SI units", columns, resumed),
+        *time_series(
+            "ledger",
+            schedule.ledger_every,
+            ENERGY_FILE,
+            "energy ledger, SI units",
+            columns,
+            resumed,
+        ),
     ]
 
 
@@ -269,7 +348,10 @@ def _sum(terms: list[str]) -> str:
 
 def thermo(case: Case, schedule: Schedule) -> list[str]:
     """Return the commands of thermodynamic output."""
-    every = schedule.block_steps or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
+    every = (
+        schedule.block_steps
+        or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
+    )
     kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
     return [
         "# The log.",

@@ -1,6 +1,8 @@
-"""Output of LAMMPS: snapshots, histories, probes, walls in time, contacts at the end and after the static stage.
+"""Output of LAMMPS: snapshots, histories, probes, walls in time, contacts at the end and after the
+static stage.
 
-The forces after the static stage are written once, by the start of a run; a run that is resumed keeps the files.
+The forces after the static stage are written once, by the start of a run; a run that is resumed
+keeps the files.
 """
 
 from __future__ import annotations
@@ -13,7 +15,14 @@ from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck import columns as table
 from granwave.lammps_inputs.deck.columns import names, recorded, sources
-from granwave.lammps_inputs.deck.commands import command, dump, id_ranges, joined, time_series, write_dump
+from granwave.lammps_inputs.deck.commands import (
+    command,
+    dump,
+    id_ranges,
+    joined,
+    time_series,
+    write_dump,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, walls
@@ -23,15 +32,26 @@ from granwave.lammps_inputs.run_directory import DUMPS, of_each_rank
 
 def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
     """Return the commands for the forces on walls, positive outwards."""
-    case, found, bars = assembly.case, walls(assembly), assembly.bars
+    case = assembly.case
+    found = walls(assembly)
+    bars = assembly.bars
     if not found and not bars:
         return []
-    columns = {wall.name: f"v_{wall.name}" for wall in found} | {bar.name: f"c_on_{bar.name}[2]" for bar in bars}
+    columns = {wall.name: f"v_{wall.name}" for wall in found} | {
+        bar.name: f"c_on_{bar.name}[2]" for bar in bars
+    }
     if support := moving_fix(assembly):
-        columns |= {f"bottom_{name}": source for name, source in sources(table.MOVING_WALL, of=support).items()}
+        columns |= {
+            f"bottom_{name}": source
+            for name, source in sources(table.MOVING_WALL, of=support).items()
+        }
     if case.load.plate is not None:
-        columns |= {f"{PLATE}_{name}": source for name, source in sources(table.MOVING_WALL, of=PLATE).items()}
-    columns, file = {"time": "v_time"} | columns, run_directory.WALLS_FILE
+        columns |= {
+            f"{PLATE}_{name}": source
+            for name, source in sources(table.MOVING_WALL, of=PLATE).items()
+        }
+    columns = {"time": "v_time"} | columns
+    file = run_directory.WALLS_FILE
     return [
         "# Force of the spheres on each wall and bar, N, positive outwards.",
         *(f"variable        {wall.name} equal {outward_force(wall)}" for wall in found),
@@ -40,7 +60,9 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
 
 
 def outward_force(wall: Wall, prefix: str = "") -> str:
-    """Return the formula of the force of the spheres on a wall, positive outwards; ``prefix``: of its fixes."""
+    """Return the formula of the force of the spheres on a wall, positive outwards; ``prefix``: of
+    its fixes.
+    """
     sources = ["held"] if wall.held_layer else [prefix + name for name, _, _ in wall.fixes]
     sign = "-" if wall.outward < 0 else "+"
     return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
@@ -50,22 +72,41 @@ def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str
     """Return the commands of probes of spheres and contacts."""
     if not case.probes:
         return []
-    lines = ["# Probes: displacement, velocity and force of spheres; overlap and force of contacts."]
+    lines = [
+        "# Probes: displacement, velocity and force of spheres; overlap and force of contacts."
+    ]
     if not case.precompression:
         lines += displacements(case)[1:]
     columns = {"time": "v_time"}
     for n, probe in enumerate(case.probes, start=1):
         if probe.contact is not None:
-            lines.append(f"compute         probe{n} all gran/hysteretic/contact {joined(probe.contact)}")
+            lines.append(
+                f"compute         probe{n} all gran/hysteretic/contact {joined(probe.contact)}"
+            )
             label = "contact_{}_{}".format(*probe.contact)
             columns |= {f"{label}_overlap": f"c_probe{n}[1]", f"{label}_force": f"c_probe{n}[2]"}
             continue
-        values = {f"u{axis}": f"C_probed[{probe.sphere}][{number}]" for number, axis in enumerate("xyz", start=1)}
-        values |= {f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for axis in "xyz"}
-        lines += [f"variable        probe{n}{quantity} equal {source}" for quantity, source in values.items()]
-        columns |= {f"sphere_{probe.sphere}_{quantity}": f"v_probe{n}{quantity}" for quantity in values}
+        values = {
+            f"u{axis}": f"C_probed[{probe.sphere}][{number}]"
+            for number, axis in enumerate("xyz", start=1)
+        }
+        values |= {
+            f"{what}{axis}": f"{what}{axis}[{probe.sphere}]" for what in "vf" for axis in "xyz"
+        }
+        lines += [
+            f"variable        probe{n}{quantity} equal {source}"
+            for quantity, source in values.items()
+        ]
+        columns |= {
+            f"sphere_{probe.sphere}_{quantity}": f"v_probe{n}{quantity}" for quantity in values
+        }
     return lines + time_series(
-        "probes", schedule.probe_every, run_directory.PROBES_FILE, "probes, SI units", columns, resumed
+        "probes",
+        schedule.probe_every,
+        run_directory.PROBES_FILE,
+        "probes, SI units",
+        columns,
+        resumed,
     )
 
 
@@ -83,12 +124,19 @@ _FRAME_FORMAT = "%d %d" + " %.9g" + 3 * " %.10g" + 3 * " %.17g" + 8 * " %.9g"
 
 
 def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> list[str]:
-    """Return the commands of snapshots of all spheres; ``restart_from``: restart file of a resumed run."""
-    case, every, resumed = assembly.case, schedule.frame_every, bool(restart_from)
-    chosen, forces = list[str](), list[str]()
+    """Return the commands of snapshots of all spheres; ``restart_from``: restart file of a resumed
+    run.
+    """
+    case = assembly.case
+    every = schedule.frame_every
+    resumed = bool(restart_from)
+    chosen = list[str]()
+    forces = list[str]()
     columns = sources(table.SNAPSHOT, *recorded(case))
     if case.output.contact_forces:
-        force = names(table.WALL_CONTACTS).index("force") + 1  # normal forces of walls on each sphere
+        force = (
+            names(table.WALL_CONTACTS).index("force") + 1
+        )  # normal forces of walls on each sphere
         columns |= {f"wall_{fix}": f"f_{fix}[{force}]" for fix in plane_fixes(assembly)}
     form = _FRAME_FORMAT + " %.9g" * (len(columns) - len(names(table.SNAPSHOT)))
     if not every:
@@ -121,10 +169,12 @@ def frames(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") ->
 def frames_file(assembly: Assembly, restart_from: str = "") -> str:
     """Return the name of the dump of snapshots, with "%" if each rank writes its own.
 
-    LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file writes one of its own. So
-    does one that writes in parts, since it may have another number of ranks.
+    LAMMPS appends to text, but not to binary files: a run that is resumed from a restart file
+    writes one of its own. So does one that writes in parts, since it may have another number of
+    ranks.
     """
-    form, parts = assembly.case.output.dump_format, written_in_parts(assembly)
+    form = assembly.case.output.dump_format
+    parts = written_in_parts(assembly)
     name = run_directory.FRAMES_FILES[form]
     if restart_from and (form == "binary" or parts):
         step = re.findall(r"\d+", restart_from)[0]  # of the name of a checkpoint
@@ -133,7 +183,8 @@ def frames_file(assembly: Assembly, restart_from: str = "") -> str:
 
 
 def _next_frame(steps: tuple[int, ...]) -> str:
-    """Return a formula for the next of the steps after the present one; after the last, a step beyond the run.
+    """Return a formula for the next of the steps after the present one; after the last, a step
+    beyond the run.
 
     It depends on the present step only, so that it also holds in a resumed run.
     """
@@ -146,14 +197,28 @@ def _next_frame(steps: tuple[int, ...]) -> str:
 
 
 def history(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands for the history of a chain: displacements and velocities of all particles, contact forces."""
+    """Return the commands for the history of a chain: displacements and velocities of all
+    particles, contact forces.
+    """
     if not schedule.history_every:
         return []
-    every, moved, forces = schedule.history_every, run_directory.HISTORY_FILE, run_directory.FORCES_FILE
+    every = schedule.history_every
+    moved = run_directory.HISTORY_FILE
+    forces = run_directory.FORCES_FILE
     return [
         "# The chain in time.",
-        *dump("history", "custom", every, moved, sources(table.HISTORY), resumed, form="%d %.17g %.17g"),
-        *dump("forces", "local", every, forces, sources(table.FORCES), resumed, form="%.9g %.9g %.17g"),
+        *dump(
+            "history",
+            "custom",
+            every,
+            moved,
+            sources(table.HISTORY),
+            resumed,
+            form="%d %.17g %.17g",
+        ),
+        *dump(
+            "forces", "local", every, forces, sources(table.FORCES), resumed, form="%.9g %.9g %.17g"
+        ),
     ]
 
 
@@ -173,13 +238,18 @@ def lines(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> l
 
 
 def contacts_file(assembly: Assembly, name: str = run_directory.CONTACTS_FILE) -> str:
-    """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank writes its own."""
+    """Return the name of the dump of the contacts at the end, or of another, with "%" if each rank
+    writes its own.
+    """
     return of_each_rank(name) if written_in_parts(assembly) else name
 
 
 def dumps_at_end(assembly: Assembly) -> list[str]:
-    """Return the commands for the last snapshot, if missing, and for the final state of all contacts and walls."""
-    case, parts = assembly.case, written_in_parts(assembly)
+    """Return the commands for the last snapshot, if missing, and for the final state of all
+    contacts and walls.
+    """
+    case = assembly.case
+    parts = written_in_parts(assembly)
     lines = [
         "# The last snapshot, if the run did not end on one.",
         "dump_modify     frames every 1",
@@ -193,14 +263,18 @@ def dumps_at_end(assembly: Assembly) -> list[str]:
     ]
     for fix in plane_fixes(assembly):
         columns = sources(table.WALL_CONTACTS, *recorded(case), of=fix)
-        lines += write_dump("custom", run_directory.WALL_CONTACTS_FILE.format(fix), columns, columns["peak_overlap"])
+        lines += write_dump(
+            "custom", run_directory.WALL_CONTACTS_FILE.format(fix), columns, columns["peak_overlap"]
+        )
     return lines
 
 
 def count_commands() -> list[str]:
-    """Return the commands for the number of contacts, from the sum and the mean of a column that is never 0.
+    """Return the commands for the number of contacts, from the sum and the mean of a column that is
+    never 0.
 
-    It is written to a file, as the dumps of all ranks but the first have no header that tells if they were cut.
+    It is written to a file, as the dumps of all ranks but the first have no header that tells if
+    they were cut.
     """
     column = names(table.CONTACTS).index("i") + 1
     return [
@@ -210,25 +284,36 @@ def count_commands() -> list[str]:
     ]
 
 
-_COUNT = f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{{}}'  # the number of contacts, to a file
+# the number of contacts, to a file
+_COUNT = f'print           "$(v_n_contacts:%.0f)" file {DUMPS}/{{}}'
 
 
 def initial_forces(assembly: Assembly) -> list[str]:
-    """Return the commands that write the forces of all contacts, and of the spheres that press on walls."""
-    parts, file = written_in_parts(assembly), contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
-    lines = ["# The forces of all contacts under the static load.", *write_dump("local", file, sources(table.FORCES))]
+    """Return the commands that write the forces of all contacts, and of the spheres that press on
+    walls.
+    """
+    parts = written_in_parts(assembly)
+    file = contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
+    lines = [
+        "# The forces of all contacts under the static load.",
+        *write_dump("local", file, sources(table.FORCES)),
+    ]
     lines += [_COUNT.format(run_directory.INITIAL_COUNT_FILE)] if parts else []
     for fix in plane_fixes(assembly):
         columns = sources(table.WALL_FORCES, of=fix)
-        lines += write_dump("custom", run_directory.INITIAL_WALL_FORCES_FILE.format(fix), columns, columns["force"])
+        lines += write_dump(
+            "custom", run_directory.INITIAL_WALL_FORCES_FILE.format(fix), columns, columns["force"]
+        )
     computes = ["mean_contact", "all_contacts", "contacts"] if parts else ["contacts"]
     return [*lines, *(f"uncompute       {name}" for name in computes)]
 
 
 def output_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files that LAMMPS writes to dumps/."""
-    case, stage = assembly.case, assembly.case.precompression
-    planes, parts = plane_fixes(assembly), written_in_parts(assembly)
+    case = assembly.case
+    stage = assembly.case.precompression
+    planes = plane_fixes(assembly)
+    parts = written_in_parts(assembly)
     initial = contacts_file(assembly, run_directory.INITIAL_FORCES_FILE)
     wanted: list[tuple[object, Sequence[str]]] = [
         (True, [run_directory.ENERGY_FILE, frames_file(assembly), contacts_file(assembly)]),

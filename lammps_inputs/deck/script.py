@@ -1,7 +1,7 @@
 """The LAMMPS input script of a case.
 
-It has three parts, separated by `RUN_MARKER` and `END_MARKER`: set-up, run, and output at the end. A program that
-drives LAMMPS can execute the first part, run in its own way, and execute the last.
+It has three parts, separated by `RUN_MARKER` and `END_MARKER`: set-up, run, and output at the end.
+A program that drives LAMMPS can execute the first part, run in its own way, and execute the last.
 """
 
 from __future__ import annotations
@@ -12,7 +12,14 @@ from collections.abc import Iterable
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, num, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
-from granwave.lammps_inputs.deck.output import dumps_at_end, frames, history, lines, probes, wall_forces
+from granwave.lammps_inputs.deck.output import (
+    dumps_at_end,
+    frames,
+    history,
+    lines,
+    probes,
+    wall_forces,
+)
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import in_grains
@@ -35,7 +42,8 @@ READ_DATA = f"read_data       {DATA_FILE}"
 _HARMFUL = re.compile(r"""[^ -~]|["&]""")  # not ASCII, or joins lines even in a comment
 _SKIN = 0.1  # skin distance of the neighbour list, diameters
 _MOST_STEPS_BETWEEN_CHECKS = 10
-_TRAVEL_BETWEEN_CHECKS = 0.01  # distance between checks of the list at the highest speed, over the skin
+# distance between checks of the list at the highest speed, over the skin
+_TRAVEL_BETWEEN_CHECKS = 0.01
 
 
 def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = "") -> str:
@@ -44,14 +52,19 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
     Parameters
     ----------
     restart_from
-        Restart file to resume from: system, fixes and outputs are the same, but the state comes from that file, there
-        is no initial velocity, spin, dent or static stage, and output is appended.
+        Restart file to resume from: system, fixes and outputs are the same, but the state comes
+        from that file, there is no initial velocity, spin, dent or static stage, and output is
+        appended.
     """
-    case, resumed = assembly.case, bool(restart_from)
+    case = assembly.case
+    resumed = bool(restart_from)
     static = case.precompression is not None
     moved = ["# Walls that were moved to a force.", f"include         {DUMPS}/{MOVED_WALLS_FILE}"]
     reference = ["# What the ledger counts from.", f"include         {DUMPS}/{STATIC_FILE}"]
-    dents = ["# Dents from before the run, of pairs of spheres and on walls.", f"gran/dents      read {DENTS_FILE}"]
+    dents = [
+        "# Dents from before the run, of pairs of spheres and on walls.",
+        f"gran/dents      read {DENTS_FILE}",
+    ]
     parts = [
         _head(assembly),
         _system(assembly, restart_from),
@@ -81,7 +94,8 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
 
 def _head(assembly: Assembly) -> list[str]:
     case = assembly.case
-    packing, load = case.packing, case.load
+    packing = case.packing
+    load = case.load
     size = " x ".join(str(n) for n in packing.size)
     what = f"{load.spheres} sphere{'s' if load.spheres > 1 else ''} of the top layer"
     if load.index is not None:
@@ -96,8 +110,12 @@ def _head(assembly: Assembly) -> list[str]:
     }
     called = assembly.grains_called
     if load.slants:
-        how["force"] = f"{load.shape} force, at most {load.largest:g} N, along {list(load.direction or ())}."
-        how["displacement"] = how["displacement"].replace("along z.", f"along {list(load.direction or ())}.")
+        how["force"] = (
+            f"{load.shape} force, at most {load.largest:g} N, along {list(load.direction or ())}."
+        )
+        how["displacement"] = how["displacement"].replace(
+            "along z.", f"along {list(load.direction or ())}."
+        )
     return [
         f"# {_HARMFUL.sub('?', case.name)}",
         f"# Impact on an ordered packing: {size} {called}, {packing.kind}, diameter {packing.diameter:g} m;",
@@ -108,13 +126,19 @@ def _head(assembly: Assembly) -> list[str]:
 
 
 def _system(assembly: Assembly, restart_from: str) -> list[str]:
-    sides, bars = "p p" if assembly.lattice.periodic else "m m", assembly.bars
+    sides = "p p" if assembly.lattice.periodic else "m m"
+    bars = assembly.bars
     touch = "cohere, at rest" if assembly.case.has_cohesion else "just touch"
     lines = []
     if bars:
         diameter = assembly.case.packing.diameter
-        reach = 2 * max([diameter, assembly.sites.largest, *(bar.pitch for bar in bars)]) + _SKIN * diameter
-        lines.append("# Elastic bars: lumped masses, joined by springs E A / (length of an element).")
+        reach = (
+            2 * max([diameter, assembly.sites.largest, *(bar.pitch for bar in bars)])
+            + _SKIN * diameter
+        )
+        lines.append(
+            "# Elastic bars: lumped masses, joined by springs E A / (length of an element)."
+        )
         for kind, bar in enumerate(bars, start=1):
             lines.append(f"group           {bar.name} id {bar.first}:{bar.last}")
             lines.append(f"bond_coeff      {kind} {num(bar.stiffness / 2)} {num(bar.pitch)}")
@@ -139,7 +163,11 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
     every = min(max(checks, 1), _MOST_STEPS_BETWEEN_CHECKS)
     by_velocity = case.has_rotation or case.has_loss or case.has_cohesion or assembly.has_rate
     nodes = [n for n, species in enumerate(assembly.species, start=1) if species.role == "node"]
-    apart = {tuple(sorted((node, other))) for node in nodes for other in range(1, len(assembly.species) + 1)}
+    apart = {
+        tuple(sorted((node, other)))
+        for node in nodes
+        for other in range(1, len(assembly.species) + 1)
+    }
     return [
         "# Neighbours: the spheres hardly move, so the lists last.",
         f"neighbor        {num(skin)} bin",

@@ -1,19 +1,23 @@
 """Static stage before a precompressed run, in the LAMMPS input script.
 
-Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek et al. 2006) without
-friction. FIRE overshoots, which must not leave dents: the first half uses Hertz's law for all contacts, and the contact
-history is reset afterwards. The second half starts from that equilibrium with the laws and initial dents of the case;
-contacts whose static force exceeds yield get their dents there. Then time and energies are reset to zero.
+Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek
+et al. 2006) without friction. FIRE overshoots, which must not leave dents: the first half uses
+Hertz's law for all contacts, and the contact history is reset afterwards. The second half starts
+from that equilibrium with the laws and initial dents of the case; contacts whose static force
+exceeds yield get their dents there. Then time and energies are reset to zero.
 
-A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions, would amplify the
-rotation: inertia relief cancels the forces that accelerate it as a whole during the stage (`inertia_relief`).
+A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
+would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
+the stage (`inertia_relief`).
 
-A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE, a record;
-STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all contacts (`initial_forces`).
+A run that is resumed from a checkpoint does not repeat the stage. Files remain: STATIC_STAGE_FILE,
+a record; STATIC_FILE, script lines with the reference energy of the ledger; and the forces of all
+contacts (`initial_forces`).
 
-A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of the centre and the
-angular acceleration I^-1 T from total force and torque. On a plane only translation along x and y and rotation about z
-are free. The centre does not move and the inertia changes little, so `relief_state` evaluates both once.
+A sphere at r from the centre of mass gets the force -m (a + I^-1 T x r), with the acceleration a of
+the centre and the angular acceleration I^-1 T from total force and torque. On a plane only
+translation along x and y and rotation about z are free. The centre does not move and the inertia
+changes little, so `relief_state` evaluates both once.
 """
 
 from __future__ import annotations
@@ -25,26 +29,58 @@ import numpy as np
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.contact.static_load import dead_loads, directions, force_of_contact, static_stiffness
-from granwave.lammps_inputs.deck.commands import joined, moved_wall, num, pair_coefficients, plane_names, wall_commands
+from granwave.lammps_inputs.contact.static_load import (
+    dead_loads,
+    directions,
+    force_of_contact,
+    static_stiffness,
+)
+from granwave.lammps_inputs.deck.commands import (
+    joined,
+    moved_wall,
+    num,
+    pair_coefficients,
+    plane_names,
+    wall_commands,
+)
 from granwave.lammps_inputs.deck.motion import POTENTIAL
-from granwave.lammps_inputs.deck.output import count_commands, displacements, initial_forces, outward_force
+from granwave.lammps_inputs.deck.output import (
+    count_commands,
+    displacements,
+    initial_forces,
+    outward_force,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import Wall, moving_fix, plane_fixes, support_timestep, walls
-from granwave.lammps_inputs.run_directory import DEAD_LOAD_FILE, DUMPS, MOVED_WALLS_FILE, STATIC_FILE, STATIC_STAGE_FILE
+from granwave.lammps_inputs.packing.walls import (
+    Wall,
+    moving_fix,
+    plane_fixes,
+    support_timestep,
+    walls,
+)
+from granwave.lammps_inputs.run_directory import (
+    DEAD_LOAD_FILE,
+    DUMPS,
+    MOVED_WALLS_FILE,
+    STATIC_FILE,
+    STATIC_STAGE_FILE,
+)
 
-_STAGE_MARKER, _STAGE_END = "# --- static stage ---", "# --- end of the static stage ---"
+_STAGE_MARKER = "# --- static stage ---"
+_STAGE_END = "# --- end of the static stage ---"
 
-LARGEST_MOVE = 0.1  # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
+# diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
+LARGEST_MOVE = 0.1
 
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them
 _PREFIX = "static_"  # prefix of the wall fixes of the stage
 _TOLERANCE = 1e-9  # net force on a sphere at convergence over the mean contact force
-# With disorder or dents it takes tens of thousands of iterations, and single contacts may carry many times the mean:
+# With disorder or dents it takes tens of thousands of iterations, and single contacts may carry
+# many times the mean:
 _TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found in the first half
 _FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
@@ -52,9 +88,11 @@ _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to 
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
-_FLATTEST = 0.1  # least slope of its power 2/3 over that of the line through the start: bounds the next distance
+# least slope of its power 2/3 over that of the line through the start: bounds the next distance
+_FLATTEST = 0.1
 
-# residual: largest net force on a sphere over the largest contact force, or over the load if only walls are touched
+# residual: largest net force on a sphere over the largest contact force, or over the load if only
+# walls are touched
 RECORD = {
     "residual": "$(c_static_net/(c_static_largest+(c_static_largest==0)*v_static_load):%.6g)",
     "largest_force": "$(c_static_largest:%.9g)",
@@ -67,7 +105,9 @@ RECORD = {
 
 
 def dead_load_commands(assembly: Assembly) -> list[str]:
-    """Return the commands of dead loads; the compute ``potential`` is their energy, zero in the data file."""
+    """Return the commands of dead loads; the compute ``potential`` is their energy, zero in the
+    data file.
+    """
     case = assembly.case
     axes = directions(assembly)
     if not axes:
@@ -85,7 +125,8 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
         *(f"variable        dead_{axis} atomfile {DEAD_LOAD_FILE.format(axis)}" for axis in axes),
         f"variable        dead atom {'||'.join(f'(v_dead_{axis}!=0)' for axis in axes)}",
         "group           dead variable dead",
-        f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",  # required by LAMMPS; unused
+        # required by LAMMPS; unused
+        f"fix             dead dead addforce {words} energy v_dead_{axes[-1]}",
         f"variable        work atom -({work})",
         f"compute         {POTENTIAL.removeprefix('c_')} dead reduce sum v_work",
     ]
@@ -94,14 +135,18 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
 def largest_move(assembly: Assembly) -> float:
     """Return the largest displacement of a sphere in a packing that does not rearrange, m.
 
-    Along the load the overlaps of all contacts add up, and so do the gaps that smaller spheres and dents leave.
+    Along the load the overlaps of all contacts add up, and so do the gaps that smaller spheres and
+    dents leave.
     """
     case = assembly.case
-    stage, lattice = case.precompression, assembly.lattice
+    stage = case.precompression
+    lattice = assembly.lattice
     assert stage is not None
     on_the_way = max(lattice.shape) if stage.kind == "uniform" else lattice.shape[2]
     if isinstance(lattice, Places) and not stage.moves:
-        on_the_way = math.ceil(float(np.ptp(lattice.bounds(), axis=0).max() / lattice.grains.diameter.min()))
+        on_the_way = math.ceil(
+            float(np.ptp(lattice.bounds(), axis=0).max() / lattice.grains.diameter.min())
+        )
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
     gap = max(stage.moves.values(), default=0.0) + case.packing.diameter_scatter
     gap += largest_dent(case, sphere_contact(case))
@@ -112,14 +157,22 @@ def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
     mass = float(assembly.sphere_masses().min())
-    overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)  # of a contact; walls move by it at first
+    overlap = (
+        1.5 * force_of_contact(assembly) / static_stiffness(assembly)
+    )  # of a contact; walls move by it at first
     strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
-    waiting = [f"group           {_STRIKERS} id {strikers}", f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0"]
+    waiting = [
+        f"group           {_STRIKERS} id {strikers}",
+        f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0",
+    ]
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
         *pair_coefficients(assembly, elastic=True),
-        *(f"variable        {moved_wall(name)} equal {num(overlap)}" for name in _pressed_walls(assembly)),
+        *(
+            f"variable        {moved_wall(name)} equal {num(overlap)}"
+            for name in _pressed_walls(assembly)
+        ),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
@@ -149,8 +202,16 @@ def second_half(assembly: Assembly) -> list[str]:
     """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
     step = support_timestep(assembly, static_stiffness(assembly))
-    columns = ["c_static", "c_static[2]", "c_static_largest", "c_static_borne", "c_static_net", "c_static_moved"]
-    record, support = dict(RECORD), moving_fix(assembly)
+    columns = [
+        "c_static",
+        "c_static[2]",
+        "c_static_largest",
+        "c_static_borne",
+        "c_static_net",
+        "c_static_moved",
+    ]
+    record = dict(RECORD)
+    support = moving_fix(assembly)
     for name, pressed in _pressed_walls(assembly).items():
         mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
@@ -188,7 +249,10 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"unfix           {_STRIKERS}"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
         f'print           "variable static equal $(v_static_all:%.17g)" file {DUMPS}/{STATIC_FILE} screen no',
-        *(f"uncompute       static{name}" for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")),
+        *(
+            f"uncompute       static{name}"
+            for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")
+        ),
         _STAGE_END,
         "",
     ]
@@ -201,7 +265,9 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
     for axis in directions(assembly):
         along = zip(ids.tolist(), forces[:, "xyz".index(axis)].tolist(), strict=True)
         rows = [f"{sphere} {force:.17g}\n" for sphere, force in along if force]
-        tables[DEAD_LOAD_FILE.format(axis)] = f"# dead loads: id, force (N); how many\n{len(rows)}\n{''.join(rows)}"
+        tables[DEAD_LOAD_FILE.format(axis)] = (
+            f"# dead loads: id, force (N); how many\n{len(rows)}\n{''.join(rows)}"
+        )
     return tables
 
 
@@ -209,22 +275,28 @@ def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
     """Return the walls that move in to a force, by x, y or tube."""
     names = assembly.case.precompression.presses if assembly.case.precompression else ()
     there = walls(assembly)
-    return {name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)] for name in names}
+    return {
+        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
+        for name in names
+    }
 
 
 def _pressing(assembly: Assembly) -> list[str]:
     """Return the commands that move walls in, round by round, until they bear their forces.
 
-    The power 2/3 of the force is about linear in the distance: its secant gives the next one, in the first round the
-    line through the start.
+    The power 2/3 of the force is about linear in the distance: its secant gives the next one, in
+    the first round the line through the start.
     """
     stage = assembly.case.precompression
     if stage is None or not stage.presses:
         return []
-    lines = ["# Walls move in until they bear their forces: a secant of the power 2/3 of the force over the distance."]
+    lines = [
+        "# Walls move in until they bear their forces: a secant of the power 2/3 of the force over the distance."
+    ]
     for number in range(_ROUNDS):
         for name, pressed in _pressed_walls(assembly).items():
-            here, level = f"v_{moved_wall(name)}", f"static_level_{name}"
+            here = f"v_{moved_wall(name)}"
+            level = f"static_level_{name}"
             force = "+".join(f"({outward_force(wall, _PREFIX)})" for wall in pressed)
             share = f"abs({force})/{num(len(pressed) * stage.presses[name])}"
             if number:
@@ -232,7 +304,8 @@ def _pressing(assembly: Assembly) -> list[str]:
             lines.append(f"variable        {level} equal $(({share})^(2/3):%.17g)")
             slope = f"v_{level}/{here}"
             if number:
-                rise, run = f"v_{level}-v_static_before_{name}", f"{here}-v_static_from_{name}"
+                rise = f"v_{level}-v_static_before_{name}"
+                run = f"{here}-v_static_from_{name}"
                 slope = f"(({rise})/(({run})+(({run})==0)))"
             lines += [
                 f"variable        static_slope_{name} equal $({slope}:%.17g)",
@@ -244,23 +317,33 @@ def _pressing(assembly: Assembly) -> list[str]:
         moved = [wall for pressed in _pressed_walls(assembly).values() for wall in pressed]
         lines += wall_commands(assembly, elastic=True, prefix=_PREFIX, only=moved)
         lines.append(_minimize(assembly, first=True))
-    found = "\n".join(f"variable {moved_wall(name)} equal $(v_{moved_wall(name)}:%.17g)" for name in stage.presses)
+    found = "\n".join(
+        f"variable {moved_wall(name)} equal $(v_{moved_wall(name)}:%.17g)" for name in stage.presses
+    )
     return [*lines, f'print           """{found}""" file {DUMPS}/{MOVED_WALLS_FILE} screen no']
 
 
 def _relief(case: Case, *, again: bool = False) -> list[str]:
     """Return the commands of inertia relief, if nothing holds the packing in place."""
-    stage, bottom = case.precompression, case.boundary.bottom
+    stage = case.precompression
+    bottom = case.boundary.bottom
     if stage is None or stage.kind != "uniform" or bottom == "fixed":
         return []
-    return (relief_state if again else relief_commands)("static_relief", _SPHERES, on_plane=bottom == "wall")
+    return (relief_state if again else relief_commands)(
+        "static_relief", _SPHERES, on_plane=bottom == "wall"
+    )
 
 
 def _minimize(assembly: Assembly, *, first: bool = False) -> str:
-    """Return the command that finds balance, to a net force that is a fraction of contact forces, plus rounding."""
-    disordered, mean = has_gaps(assembly.case), force_of_contact(assembly)
+    """Return the command that finds balance, to a net force that is a fraction of contact forces,
+    plus rounding.
+    """
+    disordered = has_gaps(assembly.case)
+    mean = force_of_contact(assembly)
     span = float(np.abs(assembly.bounds()).max())
-    rounding = float(_ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span)  # of coordinates
+    rounding = float(
+        _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
+    )  # of coordinates
     least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
     if disordered and not first:
         largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
@@ -299,19 +382,27 @@ def relief_commands(name: str, group: str, *, on_plane: bool) -> list[str]:
             for one, other, third in ("xyz", "yzx", "zxy")
         }
     for axis, turning in turned.items():
-        lines.append(f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/v_{name}_mass{turning})")
+        lines.append(
+            f"variable        {name}_{axis} atom -mass*(fcm({group},{axis})/v_{name}_mass{turning})"
+        )
     lines.append(f"variable        {name}_0 atom 0.0")
     words = " ".join(f"v_{name}_{axis}" if axis in turned else "0.0" for axis in "xyz")
     return [*lines, f"fix             {name} {group} addforce {words} energy v_{name}_0"]
 
 
 def relief_state(name: str, group: str, *, on_plane: bool) -> list[str]:
-    """Return the commands that store the present mass, centre and inverse inertia; they may be repeated."""
+    """Return the commands that store the present mass, centre and inverse inertia; they may be
+    repeated.
+    """
     lines = [f"variable        {name}_mass equal $(mass({group}):%.17g)"]
-    lines += [f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"]
+    lines += [
+        f"variable        {name}_c{axis} equal $(xcm({group},{axis}):%.17g)" for axis in "xyz"
+    ]
     if on_plane:
         return [*lines, f"variable        {name}_zz equal $(1/inertia({group},zz):%.17g)"]
-    values = str.maketrans({letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()})
+    values = str.maketrans(
+        {letter: f"inertia({group},{component})" for letter, component in _TENSOR.items()}
+    )
     for axis, row in _TERMS.items():
         for about, term in zip("xyz", row, strict=True):
             ratio = f"({term})/({_DETERMINANT})".translate(values)

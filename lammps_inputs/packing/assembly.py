@@ -1,8 +1,9 @@
 """All bodies of a case: spheres of the lattice, replaced ones, strikers, and nodes of elastic bars.
 
-Ids count from 1: the sites of the lattice, then the strikers, then the nodes of the incident bar, then those of the
-bar, each along +z. A vacant site keeps its id, which nothing has: the spheres are rows in the order of `Assembly.ids`.
-A packing of like spheres costs nothing, however large; see `granwave.lammps_inputs.lattices`.
+Ids count from 1: the sites of the lattice, then the strikers, then the nodes of the incident bar,
+then those of the bar, each along +z. A vacant site keeps its id, which nothing has: the spheres are
+rows in the order of `Assembly.ids`. A packing of like spheres costs nothing, however large; see
+`granwave.lammps_inputs.lattices`.
 """
 
 from __future__ import annotations
@@ -20,7 +21,13 @@ from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape, mass_of
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
-from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, PlacedBar, place_bar, place_strikers
+from granwave.lammps_inputs.packing.bodies import (
+    BAR,
+    INCIDENT_BAR,
+    PlacedBar,
+    place_bar,
+    place_strikers,
+)
 from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, balanced_overlap, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
@@ -28,7 +35,8 @@ from granwave.lammps_inputs.packing.sites import Sites, sites_of
 
 @dataclasses.dataclass(frozen=True)
 class Species:
-    """Particles of one LAMMPS type: grains of one material and shape, the face of a bar, or the rest of its nodes.
+    """Particles of one LAMMPS type: grains of one material and shape, the face of a bar, or the
+    rest of its nodes.
 
     Attributes
     ----------
@@ -83,7 +91,9 @@ class Assembly:
 
     @property
     def last_sphere(self) -> int:
-        """Largest id that a sphere can have: that of the last striker, or of the last site of the lattice."""
+        """Largest id that a sphere can have: that of the last striker, or of the last site of the
+        lattice.
+        """
         return self.lattice.n_spheres + len(self.strikers)
 
     @property
@@ -103,7 +113,9 @@ class Assembly:
 
     @property
     def like(self) -> bool:
-        """True if all bodies are spheres of one material and nominal diameter; there may be vacancies and scatter."""
+        """True if all bodies are spheres of one material and nominal diameter; there may be
+        vacancies and scatter.
+        """
         return self.sites.like and not (self.strikers or self.bars)
 
     @property
@@ -135,7 +147,9 @@ class Assembly:
     @cached_property
     def body(self) -> NDArray[np.int16]:
         """LAMMPS types by id, from 0: (last_sphere,)."""
-        bodies = [self.type_of(one.material or self.material, one.body) - 1 for one, _ in self.strikers]
+        bodies = [
+            self.type_of(one.material or self.material, one.body) - 1 for one, _ in self.strikers
+        ]
         return self._with_strikers(self.sites.body, bodies)
 
     def diameter_of(self, sphere: int) -> float:
@@ -148,7 +162,9 @@ class Assembly:
 
     def mass_of(self, sphere: int) -> float:
         """Return the mass of the sphere with this id, kg."""
-        return mass_of(self.material_of(sphere), self.diameter_of(sphere) / 2, self.shape_of(sphere))
+        return mass_of(
+            self.material_of(sphere), self.diameter_of(sphere) / 2, self.shape_of(sphere)
+        )
 
     def shape_of(self, sphere: int) -> Shape:
         """Return the shape of the grain or striker with this id."""
@@ -180,7 +196,9 @@ class Assembly:
 
     @property
     def plane_strain(self) -> bool:
-        """True if cylinders touch along lines in plane strain, False if as half-spaces: ``contact.line``."""
+        """True if cylinders touch along lines in plane strain, False if as half-spaces:
+        ``contact.line``.
+        """
         return self.case.contact.line == "plane-strain"
 
     def sphere_diameters(self) -> NDArray[np.float64]:
@@ -189,11 +207,14 @@ class Assembly:
 
     def sphere_masses(self) -> NDArray[np.float64]:
         """Return the masses of all spheres: (n_spheres,), kg."""
-        body, radii = self.body[self.present], self.sphere_diameters() / 2
+        body = self.body[self.present]
+        radii = self.sphere_diameters() / 2
         densities = np.array([one.material.density for one in self.species])[body]
         masses = densities * 4 / 3 * math.pi * radii**3
         if self.has_cylinders:
-            lengths = np.array([one.shape.length if one.shape else 0.0 for one in self.species])[body]
+            lengths = np.array([one.shape.length if one.shape else 0.0 for one in self.species])[
+                body
+            ]
             masses = np.where(lengths > 0, densities * math.pi * radii**2 * lengths, masses)
         return masses
 
@@ -210,7 +231,9 @@ class Assembly:
         low, high = self.lattice_bounds()
         radius = max(self.lattice.diameter, self.sites.largest) / 2
         corners = [low - radius, high + radius]
-        for (_, centre), diameter in zip(self.strikers, self.diameter[self.lattice.n_spheres :], strict=True):
+        for (_, centre), diameter in zip(
+            self.strikers, self.diameter[self.lattice.n_spheres :], strict=True
+        ):
             corners += [centre - diameter / 2, centre + diameter / 2]
         for bar in self.bars:
             corners += [np.array([low[0], low[1], z]) for z in (bar.position[0], bar.position[-1])]
@@ -226,12 +249,20 @@ class Assembly:
     def faces(self) -> NDArray[np.float64]:
         """Return the coordinates of the planes that enclose the packing, along x, y, z: (2, 3), m.
 
-        They touch nominal spheres: smaller ones leave a gap. In a chain the sides are those of the largest bead.
+        They touch nominal spheres: smaller ones leave a gap. In a chain the sides are those of the
+        largest bead.
         """
         if isinstance(self.lattice, Places):
             return self.lattice.faces()
-        radii = (self.sites.nominal if self.lattice.kind == "chain" else np.array([self.lattice.diameter])) / 2
-        side, (low, high) = max(self.lattice.diameter / 2, float(radii.max())), self.lattice_bounds()
+        radii = (
+            self.sites.nominal
+            if self.lattice.kind == "chain"
+            else np.array([self.lattice.diameter])
+        ) / 2
+        side, (low, high) = (
+            max(self.lattice.diameter / 2, float(radii.max())),
+            self.lattice_bounds(),
+        )
         return np.stack([low - side, [*(high[:2] + side), high[2] + radii[-1]]])
 
     def bottom(self) -> float:
@@ -239,13 +270,17 @@ class Assembly:
         return float(self.faces()[1, 2])
 
     def top(self) -> float:
-        """Return the z at which a plate on the free top, or the incident bar, touches nominal spheres there, m."""
+        """Return the z at which a plate on the free top, or the incident bar, touches nominal
+        spheres there, m.
+        """
         if isinstance(self.lattice, Places):
             return float(self.lattice.faces()[0, 2])
         return float(self.lattice_bounds()[0, 2]) - float(self.sites.nominal[0]) / 2
 
     def contacts(self) -> NDArray[np.int64]:
-        """Return the ids of touching pairs at the start, i < j, in no particular order: (n_contacts, 2)."""
+        """Return the ids of touching pairs at the start, i < j, in no particular order:
+        (n_contacts, 2).
+        """
         pairs = list(self.lattice.pairs() if self.sites.uniform else self.sites.contacts())
         if self.striker_contacts:
             pairs.append(np.array(self.striker_contacts))
@@ -255,19 +290,25 @@ class Assembly:
     def passing(self) -> tuple[int, ...]:
         """Ids of the strikers that walls do not hold."""
         first = self.lattice.n_spheres + 1
-        return tuple(number for number, (one, _) in enumerate(self.strikers, start=first) if not one.walls)
+        return tuple(
+            number for number, (one, _) in enumerate(self.strikers, start=first) if not one.walls
+        )
 
     @cached_property
     def striker_contacts(self) -> list[tuple[int, int]]:
         """Ids of the spheres that a striker touches at the start, each with that of the striker.
 
-        They are those that the case names, but for gaps that scattered diameters or a misaligned striker leave.
+        They are those that the case names, but for gaps that scattered diameters or a misaligned
+        striker leave.
         """
         found = []
         for number, (striker, centre) in enumerate(self.strikers, start=self.lattice.n_spheres + 1):
             for touched in sorted(set(striker.touches)):
                 reach = (self.diameter_of(touched) + self.diameter_of(number)) / 2
-                if abs(np.linalg.norm(self.centre_of(touched) - centre) - reach) <= TOUCHING * self.lattice.diameter:
+                if (
+                    abs(np.linalg.norm(self.centre_of(touched) - centre) - reach)
+                    <= TOUCHING * self.lattice.diameter
+                ):
                     found.append((touched, number))
         return found
 
@@ -301,11 +342,14 @@ def _assemble(case: Case) -> Assembly:
     if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contacts bear no force
         lattice = dataclasses.replace(lattice, overlap=balanced_overlap(case, case.material))
     sites = sites_of(case, lattice)
-    kinds = dict.fromkeys([*sites.bodies, *((one.material or case.material, one.body) for one in case.striker)])
+    kinds = dict.fromkeys(
+        [*sites.bodies, *((one.material or case.material, one.body) for one in case.striker)]
+    )
     species = [Species(material, shape=shape) for material, shape in kinds]
     strikers = tuple(zip(case.striker, place_strikers(case, sites), strict=True))
     assembly = Assembly(case, lattice, case.material, sites, strikers, (), tuple(species))
-    bars, first = list[PlacedBar](), assembly.last_sphere + 1
+    bars = list[PlacedBar]()
+    first = assembly.last_sphere + 1
     if case.incident_bar is not None:
         bars.append(place_bar(case, INCIDENT_BAR, first, assembly.top(), 1))
         first = bars[0].last + 1

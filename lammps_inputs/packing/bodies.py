@@ -1,11 +1,13 @@
 """Strikers and elastic bars in their places.
 
-A striker touches given spheres, outside of the packing, all at once. Where their diameters scatter there may be no such
-place: it then rests on as many of them as hold it. A misaligned striker is shifted across its way and brought up along
-it until it touches the first of its spheres; gaps to the others are left.
+A striker touches given spheres, outside of the packing, all at once. Where their diameters scatter
+there may be no such place: it then rests on as many of them as hold it. A misaligned striker is
+shifted across its way and brought up along it until it touches the first of its spheres; gaps to
+the others are left.
 
-A bar at an end of a chain is a row of point masses, half a mass at either end, joined by springs E A / (element
-length). The node at the chain's end is its face: a particle without radius, which the contact law takes as a flat.
+A bar at an end of a chain is a row of point masses, half a mass at either end, joined by springs E
+A / (element length). The node at the chain's end is its face: a particle without radius, which the
+contact law takes as a flat.
 """
 
 from __future__ import annotations
@@ -24,8 +26,11 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.packing.disorder import striker_shift
 from granwave.lammps_inputs.packing.sites import Sites
 
-_TOLERANCE = 1e-9  # diameters; largest gap or overlap between a striker and the spheres that it touches
-_FLAT = 0.05  # size across a row or layer of spheres, over that along it, that scatter of their diameters may cause
+# diameters; largest gap or overlap between a striker and the spheres that it touches
+_TOLERANCE = 1e-9
+# size across a row or layer of spheres, over that along it, that scatter of their diameters may
+# cause
+_FLAT = 0.05
 _TELLING = 1e-6  # relative size below which a direction or a singular value counts as zero
 _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 
@@ -33,60 +38,81 @@ _OVERLAP = 1e-6  # diameters; largest overlap with other spheres
 def place_strikers(case: Case, sites: Sites) -> list[NDArray[np.float64]]:
     """Return the centres of the strikers of a case: (3,) each, m.
 
-    If there are several positions in contact, a moving striker is placed on the side that it comes from, a resting one
-    away from the centre of the packing, or above it if both sides are equal.
+    If there are several positions in contact, a moving striker is placed on the side that it comes
+    from, a resting one away from the centre of the packing, or above it if both sides are equal.
 
     Raises
     ------
     ValueError
-        No position of a striker touches its spheres, a shifted one misses them, or a striker overlaps another sphere.
+        No position of a striker touches its spheres, a shifted one misses them, or a striker
+        overlaps another sphere.
     """
     if not case.striker:
         return []
-    every, lattice, scattered = sites.positions(1, len(sites.present)), sites.lattice, case.packing.diameter_scatter > 0
-    middle, ids = every.mean(axis=0), 1 + np.flatnonzero(sites.present)
-    centres, radii = every[ids - 1], sites.diameter[ids - 1] / 2
+    every = sites.positions(1, len(sites.present))
+    lattice = sites.lattice
+    scattered = case.packing.diameter_scatter > 0
+    middle = every.mean(axis=0)
+    ids = 1 + np.flatnonzero(sites.present)
+    centres = every[ids - 1]
+    radii = sites.diameter[ids - 1] / 2
     placed = []
     for number, striker in enumerate(case.striker, start=1):
         radius = (striker.diameter or lattice.diameter) / 2
         touched = np.searchsorted(ids, sorted(set(striker.touches)))
-        at, reach = centres[touched], radii[touched] + radius
+        at = centres[touched]
+        reach = radii[touched] + radius
         side = _side(striker, at, middle, _FLAT * lattice.diameter if scattered else 0.0)
         centre = _touching(at, reach, side)
         if np.abs(_gaps(centre, at, reach)).max() > _TOLERANCE:
             rested = _resting(at, reach, side) if scattered else None
             if rested is None:
                 what = list(striker.touches)
-                raise ValueError(f"striker {number}: found no place where it touches {what} all at once")
+                raise ValueError(
+                    f"striker {number}: found no place where it touches {what} all at once"
+                )
             centre = rested
-        shift = striker_shift(case.packing.seed, striker, number)  # only what is across its way counts
+        shift = striker_shift(
+            case.packing.seed, striker, number
+        )  # only what is across its way counts
         if shift.any():
             way = np.array(striker.velocity) if any(striker.velocity) else -side
             way = way / np.linalg.norm(way)
             if np.linalg.norm(np.cross(shift, way)) <= _TELLING * np.linalg.norm(shift):
-                raise ValueError(f"striker {number}: its shift along its way has no effect; give a part across it")
+                raise ValueError(
+                    f"striker {number}: its shift along its way has no effect; give a part across it"
+                )
             centre = _brought_up(number, striker, centre + shift, at, reach, way)
         gap = np.linalg.norm(centres - centre, axis=1) - radii - radius
         if gap.min() < -_OVERLAP * 2 * radius:
             other = ids[gap.argmin()]
-            raise ValueError(f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m")
+            raise ValueError(
+                f"striker {number}: its place overlaps sphere {other} by {-gap.min():.3g} m"
+            )
         placed.append(centre)
-        centres, radii = np.vstack([centres, centre]), np.append(radii, radius)
+        centres = np.vstack([centres, centre])
+        radii = np.append(radii, radius)
         ids = np.append(ids, lattice.n_spheres + number)
     return placed
 
 
-def _gaps(centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return the gaps of a striker at ``centre`` to spheres over the distances at which it touches them: (n,)."""
+def _gaps(
+    centre: NDArray[np.float64], at: NDArray[np.float64], reach: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Return the gaps of a striker at ``centre`` to spheres over the distances at which it touches
+    them: (n,).
+    """
     return np.asarray(np.linalg.norm(at - centre, axis=1) / reach - 1)
 
 
 def _resting(
     at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]
 ) -> NDArray[np.float64] | None:
-    """Find the deepest place that touches as many of the spheres as hold it and overlaps none; None if there is none.
+    """Find the deepest place that touches as many of the spheres as hold it and overlaps none; None
+    if there is none.
 
-    One more sphere holds it than there are dimensions between the spheres: two of a row, three of a layer.
+    One more sphere holds it than there are dimensions between the spheres: two of a row, three of a
+    layer.
     """
     spans = np.linalg.svd(at - at.mean(axis=0), compute_uv=False)
     enough = 1 + int(np.count_nonzero(spans > _FLAT * spans[0]))
@@ -129,24 +155,33 @@ def _side(
     Parameters
     ----------
     uncertain
-        Distance from ``middle`` that scattered diameters may cause, m; 0: the spheres are at their sites.
+        Distance from ``middle`` that scattered diameters may cause, m; 0: the spheres are at their
+        sites.
     """
     away = at.mean(axis=0) - middle
     if np.linalg.norm(away) < uncertain:
         away = np.zeros(3)
     above = np.array([0.0, 0.0, -1.0])
-    span, telling = at[1:] - at[0], _FLAT if uncertain else _TELLING
+    span = at[1:] - at[0]
+    telling = _FLAT if uncertain else _TELLING
     for guess in (-np.array(striker.velocity), away, above):
         across = guess - np.linalg.pinv(span, rcond=_FLAT) @ (span @ guess) if len(span) else guess
-        # only the component across the line or plane of the spheres distinguishes the possible positions
+        # only the component across the line or plane of the spheres distinguishes the possible
+        # positions
         size = np.linalg.norm(across)
-        if size > telling * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(initial=0.0):
+        if size > telling * np.linalg.norm(guess) and size > _TOLERANCE * np.abs(at).max(
+            initial=0.0
+        ):
             return across / size
     return above
 
 
-def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Find the point at distances ``reach`` from the points ``at``, in the space spanned by these and ``side``."""
+def _touching(
+    at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray[np.float64]
+) -> NDArray[np.float64]:
+    """Find the point at distances ``reach`` from the points ``at``, in the space spanned by these
+    and ``side``.
+    """
     middle = at.mean(axis=0)
     if len(at) == 1:
         return middle + reach[0] * side
@@ -160,11 +195,15 @@ def _touching(at: NDArray[np.float64], reach: NDArray[np.float64], side: NDArray
     def misses(place: NDArray[np.float64]) -> NDArray[np.float64]:
         return _gaps(place @ axes, at - middle, reach)
 
-    found = least_squares(misses, start, x_scale=float(reach.mean()), xtol=1e-15, ftol=1e-15, gtol=1e-15)
+    found = least_squares(
+        misses, start, x_scale=float(reach.mean()), xtol=1e-15, ftol=1e-15, gtol=1e-15
+    )
     return middle + found.x @ axes
 
 
-INCIDENT_BAR, BAR = "incident_bar", "bar"  # names, as in the case
+# names, as in the case
+INCIDENT_BAR = "incident_bar"
+BAR = "bar"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -223,18 +262,28 @@ class PlacedBar:
 
 
 def place_bar(case: Case, name: str, first: int, face: float, touches: int) -> PlacedBar:
-    """Place the nodes of a bar of a case, whose face is at z = ``face`` (m) and touches a sphere; ``first``: its id."""
+    """Place the nodes of a bar of a case, whose face is at z = ``face`` (m) and touches a sphere;
+    ``first``: its id.
+    """
     section = case.bar if name == BAR else case.incident_bar
     assert section is not None
-    n, ahead, material = section.elements, name == INCIDENT_BAR, section.material or case.material
-    position = face + np.linspace(-section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1)
+    n = section.elements
+    ahead = name == INCIDENT_BAR
+    material = section.material or case.material
+    position = face + np.linspace(
+        -section.length if ahead else 0.0, 0.0 if ahead else section.length, n + 1
+    )
     mass = np.full(n + 1, material.density * section.area * section.length / n)
     mass[[0, -1]] /= 2
-    return PlacedBar(name, section, material, first, first + n if ahead else first, touches, position, mass)
+    return PlacedBar(
+        name, section, material, first, first + n if ahead else first, touches, position, mass
+    )
 
 
 def echoes(bars: Iterable[PlacedBar]) -> dict[str, float]:
-    """Return the earliest time at which an echo from the far end of each bar reaches the chain, by name, s."""
+    """Return the earliest time at which an echo from the far end of each bar reaches the chain, by
+    name, s.
+    """
     crossing = {bar.name: bar.section.length / bar.wave_speed for bar in bars}
     arrival = crossing.get(INCIDENT_BAR, 0.0)  # of the load at the chain
     return {name: arrival + 2 * time for name, time in crossing.items()}

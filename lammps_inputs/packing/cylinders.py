@@ -1,7 +1,8 @@
-"""Distances, extents and contacts of cylinders; see ``plugins/laws/cylinders.h``, whose geometry this is.
+"""Distances, extents and contacts of cylinders; see ``plugins/laws/cylinders.h``, whose geometry
+this is.
 
-A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel cylinders touch along a
-line. The ends of a cylinder do not touch anything.
+A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel
+cylinders touch along a line. The ends of a cylinder do not touch anything.
 """
 
 from __future__ import annotations
@@ -33,7 +34,9 @@ def extents(radius: NDArray[np.float64], shapes: Sequence[Shape]) -> NDArray[np.
     for row, shape in enumerate(shapes):
         if shape is not None:
             along = np.abs(shape.vector)
-            found[row] = radius[row] * np.sqrt(np.maximum(1 - along**2, 0.0)) + shape.length / 2 * along
+            found[row] = (
+                radius[row] * np.sqrt(np.maximum(1 - along**2, 0.0)) + shape.length / 2 * along
+            )
     return found
 
 
@@ -51,9 +54,11 @@ def distances(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> NDArray[np.float64]:
-    """Return the distances of pairs of rows from which overlaps count, those of centres or axes: (n,), m.
+    """Return the distances of pairs of rows from which overlaps count, those of centres or axes:
+    (n,), m.
 
-    Beyond the end of a cylinder they are the distances of the centres, if grains there do not overlap with it.
+    Beyond the end of a cylinder they are the distances of the centres, if grains there do not
+    overlap with it.
 
     Parameters
     ----------
@@ -67,8 +72,12 @@ def distances(
     return np.where(beyond > 0, np.maximum(centres, diameter[first] + diameter[second]), distance)
 
 
-def nearest_image(step: NDArray[np.float64], period: tuple[float, float] | None) -> NDArray[np.float64]:
-    """Return vectors between centres, (n, 3), as those to the nearest images with periods along x and y, m."""
+def nearest_image(
+    step: NDArray[np.float64], period: tuple[float, float] | None
+) -> NDArray[np.float64]:
+    """Return vectors between centres, (n, 3), as those to the nearest images with periods along x
+    and y, m.
+    """
     if period is not None:
         step[:, :2] -= period * np.round(step[:, :2] / period)
     return step
@@ -81,16 +90,19 @@ def separations(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances of pairs of rows from or between axes, and how far beyond an end they are: (n,), m.
+    """Return the distances of pairs of rows from or between axes, and how far beyond an end they
+    are: (n,), m.
 
     Parameters
     ----------
     period
         Periods along x and y, m.
     """
-    distance, beyond = np.empty(len(first)), np.empty(len(first))
+    distance = np.empty(len(first))
+    beyond = np.empty(len(first))
     kinds = {one: number for number, one in enumerate(dict.fromkeys(shapes))}
-    kind, each = np.array([kinds[one] for one in shapes]), list(kinds)
+    kind = np.array([kinds[one] for one in shapes])
+    each = list(kinds)
     for one, other in np.unique([kind[first], kind[second]], axis=1).T:
         rows = np.flatnonzero((kind[first] == one) & (kind[second] == other))
         between = nearest_image(position[first[rows]] - position[second[rows]], period)
@@ -102,7 +114,8 @@ def separations(
 def nearest_vectors(
     between: NDArray[np.float64], first: Shape, second: Shape
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the parts of vectors between centres, (n, 3), along which the distances of two bodies count.
+    """Return the parts of vectors between centres, (n, 3), along which the distances of two bodies
+    count.
 
     Returns
     -------
@@ -117,19 +130,26 @@ def nearest_vectors(
     across = np.zeros(3) if first is None or second is None else np.cross(first.axis, second.axis)
     sine = float(np.linalg.norm(across))
     if first is None or second is None or sine <= _PARALLEL:
-        along, lengths = between @ one.vector, [grain.length for grain in (first, second) if grain is not None]
+        along = between @ one.vector
+        lengths = [grain.length for grain in (first, second) if grain is not None]
         return between - along[:, None] * one.vector, np.abs(along) - sum(lengths) / 2
-    a, b, cosine = between @ first.vector, between @ second.vector, float(first.vector @ second.vector)
+    a = between @ first.vector
+    b = between @ second.vector
+    cosine = float(first.vector @ second.vector)
     on_first = (cosine * b - a) / sine**2
     on_second = b + cosine * on_first
     beyond = np.maximum(np.abs(on_first) - first.length / 2, np.abs(on_second) - second.length / 2)
     return (between @ across / sine)[:, None] * (across / sine), beyond
 
 
-def turning_projection(normal: NDArray[np.float64], first: Shape, second: Shape) -> NDArray[np.float64]:
-    """Return the projections on the motions that turn a contact with these unit vectors, (n, 3): (n, 3, 3).
+def turning_projection(
+    normal: NDArray[np.float64], first: Shape, second: Shape
+) -> NDArray[np.float64]:
+    """Return the projections on the motions that turn a contact with these unit vectors, (n, 3):
+    (n, 3, 3).
 
-    All motions across the normal turn that of spheres; those along an axis do not, and nothing turns crossed axes.
+    All motions across the normal turn that of spheres; those along an axis do not, and nothing
+    turns crossed axes.
     """
     found = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     axes = [one.vector for one in (first, second) if one is not None]
@@ -141,8 +161,9 @@ def turning_projection(normal: NDArray[np.float64], first: Shape, second: Shape)
 def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     """Return the pairs of ids that touch or overlap at the end of a cylinder, sorted, i < j.
 
-    A sphere does if it is nearer to the rim or the face than its radius; cylinders do if the place where their sides
-    meet is beyond an end, and parallel ones also if they are side by side over a part of the shorter one only.
+    A sphere does if it is nearer to the rim or the face than its radius; cylinders do if the place
+    where their sides meet is beyond an end, and parallel ones also if they are side by side over a
+    part of the shorter one only.
 
     Parameters
     ----------
@@ -151,17 +172,27 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     """
     from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-    radius, reach = grains.diameter / 2, reaches(grains)
+    radius = grains.diameter / 2
+    reach = reaches(grains)
     cylinders = [row for row, one in enumerate(grains.shape) if one is not None]
     tree = KDTree(grains.position)
     near = tree.query_ball_point(grains.position[cylinders], reach[cylinders] + reach.max() + slack)
-    pairs = {tuple(sorted((row, other))) for row, others in zip(cylinders, near, strict=True) for other in others}
-    ids = 1 + np.array(sorted(pair for pair in pairs if pair[0] != pair[1]), dtype=np.int64).reshape(-1, 2)
+    pairs = {
+        tuple(sorted((row, other)))
+        for row, others in zip(cylinders, near, strict=True)
+        for other in others
+    }
+    ids = 1 + np.array(
+        sorted(pair for pair in pairs if pair[0] != pair[1]), dtype=np.int64
+    ).reshape(-1, 2)
     distance, beyond = separations(grains.position, grains.shape, *(ids - 1).T)
     radii = radius[ids - 1]
     found = []
-    for (one, other), apart, past, (r1, r2) in zip(ids.tolist(), distance, beyond, radii.tolist(), strict=True):
-        first, second = grains.shape[one - 1], grains.shape[other - 1]
+    for (one, other), apart, past, (r1, r2) in zip(
+        ids.tolist(), distance, beyond, radii.tolist(), strict=True
+    ):
+        first = grains.shape[one - 1]
+        second = grains.shape[other - 1]
         if first is not None and second is not None:
             lengths = first.length, second.length
             if np.linalg.norm(np.cross(first.axis, second.axis)) <= _PARALLEL:
@@ -176,7 +207,9 @@ def end_contacts(grains: Grains, slack: float) -> list[tuple[int, int]]:
     return found
 
 
-SPHERES, CYLINDERS, GRAINS = "spheres", "cylinders", "grains"
+SPHERES = "spheres"
+CYLINDERS = "cylinders"
+GRAINS = "grains"
 _WORD = re.compile(r"\b([Ss])phere(s?)\b")
 
 

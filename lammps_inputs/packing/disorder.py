@@ -1,7 +1,8 @@
-"""Disorder of a packing: diameters in a tolerance band, random vacancies, replaced spheres, and a tilted floor.
+"""Disorder of a packing: diameters in a tolerance band, random vacancies, replaced spheres, and a
+tilted floor.
 
-Separate streams of random numbers follow from ``packing.seed``, so that a change of one property does not change the
-others:
+Separate streams of random numbers follow from ``packing.seed``, so that a change of one property
+does not change the others:
 
     diameters     one number for each site, scaled by the width of the band; independent of vacancies and replaced
                   spheres
@@ -10,15 +11,17 @@ others:
     replace       likewise, with one stream for each entry, by its place in the case
     strikers      three numbers for each striker with a misalignment, one stream each, by its place in the case
 
-The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all versions and machines.
-For a normal distribution they pass through a special function whose last bits may depend on the machine; the results
-are rounded to multiples of `_GRID` of the band.
+The numbers are the upper 53 bits of the output of PCG64, whose stream numpy guarantees for all
+versions and machines. For a normal distribution they pass through a special function whose last
+bits may depend on the machine; the results are rounded to multiples of `_GRID` of the band.
 
-Spheres of a square packing on a slightly tilted floor: each lies on it, leaning on two neighbours or walls.
+Spheres of a square packing on a slightly tilted floor: each lies on it, leaning on two neighbours
+or walls.
 
-The spheres roll to a corner and come to rest one after another, so that every sphere touches the next one towards the
-corner in its row and in its column, or the wall there. Sphere (a, b), counted from the corner, is where the circles of
-these contacts meet; all spheres of a diagonal are placed at once. The contacts are closed and bear no force.
+The spheres roll to a corner and come to rest one after another, so that every sphere touches the
+next one towards the corner in its row and in its column, or the wall there. Sphere (a, b), counted
+from the corner, is where the circles of these contacts meet; all spheres of a diagonal are placed
+at once. The contacts are closed and bear no force.
 """
 
 from __future__ import annotations
@@ -43,28 +46,41 @@ def is_random(case: Case) -> bool:
     """Return True if the packing or a striker's place depends on the seed."""
     share = isinstance(case.packing.vacancies, float) and case.packing.vacancies > 0
     strikers = any(any(striker.misalignment) for striker in case.striker)
-    return bool(case.packing.diameter_scatter) or share or strikers or any(entry.share for entry in case.replace)
+    return (
+        bool(case.packing.diameter_scatter)
+        or share
+        or strikers
+        or any(entry.share for entry in case.replace)
+    )
 
 
 def has_gaps(case: Case) -> bool:
-    """Return True if contacts may be open at the start, which makes the search for static equilibrium long."""
-    return bool(case.packing.diameter_scatter or case.packing.vacancies or case.contact.initial_overlap)
+    """Return True if contacts may be open at the start, which makes the search for static
+    equilibrium long.
+    """
+    return bool(
+        case.packing.diameter_scatter or case.packing.vacancies or case.contact.initial_overlap
+    )
 
 
 def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
-    """Draw the deficits of the diameters from the nominal one: (n,), m, from 0 to ``diameter_scatter``."""
+    """Draw the deficits of the diameters from the nominal one: (n,), m, from 0 to
+    ``diameter_scatter``.
+    """
     place = _uniform(packing.seed, n, DIAMETERS)
     if packing.scatter_distribution == "normal":
         from scipy.special import ndtr, ndtri  # takes longer to load than most commands need
 
-        least, most = ndtr(-_DEVIATIONS), ndtr(_DEVIATIONS)
+        least = ndtr(-_DEVIATIONS)
+        most = ndtr(_DEVIATIONS)
         place = (ndtri(least + (most - least) * place) / _DEVIATIONS + 1) / 2
         place = np.clip(np.rint(place / _GRID) * _GRID, 0, 1)
     return packing.diameter_scatter * place
 
 
 def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0: those listed, or drawn for a share; never those of the ids in ``kept``.
+    """Return the vacant sites, from 0: those listed, or drawn for a share; never those of the ids
+    in ``kept``.
 
     Raises
     ------
@@ -75,7 +91,8 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
         return np.array(packing.vacancies or (), dtype=np.int64) - 1
     may_go = np.ones(n, dtype=bool)
     may_go[np.fromiter(kept, dtype=np.int64, count=len(kept)) - 1] = False
-    number, among = round(float(packing.vacancies) * n), int(np.count_nonzero(may_go))
+    number = round(float(packing.vacancies) * n)
+    among = int(np.count_nonzero(may_go))
     if number >= n:
         raise ValueError("leaves no sphere")
     if number > among:
@@ -83,8 +100,11 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
     return _smallest(_uniform(packing.seed, n, VACANCIES), may_go, number)
 
 
-def random_share(packing: PackingSection, entry: Replace, place: int, present: NDArray[np.bool_]) -> NDArray[np.int64]:
-    """Draw the sites, from 0, of a ``[[replace]]`` entry with a share, from those that are ``present``.
+def random_share(
+    packing: PackingSection, entry: Replace, place: int, present: NDArray[np.bool_]
+) -> NDArray[np.int64]:
+    """Draw the sites, from 0, of a ``[[replace]]`` entry with a share, from those that are
+    ``present``.
 
     Parameters
     ----------
@@ -109,7 +129,9 @@ def striker_shift(seed: int | None, striker: Striker, place: int) -> NDArray[np.
     return shift
 
 
-def _smallest(values: NDArray[np.float64], allowed: NDArray[np.bool_], number: int) -> NDArray[np.int64]:
+def _smallest(
+    values: NDArray[np.float64], allowed: NDArray[np.bool_], number: int
+) -> NDArray[np.int64]:
     """Return the indices of the ``number`` smallest of the allowed values, in rising order."""
     where = np.flatnonzero(allowed)
     return np.sort(where[np.argsort(values[where], kind="stable")[:number]])
@@ -148,17 +170,27 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     nx, ny = size[:2]
     radii = _from_corner(diameters.reshape(ny, nx) / 2, tilt)
     drop = diameter / 2 - radii  # of the centres below those of nominal spheres
-    u, v = np.empty_like(radii), np.empty_like(radii)  # distances from the two walls
+    # distances from the two walls
+    u = np.empty_like(radii)
+    v = np.empty_like(radii)
     u[:, 0], v[0, :] = radii[:, 0], radii[0, :]
     for diagonal in range(1, nx + ny - 1):
         b = np.arange(max(0, diagonal - nx + 1), min(ny, diagonal + 1))
         a = diagonal - b
-        reach_u = _reach(radii, drop, (b, a), (b, a - 1))  # of the one in its row; no use at the wall
+        reach_u = _reach(
+            radii, drop, (b, a), (b, a - 1)
+        )  # of the one in its row; no use at the wall
         reach_v = _reach(radii, drop, (b, a), (b - 1, a))
-        first, last, inner = (b == 0) & (a > 0), (a == 0) & (b > 0), (a > 0) & (b > 0)
-        u[b[first], a[first]] = u[0, a[first] - 1] + _side(reach_u[first], v[0, a[first]] - v[0, a[first] - 1])
+        first = (b == 0) & (a > 0)
+        last = (a == 0) & (b > 0)
+        inner = (a > 0) & (b > 0)
+        u[b[first], a[first]] = u[0, a[first] - 1] + _side(
+            reach_u[first], v[0, a[first]] - v[0, a[first] - 1]
+        )
         v[b[last], 0] = v[b[last] - 1, 0] + _side(reach_v[last], u[b[last], 0] - u[b[last] - 1, 0])
-        i, j = b[inner], a[inner]  # where circles about the ones beside and below meet, away from the corner
+        # where circles about the ones beside and below meet, away from the corner
+        i = b[inner]
+        j = a[inner]
         beside, below = (np.stack([u[one], v[one]]) for one in ((i, j - 1), (i - 1, j)))
         between = below - beside
         apart = np.linalg.norm(between, axis=0)

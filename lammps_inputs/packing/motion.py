@@ -11,7 +11,9 @@ from granwave.lammps_inputs.packing.places import Places, struck_spheres
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:
-    """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those that move."""
+    """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those
+    that move.
+    """
     case = assembly.case
     if case.load.index is not None:
         return case.load.index
@@ -19,15 +21,21 @@ def struck_of(assembly: Assembly) -> tuple[int, ...]:
         return struck_spheres(assembly.lattice, case.load.spheres)
     if case.load.kind == "plate":
         centre = struck_spheres(assembly.lattice, 1)
-        return centre + tuple(one for one in assembly.lattice.top_layer.tolist() if one not in centre)
+        return centre + tuple(
+            one for one in assembly.lattice.top_layer.tolist() if one not in centre
+        )
     if case.load.kind == "grains":
         return tuple(own_velocities(assembly))
     first = assembly.lattice.n_spheres + 1
-    return tuple(number for number, striker in enumerate(case.striker, start=first) if striker.moves)
+    return tuple(
+        number for number, striker in enumerate(case.striker, start=first) if striker.moves
+    )
 
 
 def struck_site(assembly: Assembly) -> int | None:
-    """Return the id of the struck sphere, or of the sphere that the first moving striker hits; None if none is."""
+    """Return the id of the struck sphere, or of the sphere that the first moving striker hits; None
+    if none is.
+    """
     struck = struck_of(assembly)
     sphere = struck[0] if struck else None
     while sphere is not None and sphere > assembly.lattice.n_spheres:
@@ -37,9 +45,12 @@ def struck_site(assembly: Assembly) -> int | None:
 
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the initial velocities by id of the spheres that have one, m/s."""
-    case, first = assembly.case, assembly.lattice.n_spheres + 1
+    case = assembly.case
+    first = assembly.lattice.n_spheres + 1
     struck = struck_of(assembly) if case.load.kind == "impact" else ()
-    strikers = {number: one.velocity for number, one in enumerate(case.striker, start=first) if one.moves}
+    strikers = {
+        number: one.velocity for number, one in enumerate(case.striker, start=first) if one.moves
+    }
     return own_velocities(assembly) | dict.fromkeys(struck, case.load.initial_velocity) | strikers
 
 
@@ -61,18 +72,22 @@ def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
 
 
 _BESIDE = 0.25  # diameters; grains of a line are no further from it
-_HELD = 3.0  # diameters above a floor that does not move: grains there cannot reach the speed of the wave
+# diameters above a floor that does not move: grains there cannot reach the speed of the wave
+_HELD = 3.0
 
 
 def line_ids(assembly: Assembly, line: Line) -> tuple[int, ...]:
-    """Return the ids of the grains of a line in their order: those given, or those along a direction."""
+    """Return the ids of the grains of a line in their order: those given, or those along a
+    direction.
+    """
     ids = assembly.ids
     own = ids <= assembly.lattice.n_spheres
     if isinstance(line.index, str):
         return tuple(ids[own].tolist())
     if line.index is not None:
         return line.index
-    ids, positions = ids[own], assembly.positions()[own]
+    ids = ids[own]
+    positions = assembly.positions()[own]
     start = line.start or struck_site(assembly) or int(ids[0])
     row = int(np.searchsorted(ids, start))
     if row == len(ids) or ids[row] != start:
@@ -92,7 +107,9 @@ def all_line_ids(assembly: Assembly) -> tuple[int, ...]:
 
 
 def left_out(assembly: Assembly, line: Line) -> int:
-    """Return how many grains at the end of a line the fit of its decay leaves out: those that the floor holds."""
+    """Return how many grains at the end of a line the fit of its decay leaves out: those that the
+    floor holds.
+    """
     if not isinstance(line.leave_out, str):
         return line.leave_out
     boundary = assembly.case.boundary
@@ -103,16 +120,27 @@ def left_out(assembly: Assembly, line: Line) -> int:
     return next((n for n, held in enumerate(reversed(near)) if not held), len(near))
 
 
-_HISTORY, _LEAST_HISTORY = 1000, 5  # instants; beads of a chain from which on they are recorded by themselves
+# instants; beads of a chain from which on they are recorded by themselves
+_HISTORY = 1000
+_LEAST_HISTORY = 5
 _LINE_HISTORY = 2000  # instants
-_PARTS_FROM = 10_000_000  # spheres: one rank alone writes a snapshot of them, 1.4 GB, for seconds while all others wait
-_IN_A_PERIOD, _MOST_HISTORY_VALUES = 10, 1e7  # instants in the shortest period of a load; instants times particles
-_HISTORY_VALUES, _LEAST_ROWS = 1e6, 250  # instants times particles, nodes of bars among them; fewest instants
+# spheres: one rank alone writes a snapshot of them, 1.4 GB, for seconds while all others wait
+_PARTS_FROM = 10_000_000
+# instants in the shortest period of a load; instants times particles
+_IN_A_PERIOD = 10
+_MOST_HISTORY_VALUES = 1e7
+# instants times particles, nodes of bars among them; fewest instants
+_HISTORY_VALUES = 1e6
+_LEAST_ROWS = 250
 
 
 def chain_history(assembly: Assembly) -> int:
-    """Return the number of instants at which velocities and forces of a chain are recorded; 0: none."""
-    case, output, packing = assembly.case, assembly.case.output, assembly.case.packing
+    """Return the number of instants at which velocities and forces of a chain are recorded; 0:
+    none.
+    """
+    case = assembly.case
+    output = assembly.case.output
+    packing = assembly.case.packing
     if output.history != "auto":
         return output.history
     if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:

@@ -28,8 +28,8 @@ class Packing:
     assembly
         Bodies that the packing is made from.
     atoms
-        Spheres in the order of their ids, with the arrays ``diameters`` (n,), m, and ``ids`` (n,); positions
-        in m (not angstrom).
+        Spheres in the order of their ids, with the arrays ``diameters`` (n,), m, and ``ids`` (n,);
+        positions in m (not angstrom).
     walls
         Planes around the packing.
     """
@@ -60,7 +60,11 @@ class Packing:
 
     def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
         """Return the rows of the spheres with these ids, of the same shape."""
-        return np.searchsorted(self.ids, ids) if self.n_spheres < self.assembly.last_sphere else ids - 1
+        return (
+            np.searchsorted(self.ids, ids)
+            if self.n_spheres < self.assembly.last_sphere
+            else ids - 1
+        )
 
     @cached_property
     def contacts(self) -> NDArray[np.int64]:
@@ -93,8 +97,8 @@ class Packing:
         Raises
         ------
         RuntimeError
-            A sphere touches more spheres than the lattice allows, or none of the interior ones as many as it
-            should.
+            A sphere touches more spheres than the lattice allows, or none of the interior ones as
+            many as it should.
         """
         result = np.zeros(self.n_spheres, dtype=np.int8)
         np.add.at(result, self.rows(self.assembly.contacts().ravel()), 1)
@@ -105,14 +109,21 @@ class Packing:
         axes = zip(self.lattice.size, self.lattice.rule.axes, strict=True)
         inside = all(n >= 5 for n, axis in axes if axis == "z" or not self.lattice.periodic)
         if found > expected or (found < expected and inside):
-            raise RuntimeError(f"{self.lattice.kind}: found {found} contacts inside, expected {expected}")
+            raise RuntimeError(
+                f"{self.lattice.kind}: found {found} contacts inside, expected {expected}"
+            )
         return result
 
     def gaps(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the gaps between the surfaces of pairs (n, 2) of ids, nearest images if periodic: (n,), m."""
+        """Return the gaps between the surfaces of pairs (n, 2) of ids, nearest images if periodic:
+        (n,), m.
+        """
         first, second = self.rows(pairs).T
-        period, diameter = self.lattice.lengths if self.lattice.periodic else None, self.assembly.sphere_diameters()
-        apart = distances(self.positions, diameter, self.assembly.grain_shapes(), first, second, period)
+        period = self.lattice.lengths if self.lattice.periodic else None
+        diameter = self.assembly.sphere_diameters()
+        apart = distances(
+            self.positions, diameter, self.assembly.grain_shapes(), first, second, period
+        )
         return apart - (diameter[first] + diameter[second]) / 2
 
 

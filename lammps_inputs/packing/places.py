@@ -1,4 +1,6 @@
-"""Grains at places of their own, with the properties of a lattice, and the struck spheres of any packing."""
+"""Grains at places of their own, with the properties of a lattice, and the struck spheres of any
+packing.
+"""
 
 from __future__ import annotations
 
@@ -87,7 +89,9 @@ class Places:
     @property
     def last_layer(self) -> NDArray[np.int64]:
         """Ids of the grains that a plane below would touch, in rising order."""
-        below = self.grains.position[:, 2] + extents(self.grains.diameter / 2, self.grains.shape)[:, 2]
+        below = (
+            self.grains.position[:, 2] + extents(self.grains.diameter / 2, self.grains.shape)[:, 2]
+        )
         return 1 + np.flatnonzero(below.max() - below <= TOUCHING * self.diameter)
 
     @property
@@ -96,7 +100,9 @@ class Places:
         return len(self._near[0])
 
     def positions(self, first: int, last: int) -> NDArray[np.float64]:
-        """Return the centres of the grains with ids ``first`` to ``last``, both included: (n, 3), m."""
+        """Return the centres of the grains with ids ``first`` to ``last``, both included: (n, 3),
+        m.
+        """
         return self.grains.position[first - 1 : last].copy()
 
     def bounds(self) -> NDArray[np.float64]:
@@ -106,19 +112,28 @@ class Places:
     def faces(self) -> NDArray[np.float64]:
         """Return the lowest and highest coordinates of surfaces along x, y, z: (2, 3), m."""
         extent = extents(self.grains.diameter / 2, self.grains.shape)
-        return np.stack([(self.grains.position - extent).min(axis=0), (self.grains.position + extent).max(axis=0)])
+        return np.stack(
+            [
+                (self.grains.position - extent).min(axis=0),
+                (self.grains.position + extent).max(axis=0),
+            ]
+        )
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
         """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once."""
         yield self._near[0]
 
     def apart(self, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
-        """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see `distances`."""
+        """Return the distances of pairs of ids (n, 2), from which overlaps count: (n,), m; see
+        `distances`.
+        """
         grains, (first, second) = self.grains, pairs.T - 1
         return distances(grains.position, grains.diameter, grains.shape, first, second, self.period)
 
     def overlapping(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Return the pairs that overlap at the start, deepest first: ids (n, 2), i < j, and overlaps (n,), m."""
+        """Return the pairs that overlap at the start, deepest first: ids (n, 2), i < j, and
+        overlaps (n,), m.
+        """
         pairs, gaps = self._near
         deep = gaps < -TOUCHING * self.diameter
         order = np.argsort(gaps[deep], kind="stable")
@@ -140,15 +155,20 @@ class Places:
         pairs = 1 + near_pairs(self.grains.position, reaches(self.grains), slack, self.period)
         gaps = self.apart(pairs) - self.grains.diameter[pairs - 1].sum(axis=1) / 2
         close = gaps <= slack
-        pairs, gaps = pairs[close], gaps[close]
+        pairs = pairs[close]
+        gaps = gaps[close]
         order = np.lexsort((pairs[:, 1], pairs[:, 0]))
         return pairs[order], gaps[order]
 
 
 def near_pairs(
-    position: NDArray[np.float64], radius: NDArray[np.float64], slack: float, period: tuple[float, float] | None = None
+    position: NDArray[np.float64],
+    radius: NDArray[np.float64],
+    slack: float,
+    period: tuple[float, float] | None = None,
 ) -> NDArray[np.int64]:
-    """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2), i < j.
+    """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2),
+    i < j.
 
     Classes of size keep the search short where a few grains are much larger than the rest.
 
@@ -161,9 +181,12 @@ def near_pairs(
 
     box = None
     if period is not None:
-        box, position = np.array([*period, 0.0]), position.copy()  # 0: not periodic along z
+        # 0: not periodic along z
+        box = np.array([*period, 0.0])
+        position = position.copy()
         position[:, :2] = np.mod(position[:, :2], period)
-        position[:, :2][position[:, :2] >= period] = 0.0  # as rounding of the remainder may leave it
+        # as rounding of the remainder may leave it
+        position[:, :2][position[:, :2] >= period] = 0.0
     found = [np.empty((0, 2), dtype=np.int64)]
     classes = np.floor(np.log2(radius / radius.min()) + 1e-9)
     members = [np.flatnonzero(classes == one) for one in np.unique(classes)]
@@ -184,7 +207,9 @@ Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
 
 @lru_cache(maxsize=4)
 def places_of(grains: Grains, diameter: float, period: tuple[float, float] | None = None) -> Places:
-    """Return the places of grains; those of equal grains are the same, so that their contacts are searched once."""
+    """Return the places of grains; those of equal grains are the same, so that their contacts are
+    searched once.
+    """
     return Places(grains, diameter, period)
 
 
@@ -197,8 +222,11 @@ def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
 
 
 def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) -> ContactLaw:
-    """Return the law of spheres of the packing with each other, or a flat, of a material (None: rigid)."""
-    contact, radius = case.contact_between(case.material, partner), case.packing.diameter / 2
+    """Return the law of spheres of the packing with each other, or a flat, of a material (None:
+    rigid).
+    """
+    contact = case.contact_between(case.material, partner)
+    radius = case.packing.diameter / 2
     return contact.between((case.material, partner), (radius, math.inf if flat else radius))
 
 
@@ -211,9 +239,10 @@ def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     """Return the ids of the loaded spheres; the first one is the struck sphere.
 
-    The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within 1e-6 D:
-    the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on one sphere of the next layer (of
-    several such pairs the one with the lowest ids), 7 its six neighbours in the layer.
+    The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within
+    1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on one sphere
+    of the next layer (of several such pairs the one with the lowest ids), 7 its six neighbours in
+    the layer.
 
     Raises
     ------
@@ -229,19 +258,27 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     if not lattice.rule.hexagonal:
         able = " or ".join(name for name, kind in KINDS.items() if kind.hexagonal)
         raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
-    around, below = ([one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1))
+    around, below = (
+        [one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1)
+    )
     if count == 7:
         if len(around) != 6:
-            raise ValueError(f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6")
+            raise ValueError(
+                f"the struck sphere has {len(around)} neighbours in the top layer, 7 spheres need 6"
+            )
         return (centre, *around)
-    resting = [[other for other in lattice.neighbours(support) if other in around] for support in below]
+    resting = [
+        [other for other in lattice.neighbours(support) if other in around] for support in below
+    ]
     pairs = [pair for pair in resting if len(pair) == 2]
     if not pairs:
         raise ValueError("no two neighbours of the struck sphere rest with it on one sphere below")
     return (centre, *min(pairs))
 
 
-def centred(strikers: Sequence[Striker], packing: PackingSection, boundary: Boundary) -> tuple[Striker, ...]:
+def centred(
+    strikers: Sequence[Striker], packing: PackingSection, boundary: Boundary
+) -> tuple[Striker, ...]:
     """Return strikers, those that touch the sphere at the centre of the top with its id."""
     if all(striker.touches for striker in strikers):
         return tuple(strikers)

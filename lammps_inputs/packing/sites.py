@@ -1,9 +1,10 @@
 """Sites of a lattice with different spheres: diameters, materials, vacancies.
 
-Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger ones need space. The
-beads of a chain are stacked in contact by their nominal diameters, those of `[[replace]]` included; diameters below
-nominal by the tolerance leave gaps there, too. The tolerance counts from the nominal diameter of each sphere. On a
-tilted floor the spheres of a square packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
+Spheres are centred on the sites of the lattice of nominal spheres: smaller ones leave gaps, larger
+ones need space. The beads of a chain are stacked in contact by their nominal diameters, those of
+`[[replace]]` included; diameters below nominal by the tolerance leave gaps there, too. The
+tolerance counts from the nominal diameter of each sphere. On a tilted floor the spheres of a square
+packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
 """
 
 from __future__ import annotations
@@ -20,7 +21,12 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
-from granwave.lammps_inputs.packing.disorder import diameter_losses, lean, random_share, vacant_sites
+from granwave.lammps_inputs.packing.disorder import (
+    diameter_losses,
+    lean,
+    random_share,
+    vacant_sites,
+)
 from granwave.lammps_inputs.packing.places import Layout, Places, struck_spheres
 
 
@@ -43,7 +49,8 @@ class Sites:
     leaning
         Centres of spheres that lean on each other: (n_sites, 3), m; None: they are at the sites.
     uniform
-        True if all spheres are equal and none is missing: arrays of one value, which take no memory.
+        True if all spheres are equal and none is missing: arrays of one value, which take no
+        memory.
     """
 
     lattice: Layout
@@ -63,13 +70,16 @@ class Sites:
         whole
             True for sequences that fill the chain without a rest.
         """
-        beads, n = np.stack([self.diameter, self.nominal, self.body], axis=1), len(self.body)
+        beads = np.stack([self.diameter, self.nominal, self.body], axis=1)
+        n = len(self.body)
         periods = (p for p in range(1, n // 2 + 1) if (beads[p:] == beads[:-p]).all())
         return next((p for p in periods if not (whole and n % p)), None)
 
     def made_of(self, *materials: Material) -> NDArray[np.bool_]:
         """Select the spheres of these materials: (n_sites,)."""
-        return self.present & np.isin(self.body, [n for n, (one, _) in enumerate(self.bodies) if one in materials])
+        return self.present & np.isin(
+            self.body, [n for n, (one, _) in enumerate(self.bodies) if one in materials]
+        )
 
     @cached_property
     def count(self) -> int:
@@ -79,12 +89,20 @@ class Sites:
     @cached_property
     def like(self) -> bool:
         """True if all spheres are of the first material and the nominal diameter of the lattice."""
-        return self.uniform or (not self.body.any() and bool((self.nominal == self.lattice.diameter).all()))
+        return self.uniform or (
+            not self.body.any() and bool((self.nominal == self.lattice.diameter).all())
+        )
 
     @cached_property
     def stacked(self) -> NDArray[np.float64] | None:
-        """Positions along z of the beads of a chain with different nominal diameters: (n_sites,), m; None otherwise."""
-        if self.uniform or self.lattice.kind != "chain" or (self.nominal == self.lattice.diameter).all():
+        """Positions along z of the beads of a chain with different nominal diameters: (n_sites,),
+        m; None otherwise.
+        """
+        if (
+            self.uniform
+            or self.lattice.kind != "chain"
+            or (self.nominal == self.lattice.diameter).all()
+        ):
             return None
         radii = self.nominal / 2
         return np.concatenate([[0.0], np.cumsum(radii[1:] + radii[:-1])])
@@ -96,8 +114,13 @@ class Sites:
 
     @property
     def least_reach(self) -> float:
-        """Smallest over all materials of their largest diameter, m: the shortest contact distance of such spheres."""
-        return min(float(self.diameter[self.present & (self.body == k)].max()) for k in np.unique(self.body))
+        """Smallest over all materials of their largest diameter, m: the shortest contact distance
+        of such spheres.
+        """
+        return min(
+            float(self.diameter[self.present & (self.body == k)].max())
+            for k in np.unique(self.body)
+        )
 
     @property
     def centres(self) -> NDArray[np.float64]:
@@ -115,7 +138,9 @@ class Sites:
         return positions
 
     def neighbours(self) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-        """Iterate over pairs of spheres at neighbouring sites, in batches: ids (n, 2), i < j, and gaps (n,), m."""
+        """Iterate over pairs of spheres at neighbouring sites, in batches: ids (n, 2), i < j, and
+        gaps (n,), m.
+        """
         for pairs in self.lattice.pairs():
             if self.count < len(self.present):
                 pairs = pairs[self.present[pairs - 1].all(axis=1)]
@@ -123,9 +148,15 @@ class Sites:
             if isinstance(self.lattice, Places):
                 apart = self.lattice.apart(pairs)
             elif self.leaning is not None:
-                apart = np.linalg.norm(self.leaning[pairs[:, 1] - 1] - self.leaning[pairs[:, 0] - 1], axis=1)
+                apart = np.linalg.norm(
+                    self.leaning[pairs[:, 1] - 1] - self.leaning[pairs[:, 0] - 1], axis=1
+                )
             else:
-                apart = self.lattice.spacing if self.stacked is None else self.nominal[pairs - 1].sum(axis=1) / 2
+                apart = (
+                    self.lattice.spacing
+                    if self.stacked is None
+                    else self.nominal[pairs - 1].sum(axis=1) / 2
+                )
             yield pairs, apart - self.diameter[pairs - 1].sum(axis=1) / 2
 
     @cached_property
@@ -133,8 +164,14 @@ class Sites:
         """Numbers of neighbouring and of touching pairs."""
         stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
         if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
-            return self.lattice.n_contacts, self.lattice.n_contacts  # they differ in their materials only
-        sizes = [(len(pairs), int(np.count_nonzero(self._touch(pairs, gaps)))) for pairs, gaps in self.neighbours()]
+            return (
+                self.lattice.n_contacts,
+                self.lattice.n_contacts,
+            )  # they differ in their materials only
+        sizes = [
+            (len(pairs), int(np.count_nonzero(self._touch(pairs, gaps))))
+            for pairs, gaps in self.neighbours()
+        ]
         n_neighbours, n_touching = np.sum(sizes, axis=0, dtype=int).tolist() if sizes else (0, 0)
         return n_neighbours, n_touching + len(self._contacts_of_larger())
 
@@ -167,12 +204,14 @@ class Sites:
         return pairs[np.abs(gaps) <= TOUCHING * self.lattice.diameter]
 
     def near_larger(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
-        """Find the touching and overlapping pairs with a sphere larger than the lattice spacing; none in chains.
+        """Find the touching and overlapping pairs with a sphere larger than the lattice spacing;
+        none in chains.
 
-        Returns ids (n, 2), i < j, and gaps (n,), m, negative for overlaps. Such spheres may reach beyond the
-        neighbouring sites. A pair of equal ids is a sphere and its own image.
+        Returns ids (n, 2), i < j, and gaps (n,), m, negative for overlaps. Such spheres may reach
+        beyond the neighbouring sites. A pair of equal ids is a sphere and its own image.
         """
-        present, large = np.flatnonzero(self.present), np.flatnonzero(self.larger & self.present)
+        present = np.flatnonzero(self.present)
+        large = np.flatnonzero(self.larger & self.present)
         if not large.size:
             return np.empty((0, 2), dtype=np.int64), np.empty(0)
         from scipy.spatial import KDTree  # takes longer to load than most commands need
@@ -187,11 +226,17 @@ class Sites:
         for shift in (np.array([i * x, j * y, 0.0]) for i in steps for j in steps):
             around = tree.query_ball_point(centres[large] + shift, reach)
             one = np.repeat(large, [len(others) for others in around])
-            other = present[np.concatenate([np.asarray(others, dtype=np.int64) for others in around])]
+            other = present[
+                np.concatenate([np.asarray(others, dtype=np.int64) for others in around])
+            ]
             apart = np.linalg.norm(centres[one] + shift - centres[other], axis=1)
             gap = apart - (self.diameter[one] + self.diameter[other]) / 2
             keep = (gap <= slack) & ((one != other) | bool(shift.any()))
-            found.append(np.stack([np.minimum(one, other) + 1, np.maximum(one, other) + 1, gap], axis=1)[keep])
+            found.append(
+                np.stack([np.minimum(one, other) + 1, np.maximum(one, other) + 1, gap], axis=1)[
+                    keep
+                ]
+            )
         rows = np.concatenate(found)
         rows = rows[np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))]
         pairs, first = np.unique(rows[:, :2].astype(np.int64), axis=0, return_index=True)
@@ -199,7 +244,9 @@ class Sites:
 
     @cached_property
     def larger(self) -> NDArray[np.bool_]:
-        """True for spheres larger than the lattice spacing: (n_sites,); none in a chain and among grains of a file."""
+        """True for spheres larger than the lattice spacing: (n_sites,); none in a chain and among
+        grains of a file.
+        """
         if self.uniform or self.lattice.kind in ("chain", FILE):
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
@@ -213,7 +260,8 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
     ValueError
         A share of vacancies leaves too few spheres, or spheres on a tilted floor find no place.
     """
-    packing, n = case.packing, lattice.n_spheres
+    packing = case.packing
+    n = lattice.n_spheres
     if isinstance(lattice, Places):
         return _sites_of_grains(case, lattice)
     like = np.broadcast_to(packing.diameter, n)
@@ -226,7 +274,8 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
     kept = named_spheres(case, lattice)
     present = np.ones(n, dtype=bool)
     present[vacant_sites(packing, n, kept)] = False
-    nominal, kind = np.full(n, packing.diameter), np.zeros(n, dtype=np.int16)
+    nominal = np.full(n, packing.diameter)
+    kind = np.zeros(n, dtype=np.int16)
     materials = [case.material]
     for place, entry in enumerate(case.replace, start=1):
         chosen = chosen_sites(packing, lattice, entry, place, present)
@@ -247,21 +296,36 @@ def sites_of(case: Case, lattice: Layout) -> Sites:
 
 
 def _sites_of_grains(case: Case, places: Places) -> Sites:
-    """Return the sites of grains of a file, each with a diameter, a material and a shape of its own."""
+    """Return the sites of grains of a file, each with a diameter, a material and a shape of its
+    own.
+    """
     grains = places.grains
     found = {name: case.named_material(name) for name in dict.fromkeys(grains.material)}
     each = list(zip(grains.material, grains.shape, strict=True))
-    distinct, shapes = {(name, shape): (found[name], shape) for name, shape in each}, dict.fromkeys(grains.shape)
-    order = [(material, shape) for material in dict.fromkeys([case.material, *found.values()]) for shape in shapes]
+    distinct = {(name, shape): (found[name], shape) for name, shape in each}
+    shapes = dict.fromkeys(grains.shape)
+    order = [
+        (material, shape)
+        for material in dict.fromkeys([case.material, *found.values()])
+        for shape in shapes
+    ]
     bodies = [one for one in order if len(shapes) == 1 or one in distinct.values()]
     number = {key: bodies.index(one) for key, one in distinct.items()}
     body = np.array([number[key] for key in each], dtype=np.int16)
-    return Sites(places, grains.diameter, grains.diameter, body, tuple(bodies), np.ones(len(grains), dtype=bool))
+    return Sites(
+        places,
+        grains.diameter,
+        grains.diameter,
+        body,
+        tuple(bodies),
+        np.ones(len(grains), dtype=bool),
+    )
 
 
 def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
     """Return the spheres that a case names, with the key that does; they are never vacant."""
-    load, names = case.load, list[tuple[str, Sequence[int]]]()
+    load = case.load
+    names = list[tuple[str, Sequence[int]]]()
     if load.index is not None:
         names.append(("load.index", load.index))
     elif load.kind == "plate":
@@ -269,16 +333,30 @@ def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
     elif load.hits_spheres:
         names.append(("load.spheres", struck_spheres(lattice, load.spheres)))
     names += [("output.probes", [one for probe in case.output.probes for one in probe.spheres])]
-    names += [(f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(case.sensor, start=1)]
-    names += [(f"striker.{place}.touches", striker.touches) for place, striker in enumerate(case.striker, start=1)]
-    names += [(f"replace.{place}.index", entry.index or ()) for place, entry in enumerate(case.replace, start=1)]
-    return {sphere: key for key, spheres in reversed(names) for sphere in spheres if sphere <= lattice.n_spheres}
+    names += [
+        (f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(case.sensor, start=1)
+    ]
+    names += [
+        (f"striker.{place}.touches", striker.touches)
+        for place, striker in enumerate(case.striker, start=1)
+    ]
+    names += [
+        (f"replace.{place}.index", entry.index or ())
+        for place, entry in enumerate(case.replace, start=1)
+    ]
+    return {
+        sphere: key
+        for key, spheres in reversed(names)
+        for sphere in spheres
+        if sphere <= lattice.n_spheres
+    }
 
 
 def chosen_sites(
     packing: PackingSection, lattice: Layout, entry: Replace, place: int, present: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Return the sites, from 0, that a ``[[replace]]`` entry changes; ``place`` is its number from 1.
+    """Return the sites, from 0, that a ``[[replace]]`` entry changes; ``place`` is its number from
+    1.
 
     A box is compared with the sites of the lattice of equal spheres, with a margin of ``TOUCHING``.
     """
@@ -286,6 +364,8 @@ def chosen_sites(
         return np.array(entry.index, dtype=np.int64) - 1
     if entry.share is not None:
         return random_share(packing, entry, place, present)
-    centres, slack = lattice.positions(1, lattice.n_spheres), TOUCHING * lattice.diameter
-    low, high = np.array(entry.low), np.array(entry.high)
+    centres = lattice.positions(1, lattice.n_spheres)
+    slack = TOUCHING * lattice.diameter
+    low = np.array(entry.low)
+    high = np.array(entry.high)
     return np.flatnonzero(((centres >= low - slack) & (centres <= high + slack)).all(axis=1))

@@ -34,9 +34,11 @@ class Wall:
     axis
         Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial.
     outward
-        Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1 otherwise.
+        Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1
+        otherwise.
     coordinate
-        Position of the plane along ``axis``, or radius of the tube, m; after it was moved in, where it is.
+        Position of the plane along ``axis``, or radius of the tube, m; after it was moved in, where
+        it is.
     tube
         True for a tube around the axis x = y = 0.
     held_layer
@@ -63,10 +65,16 @@ class Wall:
     support: Support | None = None
     plate: tuple[float, float] | None = None
     overlap: float = 0.0
-    fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(default=(), repr=False, compare=False)
+    fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(
+        default=(), repr=False, compare=False
+    )
 
-    def gaps(self, positions: NDArray[np.float64], radii: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the gaps between the wall and spheres at positions (n, 3), negative for overlaps: (n,), m."""
+    def gaps(
+        self, positions: NDArray[np.float64], radii: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return the gaps between the wall and spheres at positions (n, 3), negative for overlaps:
+        (n,), m.
+        """
         reach = np.hypot(*positions.T[:2]) if self.tube else positions[:, self.axis] * self.outward
         return np.asarray(self.coordinate * self.outward - (reach + radii))
 
@@ -80,8 +88,14 @@ class Wall:
         return found
 
     def effective_radii(self, radii: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the radii of spheres that are as stiff on a plane as these are on the wall: (n,), m."""
-        return np.asarray(elliptic_radius(1 / radii, 1 / radii - 1 / self.coordinate)) if self.tube else radii
+        """Return the radii of spheres that are as stiff on a plane as these are on the wall: (n,),
+        m.
+        """
+        return (
+            np.asarray(elliptic_radius(1 / radii, 1 / radii - 1 / self.coordinate))
+            if self.tube
+            else radii
+        )
 
 
 def walls(case: Case | Assembly) -> tuple[Wall, ...]:
@@ -91,18 +105,38 @@ def walls(case: Case | Assembly) -> tuple[Wall, ...]:
 
 @lru_cache(maxsize=4)
 def _walls(assembly: Assembly) -> tuple[Wall, ...]:
-    case, found = assembly.case, []
-    boundary, moves = case.boundary, case.precompression.moves if case.precompression else {}
+    case = assembly.case
+    found = []
+    boundary = case.boundary
+    moves = case.precompression.moves if case.precompression else {}
     if boundary.bottom not in ("free", "periodic"):
-        material, support = boundary.bottom_material, boundary.bottom_support
+        material = boundary.bottom_material
+        support = boundary.bottom_support
         found.append(
-            Wall("bottom", 2, 1, assembly.bottom(), boundary.bottom == "fixed", material=material, support=support)
+            Wall(
+                "bottom",
+                2,
+                1,
+                assembly.bottom(),
+                boundary.bottom == "fixed",
+                material=material,
+                support=support,
+            )
         )
     if (plate := case.load.plate) is not None:
         found.append(Wall(PLATE, 2, -1, assembly.top(), plate=plate))
     material = boundary.sides_material
     if boundary.sides_tube is not None:
-        found.append(Wall("tube", 0, 1, boundary.sides_tube - moves.get("tube", 0.0), tube=True, material=material))
+        found.append(
+            Wall(
+                "tube",
+                0,
+                1,
+                boundary.sides_tube - moves.get("tube", 0.0),
+                tube=True,
+                material=material,
+            )
+        )
     for axis, letter in enumerate("xy"):
         # a crystal in the x-z plane has walls across y only where boundary.y says so
         across = letter == "x" or boundary.y is not None or not is_plane_crystal(case.packing.kind)
@@ -112,11 +146,26 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
     placed = []
-    for wall in found:  # with cohesion where spheres bear no force; tubes, and sides with a gap, as they are
-        as_it_is = wall.held_layer or wall.tube or case.packing.kind == FILE or (wall.axis < 2 and boundary.gap)
-        overlap = 0.0 if as_it_is or not case.has_cohesion else balanced_overlap(case, wall.material, flat=True)
+    for wall in (
+        found
+    ):  # with cohesion where spheres bear no force; tubes, and sides with a gap, as they are
+        as_it_is = (
+            wall.held_layer
+            or wall.tube
+            or case.packing.kind == FILE
+            or (wall.axis < 2 and boundary.gap)
+        )
+        overlap = (
+            0.0
+            if as_it_is or not case.has_cohesion
+            else balanced_overlap(case, wall.material, flat=True)
+        )
         place = wall.coordinate - wall.outward * overlap
-        placed.append(dataclasses.replace(wall, coordinate=place, overlap=overlap, fixes=_fixes(assembly, wall)))
+        placed.append(
+            dataclasses.replace(
+                wall, coordinate=place, overlap=overlap, fixes=_fixes(assembly, wall)
+            )
+        )
     return tuple(placed)
 
 
@@ -129,9 +178,12 @@ def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
 
 
 def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
-    """Find grains that stand in walls which do not act on them: wall, the deepest grain, and how deep, m."""
+    """Find grains that stand in walls which do not act on them: wall, the deepest grain, and how
+    deep, m.
+    """
     found: list[tuple[str, int, float]] = []
-    sites, moved = assembly.sites, assembly.case.precompression.moves if assembly.case.precompression else {}
+    sites = assembly.sites
+    moved = assembly.case.precompression.moves if assembly.case.precompression else {}
     for wall in walls(assembly):
         if (chosen := touched_by(assembly, wall)) is None:
             continue
@@ -156,29 +208,40 @@ def _reach(assembly: Assembly, rows: NDArray[np.int64], axis: int) -> NDArray[np
 def touched(case: Case, sites: Sites, only: Touched) -> NDArray[np.bool_]:
     """Select the sites of the packing with these materials or groups: (n_sites,)."""
     grains = case.packing.grains
-    chosen = sites.made_of(*(material for material, _ in sites.bodies if material.name in only.material))
+    chosen = sites.made_of(
+        *(material for material, _ in sites.bodies if material.name in only.material)
+    )
     if grains is not None:
         chosen |= np.isin(np.array(grains.group, dtype=object), only.group)
     return chosen
 
 
 def _faces(assembly: Assembly, axis: int) -> tuple[float, float]:
-    """Return the coordinates of the two planes across an axis, which touch the outermost spheres that they act on."""
-    only, sites = assembly.case.boundary.sides_touch, assembly.sites
+    """Return the coordinates of the two planes across an axis, which touch the outermost spheres
+    that they act on.
+    """
+    only = assembly.case.boundary.sides_touch
+    sites = assembly.sites
     if only is None:
         low, high = assembly.faces()[:, axis].tolist()
         return low, high
     rows = np.flatnonzero(touched(assembly.case, sites, only))
-    place, reach = sites.positions(1, len(sites.present))[rows, axis], _reach(assembly, rows, axis)
+    place = sites.positions(1, len(sites.present))[rows, axis]
+    reach = _reach(assembly, rows, axis)
     return float((place - reach).min()), float((place + reach).max())
 
 
 def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], ...]:
-    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; others pass it."""
+    """Return the fixes of a wall; it acts on the packing, and on strikers that walls hold; others
+    pass it.
+    """
     if wall.held_layer:
         return ()
-    kind, chosen = assembly.case.packing.kind, touched_by(assembly, wall)
-    materials = list(dict.fromkeys(species.material for species in assembly.species if species.role == "sphere"))
+    kind = assembly.case.packing.kind
+    chosen = touched_by(assembly, wall)
+    materials = list(
+        dict.fromkeys(species.material for species in assembly.species if species.role == "sphere")
+    )
     groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
     if chosen is not None:
         groups = [(group, material) for group, material, _ in touched_groups(assembly, chosen)]
@@ -186,10 +249,14 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
         groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
     elif len(materials) == 1 and not assembly.passing:
         groups = [("all", materials[0])]
-    elif wall.plate is not None:  # it moves with the spheres that it touches: those of the top layer
+    elif (
+        wall.plate is not None
+    ):  # it moves with the spheres that it touches: those of the top layer
         there = materials_at(assembly, assembly.lattice.top_layer)
         return tuple((wall.name, *one) for one in groups if one[1] in there)
-    return tuple((f"{wall.name}_{n}" if n > 1 else wall.name, *one) for n, one in enumerate(groups, start=1))
+    return tuple(
+        (f"{wall.name}_{n}" if n > 1 else wall.name, *one) for n, one in enumerate(groups, start=1)
+    )
 
 
 def plane_fixes(assembly: Assembly) -> list[str]:
@@ -197,13 +264,19 @@ def plane_fixes(assembly: Assembly) -> list[str]:
     return [fix for wall in walls(assembly) for fix, _, _ in wall.fixes]
 
 
-def touched_groups(assembly: Assembly, chosen: NDArray[np.bool_]) -> list[tuple[str, Material, NDArray[np.int64]]]:
+def touched_groups(
+    assembly: Assembly, chosen: NDArray[np.bool_]
+) -> list[tuple[str, Material, NDArray[np.int64]]]:
     """Return the groups of chosen spheres, one for each material: name, material and ids."""
     sites = assembly.sites
     materials = dict.fromkeys(material for material, _ in sites.bodies)
-    found = [(material, 1 + np.flatnonzero(chosen & sites.made_of(material))) for material in materials]
+    found = [
+        (material, 1 + np.flatnonzero(chosen & sites.made_of(material))) for material in materials
+    ]
     found = [(material, ids) for material, ids in found if len(ids)]
-    return [(f"touched{number}", material, ids) for number, (material, ids) in enumerate(found, start=1)]
+    return [
+        (f"touched{number}", material, ids) for number, (material, ids) in enumerate(found, start=1)
+    ]
 
 
 def wall_friction(case: Case, wall: Wall, material: Material) -> float:
@@ -215,13 +288,16 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
 
 def materials_at(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
     """Return the materials of the spheres with these ids, such as those of a layer, each once."""
-    return list(dict.fromkeys(assembly.material_of(one) for one in ids[assembly.present[ids - 1]].tolist()))
+    return list(
+        dict.fromkeys(assembly.material_of(one) for one in ids[assembly.present[ids - 1]].tolist())
+    )
 
 
 def moving_fix(assembly: Assembly) -> str | None:
     """Return the name of the fix with the moving plane; None if no plane moves.
 
-    Spheres of other materials than that of the last layer have a fix of their own, whose plane does not move.
+    Spheres of other materials than that of the last layer have a fix of their own, whose plane does
+    not move.
     """
     for wall in walls(assembly):
         if wall.support is not None:
@@ -231,7 +307,8 @@ def moving_fix(assembly: Assembly) -> str | None:
 
 
 def support_timestep(assembly: Assembly, stiffness: float) -> float:
-    """Return the longest timestep that resolves the motion of the bottom, s; infinite if it does not move.
+    """Return the longest timestep that resolves the motion of the bottom, s; infinite if it does
+    not move.
 
     Parameters
     ----------

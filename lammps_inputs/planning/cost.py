@@ -1,27 +1,30 @@
-"""Estimates before a run: memory, disk space, wall time, and the plastic zone against the size of the packing.
+"""Estimates before a run: memory, disk space, wall time, and the plastic zone against the size of
+the packing.
 
-The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two ranks, with and
-without friction and static stage, and are rounded up. The analysis of a larger packing goes through parts of it, and
-holds a part and the layers next to it. So does the writer of the deck; only the sites of unlike spheres, and of
-strikers, are held all at once.
+The constants of memory and disk space were measured on fcc packings of 2e5 to 2e6 spheres on two
+ranks, with and without friction and static stage, and are rounded up. The analysis of a larger
+packing goes through parts of it, and holds a part and the layers next to it. So does the writer of
+the deck; only the sites of unlike spheres, and of strikers, are held all at once.
 
-Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core virtual machine (AMD
-EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine is up to 1.6 times as fast. Each is the
-difference between runs that differ in one property: fcc packings of 600 to 7000 brass spheres struck at 1 to 20 m/s,
-with and without yielding, friction and precompression, and chains of 1 to 510 beads and 20 beads on bars.
+Wall times hold within a factor of two. Their constants are processor times on one core of a 2-core
+virtual machine (AMD EPYC, Zen 4) with the other core busy, as in a scan; a run alone on the machine
+is up to 1.6 times as fast. Each is the difference between runs that differ in one property: fcc
+packings of 600 to 7000 brass spheres struck at 1 to 20 m/s, with and without yielding, friction and
+precompression, and chains of 1 to 510 beads and 20 beads on bars.
 
-For equal spheres the size of the plastic zone in diameters depends on e = energy input / (F_y alpha_y) only, whatever
-material and size. Power laws were fitted to impacts on brass spheres in packings that were larger than the zone; all
-data lie within the factor `spread`:
+For equal spheres the size of the plastic zone in diameters depends on e = energy input / (F_y
+alpha_y) only, whatever material and size. Power laws were fitted to impacts on brass spheres in
+packings that were larger than the zone; all data lie within the factor `spread`:
 
     kind      depth / D      radius / D     spread   fitted to
     fcc, hcp  1.30 e^0.255   1.0 e^0.265    1.5      13 impacts, e from 13 to 1.35e5, one of them on 7 spheres
     bcc       1.30 e^0.32    2.2 e^0.26     1.4      4 impacts, e from 13 to 1.4e3
     sc, chain 75             0              -        6 impacts, e from 3.4 to 5.4e5
 
-Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more yield, 240 to 350 of
-600 within 8 ms. Below e = 3 little more than the struck contacts yields. Friction, disorder and precompression are not
-considered. There is no estimate for a packing of one layer.
+Along a line of contacts a pulse with a force just above F_y is not attenuated: 75 spheres or more
+yield, 240 to 350 of 600 within 8 ms. Below e = 3 little more than the struck contacts yields.
+Friction, disorder and precompression are not considered. There is no estimate for a packing of one
+layer.
 """
 
 from __future__ import annotations
@@ -36,15 +39,22 @@ from granwave.lammps_inputs.packing.motion import struck_site
 from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.schedule import Schedule
 
-ANALYSED_AT_ONCE = 2**18  # spheres that the analysis holds at once, beside those of a few layers of them
+ANALYSED_AT_ONCE = (
+    2**18
+)  # spheres that the analysis holds at once, beside those of a few layers of them
 MOST_DRAWN = 1_000_000  # spheres of a packing that is drawn without being asked for
 
 # bytes
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
-_SPHERE, _PAIR, _ROUGH_PAIR = 750.0, 135.0, 60.0  # of LAMMPS and the sorted snapshot; with friction in addition
+# of LAMMPS and the sorted snapshot; with friction in addition
+_SPHERE = 750.0
+_PAIR = 135.0
+_ROUGH_PAIR = 60.0
 _SLIPPING_PAIR = 1500.0  # with partial slip in addition, all in contact
 _STATIC_STAGE = 2.0  # times the memory of a run without one
-_ANALYSED_SPHERE, _ANALYSED_PAIR = 550.0, 310.0  # of the analysis of a part, all contacts dented
+# of the analysis of a part, all contacts dented
+_ANALYSED_SPHERE = 550.0
+_ANALYSED_PAIR = 310.0
 _LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
 _SITE = 170.0  # a site of a lattice of unlike or missing spheres, while the deck is written
 _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
@@ -52,34 +62,50 @@ _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
 _DATA = 75.0  # a sphere in the data file
 _FRAME = 230.0  # a sphere in a snapshot: all digits, and the compressed copy in result.h5
 _DENT = 110.0  # a pair among the contacts at the end
-_INITIAL_FORCE = 70.0  # a pair among the forces after the static stage: in scratch files and result.h5
-_SCRATCH_SPHERE, _SCRATCH_PAIR = 56.0, 150.0  # in scratch files of an analysis in parts
-_CHECKPOINT_SPHERE, _CHECKPOINT_PAIR = 250.0, 250.0  # measured with friction, all yielded
+# a pair among the forces after the static stage: in scratch files and result.h5
+_INITIAL_FORCE = 70.0
+# in scratch files of an analysis in parts
+_SCRATCH_SPHERE = 56.0
+_SCRATCH_PAIR = 150.0
+# measured with friction, all yielded
+_CHECKPOINT_SPHERE = 250.0
+_CHECKPOINT_PAIR = 250.0
 _CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
 _ROW = 400.0  # of the ledger
-_ROWS_PER_PARTICLE = 0.25  # disk space of a particle at an instant of a chain's history, in rows of the ledger
+# disk space of a particle at an instant of a chain's history, in rows of the ledger
+_ROWS_PER_PARTICLE = 0.25
 
 
-def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> tuple[float, float, float, float]:
-    """Estimate the space that a run needs, bytes, as `granwave.lammps_inputs.planning.plan.Plan` has it.
+def expected_space(
+    assembly: Assembly, schedule: Schedule, n_ranks: int
+) -> tuple[float, float, float, float]:
+    """Estimate the space that a run needs, bytes, as `granwave.lammps_inputs.planning.plan.Plan`
+    has it.
 
     Returns
     -------
     tuple
-        Memory of the first rank and of each other one, disk space, and disk space that must stay free.
+        Memory of the first rank and of each other one, disk space, and disk space that must stay
+        free.
     """
-    case, n, pairs = assembly.case, assembly.n_particles, assembly.n_neighbours
+    case = assembly.case
+    n = assembly.n_particles
+    pairs = assembly.n_neighbours
     pair = _PAIR + case.has_friction * _ROUGH_PAIR + case.has_partial_slip * _SLIPPING_PAIR
     kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
     steps = (n * _SPHERE + pairs * pair) * (_STATIC_STAGE if case.precompression else 1.0)
     nx, ny, _ = assembly.lattice.shape
     at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
     analysis = at_once * (_ANALYSED_SPHERE + pairs / n * _ANALYSED_PAIR)
-    shared = analysis if n > ANALYSED_AT_ONCE else n * _ANALYSED_SPHERE  # of a small packing snapshots alone
+    shared = (
+        analysis if n > ANALYSED_AT_ONCE else n * _ANALYSED_SPHERE
+    )  # of a small packing snapshots alone
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
     scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
-    sites = (0.0 if assembly.sites.uniform else _SITE) + (_PLACED_SITE if assembly.strikers else 0.0)
+    sites = (0.0 if assembly.sites.uniform else _SITE) + (
+        _PLACED_SITE if assembly.strikers else 0.0
+    )
     pair_on_disk = _DENT + (_INITIAL_FORCE if case.precompression else 0.0)
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
@@ -97,31 +123,42 @@ _STEP = 1.2e-6  # LAMMPS itself: one bead on a wall
 _PARTICLE = 20e-9  # each sphere and each node of a bar, with ledger and wall forces
 _TOUCHING_PAIR = 2e-9  # each touching pair
 _LOADED = 12.5e-9  # added for a loaded contact: fcc under 1 MPa
-_FRICTION = 25e-9  # added for a loaded contact with friction: 1.6 times a step of an impact, 2 under precompression
+# added for a loaded contact with friction: 1.6 times a step of an impact, 2 under precompression
+_FRICTION = 25e-9
 _PARTIAL_SLIP = 80e-9  # added for a loaded contact with partial slip
 _YIELDED = 30e-9  # added for a loaded contact that has yielded
-_SHARE_LOADED = 0.3  # mean share of loaded pairs during an impact on a packing at rest; 1 under precompression
-# The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an energy input of e F_y alpha_y per contact:
-# 24 impacts on fcc, e from 2e-3 to 350.
-_ENERGY_OF_HALF, _ENERGY_POWER = 20.0, 0.55
+# mean share of loaded pairs during an impact on a packing at rest; 1 under precompression
+_SHARE_LOADED = 0.3
+# The share of contacts that have yielded is 1/(1 + (e/20)^-0.55) for an energy input of e F_y
+# alpha_y per contact: 24 impacts on fcc, e from 2e-3 to 350.
+_ENERGY_OF_HALF = 20.0
+_ENERGY_POWER = 0.55
 
 # static stage
 _ITERATION = 3.0  # steps under load: 2 with periodic sides, 3 to 7 under uniform pressure
 _ITERATIONS = 1e3  # lattices of equal spheres: 330 to 2300 in chains of 100 and 150 and 20 packings
-_ITERATIONS_OF_DISORDER = 1e4  # with gaps: 1200 to 46 000 in 20 packings of 144 to 1152 spheres, without a clear trend
+# with gaps: 1200 to 46 000 in 20 packings of 144 to 1152 spheres, without a clear trend
+_ITERATIONS_OF_DISORDER = 1e4
 _MOST_ITERATIONS_OF_DISORDER = 1e5
 
 # s in addition to the steps
 _START = 0.3  # set-up and analysis, independent of size
-_SNAPSHOT, _TEXT_SNAPSHOT = 1.5e-6, 6e-6  # a particle in a snapshot: writing, reading, storing in result.h5, analysis
+# a particle in a snapshot: writing, reading, storing in result.h5, analysis
+_SNAPSHOT = 1.5e-6
+_TEXT_SNAPSHOT = 6e-6
 _HISTORY = 3e-6  # a particle at an instant of a chain's history
-_FIGURES_OF_CHAIN, _FIGURES = 1.7, 3.8  # all figures of a run as PNG, including the start of program and library
+# all figures of a run as PNG, including the start of program and library
+_FIGURES_OF_CHAIN = 1.7
+_FIGURES = 3.8
 _FORMAT = 0.45  # of that time for each further format
 
-# first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and chains, else 2 to 7
-_GAIN, _ELASTIC_GAIN = 3.0, 1.2
+# first timesteps that an automatic one makes up for over a run: 1 to 1.5 in elastic packings and
+# chains, else 2 to 7
+_GAIN = 3.0
+_ELASTIC_GAIN = 1.2
 
-_USUAL_BLOCKS = 8  # blocks of ``end_time = "auto"``: 2 in single collisions and layers, 7 to 15 in small packings
+# blocks of ``end_time = "auto"``: 2 in single collisions and layers, 7 to 15 in small packings
+_USUAL_BLOCKS = 8
 
 
 @dataclasses.dataclass(frozen=True)
@@ -162,7 +199,9 @@ class WallTime:
         return self.most_static + self.most_steps + self.rest + self.figures
 
 
-def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True) -> WallTime:
+def expected_wall_time(
+    assembly: Assembly, schedule: Schedule, *, n_ranks: int = 1, figures: bool = True
+) -> WallTime:
     """Estimate the wall time of the run of a case.
 
     Parameters
@@ -171,24 +210,43 @@ def expected_wall_time(assembly: Assembly, schedule: Schedule, *, n_ranks: int =
         True if figures are drawn.
     """
     case = assembly.case
-    n, part = assembly.n_particles, 1.0  # of the longest possible run
+    # of the longest possible run
+    n = assembly.n_particles
+    part = 1.0
     if schedule.block_steps:
         blocks = _USUAL_BLOCKS if case.contact.yields or case.has_friction else 1
-        part = min(1.0, (blocks * schedule.block_steps + case.load.lasts / schedule.timestep) / schedule.n_steps)
+        part = min(
+            1.0,
+            (blocks * schedule.block_steps + case.load.lasts / schedule.timestep)
+            / schedule.n_steps,
+        )
     most_steps = schedule.n_steps / schedule.first_step
-    gain = (_GAIN if case.contact.yields or case.has_friction else _ELASTIC_GAIN) if schedule.adaptive else 1.0
+    gain = (
+        (_GAIN if case.contact.yields or case.has_friction else _ELASTIC_GAIN)
+        if schedule.adaptive
+        else 1.0
+    )
     each = seconds_per_step(assembly) / n_ranks
     if case.contact.yields:  # averaged over the run
-        law, pairs = sphere_contact(case), max(assembly.n_neighbours, 1)
+        law = sphere_contact(case)
+        pairs = max(assembly.n_neighbours, 1)
         energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap) / pairs
         share = 1 / (1 + (energy / _ENERGY_OF_HALF) ** -_ENERGY_POWER) if energy > 0 else 0.0
         loaded = _SHARE_LOADED if case.precompression is None else 1.0
         each += _YIELDED * pairs * loaded * share / n_ranks
     snapshot = _TEXT_SNAPSHOT if case.output.dump_format == "text" else _SNAPSHOT
     records = snapshot * max(2.0, part * schedule.n_frames)
-    records += _HISTORY * part * schedule.n_steps / schedule.history_every if schedule.history_every else 0.0
+    records += (
+        _HISTORY * part * schedule.n_steps / schedule.history_every
+        if schedule.history_every
+        else 0.0
+    )
     an_iteration = _ITERATION * _seconds(assembly, 1.0, has_friction=False) / n_ranks
-    usual, most = (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER) if has_gaps(case) else 2 * (_ITERATIONS,)
+    usual, most = (
+        (_ITERATIONS_OF_DISORDER, _MOST_ITERATIONS_OF_DISORDER)
+        if has_gaps(case)
+        else 2 * (_ITERATIONS,)
+    )
     if case.precompression is None:
         usual = most = 0.0
     as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
@@ -254,15 +312,24 @@ class ExpectedZone:
     @property
     def may_reach(self) -> tuple[str, ...]:
         """Names of further boundaries that it reaches if it is larger than estimated by ``spread``."""
-        larger = dataclasses.replace(self, depth=self.spread * self.depth, radius=self.spread * self.radius)
+        larger = dataclasses.replace(
+            self, depth=self.spread * self.depth, radius=self.spread * self.radius
+        )
         return tuple(name for name in larger.reaches if name not in self.reaches)
 
 
 def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     """Estimate the plastic zone of a case; None if nothing yields, or there is no estimate."""
-    case, lattice = assembly.case, assembly.lattice
-    growth, law = _GROWTH.get(case.packing.kind), sphere_contact(case)
-    if growth is None or not case.contact.yields or not isinstance(lattice, Lattice) or lattice.n_layers == 1:
+    case = assembly.case
+    lattice = assembly.lattice
+    growth = _GROWTH.get(case.packing.kind)
+    law = sphere_contact(case)
+    if (
+        growth is None
+        or not case.contact.yields
+        or not isinstance(lattice, Lattice)
+        or lattice.n_layers == 1
+    ):
         return None
     energy = expected_energy(assembly) / (law.yield_force * law.yield_overlap)
     if energy < _LEAST:
@@ -276,7 +343,9 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     elif nx > 1 or ny > 1:  # to the nearest end of a row
         ends = [(0, sphere + (end - i)) for end in (0, nx - 1) if nx > 1]
         ends += [(1, sphere + (end - j) * nx) for end in (0, ny - 1) if ny > 1]
-        room["sides"] = min(abs(float(lattice.positions(one, one)[0, axis] - centre[axis])) for axis, one in ends)
+        room["sides"] = min(
+            abs(float(lattice.positions(one, one)[0, axis] - centre[axis])) for axis, one in ends
+        )
     *sizes, spread = growth
     depth, radius = (factor * energy**power * case.packing.diameter for factor, power in sizes)
     return ExpectedZone(depth, radius, spread, room)

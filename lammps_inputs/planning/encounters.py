@@ -1,7 +1,8 @@
 """Energy that a load puts into a packing, and the collisions that bound the overlaps of a run.
 
-The hardest collision bounds all overlaps of the run. Candidates are collisions of effective mass m_eff at the normal
-velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loading:
+The hardest collision bounds all overlaps of the run. Candidates are collisions of effective mass
+m_eff at the normal velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on
+loading:
 
 * the struck sphere against one resting sphere, head on: m_eff = m/2, v_n = v;
 * the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
@@ -10,11 +11,12 @@ velocity v_n, in which the contact takes up at most W = m_eff v_n^2 / 2 on loadi
 * a sphere against a wall: m_eff = m, v_n = v if lines of contacts carry the pulse there undivided (chain, simple
   cubic), else v halved with each layer on the way.
 
-If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a pair of masses
-m1 < m2 takes up at most m2/(m1 + m2). The energy input of a force F is at most that of its impulse J on a free sphere,
-J^2/2m, and no contact force exceeds some 2.5 F (2.3 F in a Hertzian chain). If there are many diameters, those within
-10 % of each other are represented by the smallest one, which has the stiffest contact for its mass. Equal spheres with
-diameter scatter are represented by the smallest one, struck by one of nominal size. Under a static load each contact
+If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
+pair of masses m1 < m2 takes up at most m2/(m1 + m2). The energy input of a force F is at most that
+of its impulse J on a free sphere, J^2/2m, and no contact force exceeds some 2.5 F (2.3 F in a
+Hertzian chain). If there are many diameters, those within 10 % of each other are represented by the
+smallest one, which has the stiffest contact for its mass. Equal spheres with diameter scatter are
+represented by the smallest one, struck by one of nominal size. Under a static load each contact
 also takes up the work of that load.
 """
 
@@ -45,16 +47,21 @@ from granwave.lammps_inputs.roots import brentq
 def expected_energy(assembly: Assembly) -> float:
     """Return the energy input of the load, J; for a force an upper bound."""
     load = assembly.case.load
-    energy = sum(0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items())
+    energy = sum(
+        0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items()
+    )
     energy += energy_of_plate(load)
     return energy + (_energy_of_force(assembly) if load.kind == "force" else 0.0)
 
 
 def fastest(assembly: Assembly) -> float:
     """Return an upper bound on the speed of any sphere, m/s."""
-    load, speeds = assembly.case.load, [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    load = assembly.case.load
+    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
     if load.kind == "force":
-        speeds.append(math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min())))
+        speeds.append(
+            math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min()))
+        )
     elif load.kind == "displacement":
         speeds.append(load.fastest)
     elif load.plate is not None:
@@ -63,11 +70,15 @@ def fastest(assembly: Assembly) -> float:
 
 
 def _energy_of_force(assembly: Assembly) -> float:
-    """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the wave in the bar."""
+    """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the
+    wave in the bar.
+    """
     load = assembly.case.load
     for bar in assembly.bars:
         if bar.name == INCIDENT_BAR:
-            impedance = bar.section.area * math.sqrt(bar.material.youngs_modulus * bar.material.density)
+            impedance = bar.section.area * math.sqrt(
+                bar.material.youngs_modulus * bar.material.density
+            )
             return load.largest * load.impulse / impedance
     return load.impulse**2 / (2 * sum(map(assembly.mass_of, struck_of(assembly))))
 
@@ -78,7 +89,9 @@ def energy_of_plate(load: Load) -> float:
     return mass * velocity**2 / 2
 
 
-_MOST_KINDS, _NEAR = 50, 1.1  # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
+# kinds of spheres that are distinguished; if more, diameters in this ratio count as one
+_MOST_KINDS = 50
+_NEAR = 1.1
 
 
 def kinds_of_grains(sites: Sites) -> tuple[NDArray[np.int64], NDArray[np.int64]]:
@@ -112,7 +125,11 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
     else:
         of, example = kinds_of_grains(sites)
         n = len(example)
-        codes = {int(code) for near, _ in sites.neighbours() for code in np.unique(of[near - 1] @ np.array([n, 1]))}
+        codes = {
+            int(code)
+            for near, _ in sites.neighbours()
+            for code in np.unique(of[near - 1] @ np.array([n, 1]))
+        }
         if isinstance(assembly.lattice, Places):  # any two grains may meet
             codes = {first * n + second for first in range(n) for second in range(first, n)}
         pairs += [(int(example[code // n]), int(example[code % n])) for code in sorted(codes)]
@@ -128,10 +145,14 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
 
 
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
-_OF_PLATE = 4.0  # energy of a contact over its share of that of a plate: twice the mean force, in the softest direction
+# energy of a contact over its share of that of a plate: twice the mean force, in the softest
+# direction
+_OF_PLATE = 4.0
 _LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
-_OF_PRECOMPRESSION = 2.5  # F alpha over the work of a Hertz contact up to the force F of a static load
-_LARGEST_OVERLAP = 2.0  # upper limit of the search, in effective radii, far beyond the range of all laws
+# F alpha over the work of a Hertz contact up to the force F of a static load
+_OF_PRECOMPRESSION = 2.5
+# upper limit of the search, in effective radii, far beyond the range of all laws
+_LARGEST_OVERLAP = 2.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -145,11 +166,13 @@ class Encounter:
     energy
         Work of loading that the contact takes up, J.
     mass
-        Twice the effective mass, kg: the mass of one of two equal spheres, or twice that of a sphere at a wall.
+        Twice the effective mass, kg: the mass of one of two equal spheres, or twice that of a
+        sphere at a wall.
     against_wall
         True if there is no second sphere.
     dent
-        Largest overlap that such a contact had before the run, m; up to it the unloading stiffness applies.
+        Largest overlap that such a contact had before the run, m; up to it the unloading stiffness
+        applies.
     loss
         Kind and size of the viscous loss of the contact.
     """
@@ -179,13 +202,23 @@ class Encounter:
 
     @cached_property
     def stiffness(self) -> float:
-        """Effective stiffness at that overlap, N/m: of unloading for recoverable work, of loading for the rest."""
-        law, peak, dent = self.law, self.overlap, self.dent
-        if dent > peak:  # an elastic contact with the dent stores the energy; unloading is a power law
+        """Effective stiffness at that overlap, N/m: of unloading for recoverable work, of loading
+        for the rest.
+        """
+        law = self.law
+        peak = self.overlap
+        dent = self.dent
+        if (
+            dent > peak
+        ):  # an elastic contact with the dent stores the energy; unloading is a power law
             held = law.loading_work(dent) - law.dissipated_energy(dent)
             steepest = law.unloading_stiffness(dent)
-            ratio = steepest * held / law.loading_force(dent) ** 2  # n/(n + 1) of the exponent n; 2 ratio - 1 is below
-            return float(steepest * min(1.0, self.energy / held) ** (2 * ratio - 1))  # (n - 1)/(n + 1)
+            ratio = (
+                steepest * held / law.loading_force(dent) ** 2
+            )  # n/(n + 1) of the exponent n; 2 ratio - 1 is below
+            return float(
+                steepest * min(1.0, self.energy / held) ** (2 * ratio - 1)
+            )  # (n - 1)/(n + 1)
         below = peak * (1 - _SLOPE_SPAN)
         loading = (law.loading_force(peak) - law.loading_force(below)) / (peak - below)
         returned = 1 - law.dissipated_energy(peak) / law.loading_work(peak)
@@ -193,12 +226,16 @@ class Encounter:
 
     @property
     def decay_time(self) -> float:
-        """Time in which the viscous force would stop the bodies at that overlap, s; infinite without one."""
+        """Time in which the viscous force would stop the bodies at that overlap, s; infinite
+        without one.
+        """
         if self.loss is None:
             return math.inf
         kind, size = self.loss
         stiffness = max(self.law.unloading_stiffness(max(self.overlap, self.dent)), self.stiffness)
-        coefficient = size * stiffness if kind == "time" else size * math.sqrt(self.mass / 3 * stiffness)
+        coefficient = (
+            size * stiffness if kind == "time" else size * math.sqrt(self.mass / 3 * stiffness)
+        )
         return self.mass / 2 / coefficient
 
 
@@ -224,9 +261,14 @@ def encounters(assembly: Assembly) -> list[Encounter]:
     found = _of_impact(assembly) if plain else _of_any(assembly)
     found = [one for one in found if one.law.name != NO_FORCE]
     if case.precompression is not None:
-        force = force_of_contact(assembly)  # its work is stored at the start, and the load does more during the run
+        force = force_of_contact(
+            assembly
+        )  # its work is stored at the start, and the load does more during the run
         stored = [_OF_PRECOMPRESSION * _work_to_force(one.law, force) for one in found]
-        found = [dataclasses.replace(one, energy=one.energy + more) for one, more in zip(found, stored, strict=True)]
+        found = [
+            dataclasses.replace(one, energy=one.energy + more)
+            for one, more in zip(found, stored, strict=True)
+        ]
     if case.contact.initial_overlap:
         found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
     return [one for one in found if one.energy > 0]
@@ -234,12 +276,20 @@ def encounters(assembly: Assembly) -> list[Encounter]:
 
 def _of_impact(assembly: Assembly) -> list[Encounter]:
     """Return the collisions of an impact among equal spheres, with or without diameter scatter."""
-    case, sites, rule = assembly.case, assembly.sites, assembly.lattice.rule
-    striking, velocity = case.sphere_mass, case.load.velocity
-    smallest = 1 if sites.uniform else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
-    law, mass = pair_contact(assembly, smallest, smallest), assembly.mass_of(smallest)
+    case = assembly.case
+    sites = assembly.sites
+    rule = assembly.lattice.rule
+    striking = case.sphere_mass
+    velocity = case.load.velocity
+    smallest = (
+        1 if sites.uniform else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
+    )
+    law = pair_contact(assembly, smallest, smallest)
+    mass = assembly.mass_of(smallest)
     loss = _loss(assembly, assembly.material, assembly.material)
-    found = [Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)]
+    found = [
+        Encounter(law, striking * velocity**2 / 2 * (striking / (striking + mass)), mass, loss=loss)
+    ]
     if n := len(rule.supports):
         cosine_squared = float(rule.supports[0, 2] ** 2)
         energy = striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2
@@ -249,53 +299,89 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         halvings = assembly.lattice.n_layers - 1 if rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
         loss = _loss(assembly, assembly.material, None, flat=True)
-        found.append(Encounter(flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss))
+        found.append(
+            Encounter(
+                flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss
+            )
+        )
     return found
 
 
 def _of_any(assembly: Assembly) -> list[Encounter]:
     """Return a collision with the whole energy input for each kind of touching pair."""
-    case, boundary, lattice, energy = assembly.case, assembly.case.boundary, assembly.lattice, expected_energy(assembly)
+    case = assembly.case
+    boundary = assembly.case.boundary
+    lattice = assembly.lattice
+    energy = expected_energy(assembly)
     found = []
     for first, second in kinds_of_pairs(assembly):
         masses = assembly.mass_of(first), assembly.mass_of(second)
-        law, effective = pair_contact(assembly, first, second), math.prod(masses) / sum(masses)
+        law = pair_contact(assembly, first, second)
+        effective = math.prod(masses) / sum(masses)
         taken = _limited(assembly, law, energy * max(masses) / sum(masses))
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
         found.append(Encounter(law, taken, 2 * effective, loss=loss))
     of, example = kinds_of_grains(assembly.sites)
-    flats: list[tuple[int, Material | None]] = [(bar.touches, bar.material) for bar in assembly.bars]
+    flats: list[tuple[int, Material | None]] = [
+        (bar.touches, bar.material) for bar in assembly.bars
+    ]
     if case.load.plate is not None:
         flats += [(int(lattice.top_layer[0]), None)]
     if boundary.bottom == "wall":
         there = np.unique(of[lattice.last_layer - 1])
-        flats += [(sphere, boundary.bottom_material) for sphere in example[there[there >= 0]].tolist()]
+        flats += [
+            (sphere, boundary.bottom_material) for sphere in example[there[there >= 0]].tolist()
+        ]
     aside = any(case.load.way[:2])
     if (assembly.has_cylinders or aside) and any(boundary.has_planes(axis) for axis in "xy"):
         grains = [grain for grain in example.tolist() if aside or assembly.shape_of(grain)]
         flats += [(grain, boundary.sides_material) for grain in grains]
     held = [n for n, (one, _) in enumerate(assembly.strikers, lattice.n_spheres + 1) if one.walls]
-    flats += [(n, material) for n in held for material in (boundary.bottom_material, boundary.sides_material)]
+    flats += [
+        (n, material)
+        for n in held
+        for material in (boundary.bottom_material, boundary.sides_material)
+    ]
     for sphere, material in flats:
-        law, mass = flat_contact(assembly, sphere, material), 2 * assembly.mass_of(sphere)
+        law = flat_contact(assembly, sphere, material)
+        mass = 2 * assembly.mass_of(sphere)
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
-        found.append(Encounter(law, _limited(assembly, law, energy), mass, against_wall=True, loss=loss))
+        found.append(
+            Encounter(law, _limited(assembly, law, energy), mass, against_wall=True, loss=loss)
+        )
     return found
 
 
-def _loss(assembly: Assembly, first: Material, second: Material | None, *, flat: bool = False) -> Viscous | None:
-    return viscous_loss(assembly, assembly.case.contact_between(first, second), first, second, flat=flat)
+def _loss(
+    assembly: Assembly, first: Material, second: Material | None, *, flat: bool = False
+) -> Viscous | None:
+    return viscous_loss(
+        assembly, assembly.case.contact_between(first, second), first, second, flat=flat
+    )
 
 
 def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     """Limit the energy absorbed by a contact by the magnitude of the load, J."""
     load = assembly.case.load
     if load.kind == "displacement":
-        return energy + law.loading_work(2 * load.largest) + assembly.case.sphere_mass * (2 * load.fastest) ** 2
+        return (
+            energy
+            + law.loading_work(2 * load.largest)
+            + assembly.case.sphere_mass * (2 * load.fastest) ** 2
+        )
     if load.plate is not None:
-        # a sphere that the plate throws against a wall, or a share of its energy if all layers are compressed alike
-        share = energy_of_plate(load) / (len(assembly.lattice.top_layer) * assembly.lattice.n_layers)
-        return min(energy, max(_OF_PLATE * share, float(assembly.sphere_masses().max()) * (2 * load.velocity) ** 2 / 2))
+        # a sphere that the plate throws against a wall, or a share of its energy if all layers are
+        # compressed alike
+        share = energy_of_plate(load) / (
+            len(assembly.lattice.top_layer) * assembly.lattice.n_layers
+        )
+        return min(
+            energy,
+            max(
+                _OF_PLATE * share,
+                float(assembly.sphere_masses().max()) * (2 * load.velocity) ** 2 / 2,
+            ),
+        )
     if load.kind != "force" or velocities_of(assembly):
         return energy
     bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
@@ -305,8 +391,11 @@ def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
 def _work_to_force(law: ContactLaw, force: float) -> float:
     """Return the work of loading up to a force, J."""
 
-    low, high = 0.0, _LARGEST_OVERLAP * law.effective_radius
+    low = 0.0
+    high = _LARGEST_OVERLAP * law.effective_radius
     if law.loading_force(high) <= force:
         return float(law.loading_work(high))
-    overlap = brentq(lambda overlap: law.loading_force(overlap) - force, low, high, xtol=1e-16, rtol=1e-10)
+    overlap = brentq(
+        lambda overlap: law.loading_force(overlap) - force, low, high, xtol=1e-16, rtol=1e-10
+    )
     return float(law.loading_work(overlap))

@@ -22,9 +22,11 @@ from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 
 _LOG = logging.getLogger("granwave")
 
-_FAR_SHORTER = 0.1  # timestep over the longest one that a contact alone would allow: its cause is told
+# timestep over the longest one that a contact alone would allow: its cause is told
+_FAR_SHORTER = 0.1
 _LONG = 60.0  # s of wall time beyond which that is a warning
-_FAR_TOO_LONG = 20.0  # times the automatic timestep: energy error above 1e-4, half of the stability limit
+# times the automatic timestep: energy error above 1e-4, half of the stability limit
+_FAR_TOO_LONG = 20.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -75,12 +77,20 @@ class Plan:
 
     @property
     def limit(self) -> steps.Limit | None:
-        """Bound that makes the timestep far shorter than some contacts would; None if there is none."""
-        return self.limits[0] if self.limits and self.limits[0].step < _FAR_SHORTER * self.allowed else None
+        """Bound that makes the timestep far shorter than some contacts would; None if there is
+        none.
+        """
+        return (
+            self.limits[0]
+            if self.limits and self.limits[0].step < _FAR_SHORTER * self.allowed
+            else None
+        )
 
     @property
     def slowness(self) -> str:
-        """Cause of a timestep that makes the run take long, and how to mend it; empty if there is none."""
+        """Cause of a timestep that makes the run take long, and how to mend it; empty if there is
+        none.
+        """
         if self.limit is None or self.wall_time < _LONG:
             return ""
         return (
@@ -122,7 +132,8 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
     _refuse_endless(case)
     steps.check_load_frequency(assembly)
     try:
-        schedule, law = make_schedule(assembly), sphere_contact(case)
+        schedule = make_schedule(assembly)
+        law = sphere_contact(case)
         overlap = steps.expected_peak_overlap(assembly)
     except InputError:
         raise
@@ -148,12 +159,16 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
         peak_overlap_radius=overlap / law.effective_radius,
         times=cost.expected_wall_time(assembly, schedule, n_ranks=n_ranks, figures=figures),
         zone=cost.expected_zone(assembly),
-        limits=tuple(steps.timestep_limits(assembly, case.run.energy_tolerance)) if schedule.adaptive else (),
+        limits=tuple(steps.timestep_limits(assembly, case.run.energy_tolerance))
+        if schedule.adaptive
+        else (),
     )
 
 
 def _refuse_endless(case: Case) -> None:
-    """Refuse packings that are endless along z, or whose cell bears a load: they have bands, and no runs."""
+    """Refuse packings that are endless along z, or whose cell bears a load: they have bands, and no
+    runs.
+    """
     stage = case.precompression
     if case.boundary.bottom == "periodic":
         raise InputError(
@@ -170,20 +185,30 @@ def _refuse_endless(case: Case) -> None:
 
 
 def _note_times(case: Case, schedule: Schedule) -> None:
-    """Log warnings about a timestep that is far too long, and a probe interval shorter than the timestep."""
-    given, interval = case.run.timestep, case.output.probe_interval
+    """Log warnings about a timestep that is far too long, and a probe interval shorter than the
+    timestep.
+    """
+    given = case.run.timestep
+    interval = case.output.probe_interval
     if not isinstance(given, str):
         with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
             if given > _FAR_TOO_LONG * (best := steps.auto_timestep(case)):
                 text = '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close'
                 _LOG.warning(text, case.name, given, best)
     if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
-        text = "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s"
+        text = (
+            "%s: output.probe_interval: found %g s, there is at most a record each timestep, %.3g s"
+        )
         _LOG.warning(text, case.name, interval, schedule.first_timestep)
 
 
 def check_run(
-    case: Case, expected: Plan, directory: Path | None = None, *, files: bool = True, memory: bool = True
+    case: Case,
+    expected: Plan,
+    directory: Path | None = None,
+    *,
+    files: bool = True,
+    memory: bool = True,
 ) -> None:
     """Check that the machine can run a case: the files that it names, memory, and disk space.
 
@@ -201,7 +226,8 @@ def check_run(
     InputError
         The run cannot be made; the message lists all faults.
     """
-    earlier, checks = earlier_result(case), list[Callable[[], object]]()
+    earlier = earlier_result(case)
+    checks = list[Callable[[], object]]()
     if files and earlier is not None:
         checks.append(lambda: dents_of_result(assemble(case), earlier))
     if memory:

@@ -1,10 +1,11 @@
 """Schedule of a run, in counts of LAMMPS's step counter.
 
-With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, and a step is a power of two of them. A
-tick is shortened until the end time (or a block, for ``end_time = "auto"``) is a whole number of ledger intervals: the
-run ends exactly when asked, and its last step is in the ledger. All that is recorded falls on multiples of the longest
-step, but for snapshots at given times. With a timestep given by the user a count is that step, and the end time is
-rounded up by as few steps as possible.
+With an automatic timestep (fix gran/timestep of the plugin) a count is a tick, and a step is a
+power of two of them. A tick is shortened until the end time (or a block, for ``end_time = "auto"``)
+is a whole number of ledger intervals: the run ends exactly when asked, and its last step is in the
+ledger. All that is recorded falls on multiples of the longest step, but for snapshots at given
+times. With a timestep given by the user a count is that step, and the end time is rounded up by as
+few steps as possible.
 """
 
 from __future__ import annotations
@@ -19,18 +20,27 @@ from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES, FRAME
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import chain_history, line_history
-from granwave.lammps_inputs.planning.timestep import Limit, auto_timestep, largest_timestep, timestep_limits
+from granwave.lammps_inputs.planning.timestep import (
+    Limit,
+    auto_timestep,
+    largest_timestep,
+    timestep_limits,
+)
 
 BLOCK_TIME = 50e-6  # s, of end_time = "auto"
 BLOCK_THRESHOLD = 1e-4  # of the input energy: a block that dissipates less is the last
 _TICKS_OF_FIRST = 4  # the timestep can fall to a quarter of what was expected
-_LONGEST_OF_FIRST = 8  # and rise to 8 times as much: 232 ns of the reference, whose walls are recorded as often
+# and rise to 8 times as much: 232 ns of the reference, whose walls are recorded as often
+_LONGEST_OF_FIRST = 8
 _LEDGER_ROWS = 500  # aimed at, of a run with an end time
-_LEDGER_ROWS_IN_BLOCK = 250  # the run may end after one block, and a balance over fewer instants is no balance
+# the run may end after one block, and a balance over fewer instants is no balance
+_LEDGER_ROWS_IN_BLOCK = 250
 _AUTO_PROBE_STEPS = 5
-_WALL_STEPS = 10  # some 0.3 us in the reference case; LAMMPS evaluates all energies whenever it records anything
+# some 0.3 us in the reference case; LAMMPS evaluates all energies whenever it records anything
+_WALL_STEPS = 10
 MOST_STEPS = 2e9
-_MOST_UNEVEN_FRAMES = 10_000  # each snapshot evaluates a formula with a term for each of them: 40 s in total
+# each snapshot evaluates a formula with a term for each of them: 40 s in total
+_MOST_UNEVEN_FRAMES = 10_000
 _AUTO_FRAME_SPAN = 1e-3  # s, time over which `frames` snapshots are spread if the end is not known
 
 
@@ -63,7 +73,8 @@ class Schedule:
     first_step, longest_step
         Ticks of the first and the longest timestep; both 1 with a fixed timestep.
     energy_tolerance
-        Largest error of the energy balance that the timestep is chosen for, over the input; 0 with a fixed timestep.
+        Largest error of the energy balance that the timestep is chosen for, over the input; 0 with
+        a fixed timestep.
     """
 
     timestep: float
@@ -116,15 +127,22 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
     """
     assembly = assemble(case)
     case = assembly.case
-    run, output, in_blocks = case.run, case.output, isinstance(case.run.end_time, str)
-    duration = BLOCK_TIME if isinstance(run.end_time, str) else run.end_time  # of a block, or of the run
+    run = case.run
+    output = case.output
+    in_blocks = isinstance(case.run.end_time, str)
+    duration = (
+        BLOCK_TIME if isinstance(run.end_time, str) else run.end_time
+    )  # of a block, or of the run
     rows = _LEDGER_ROWS_IN_BLOCK if in_blocks else _LEDGER_ROWS
     fixed = run.timestep if timestep is None else timestep
     if isinstance(fixed, str):
         tick, unit, per_first, in_ledger, in_block = _automatic(assembly, duration, rows)
     else:
         check_steps(case.name, duration, fixed)
-        tick, unit, per_first, n = fixed, 1, 1, max(1, math.ceil(duration / fixed * (1 - 1e-9)))
+        tick = fixed
+        unit = 1
+        per_first = 1
+        n = max(1, math.ceil(duration / fixed * (1 - 1e-9)))
         candidates = range(max(1, n // (2 * rows)), max(1, 2 * n // rows) + 1)
         in_ledger = min(candidates, key=lambda every: (-n % every, abs(every - n / rows)))
         in_block = n + -n % in_ledger
@@ -137,14 +155,17 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
 
     def records(most: int) -> int:
         """Units between records that are at most so many first timesteps apart, and divide a block."""
-        return max(every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0)
+        return max(
+            every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0
+        )
 
     gaps = max(1, run.frames - 1) if isinstance(run.frames, int) else 0
     between = n_units // gaps if gaps and run.frames != 1 and n_units % gaps == 0 else 0
     if in_blocks and isinstance(run.frames, int):
         between = units(_AUTO_FRAME_SPAN / run.frames)
     _check_counts(case, max(1, round(span / length * per_first)), even=between > 0)
-    frame_every, frame_steps = unit * between, tuple[int, ...]()
+    frame_every = unit * between
+    frame_steps = tuple[int, ...]()
     if not between:
         wanted = unit * np.rint(np.linspace(0, n_units, gaps + 1 if gaps > 1 else 2))
         if isinstance(run.frames, tuple):
@@ -152,15 +173,18 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
         chosen = np.union1d(np.minimum(wanted, unit * n_units).astype(np.int64), [unit * n_units])
         frame_steps = tuple(chosen[chosen > 0].tolist())
         if frame_steps == tuple(range(frame_steps[0], unit * n_units + 1, frame_steps[0])):
-            frame_every, frame_steps = frame_steps[0], ()
-    interval, instants = output.probe_interval, chain_history(assembly)
+            frame_every = frame_steps[0]
+            frame_steps = ()
+    interval = output.probe_interval
+    instants = chain_history(assembly)
     return Schedule(
         timestep=tick,
         n_steps=unit * n_units,
         block_steps=unit * in_block if in_blocks else 0,
         ledger_every=unit * in_ledger,
         wall_every=unit * records(_WALL_STEPS),
-        probe_every=unit * (records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else units(interval)),
+        probe_every=unit
+        * (records(_AUTO_PROBE_STEPS) if isinstance(interval, str) else units(interval)),
         frame_every=frame_every,
         frame_steps=frame_steps,
         history_every=unit * units(span / instants) if instants else 0,
@@ -172,7 +196,8 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
 
 
 def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, int, int, int, int]:
-    """Find the units of a run whose timestep follows the error of the energy balance: the longest timesteps.
+    """Find the units of a run whose timestep follows the error of the energy balance: the longest
+    timesteps.
 
     Parameters
     ----------
@@ -184,26 +209,32 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
     Returns
     -------
     tuple
-        Time of a tick (s), ticks of a unit, first timesteps in a unit, units between rows of the ledger, and units of
-        the run or a block.
+        Time of a tick (s), ticks of a unit, first timesteps in a unit, units between rows of the
+        ledger, and units of the run or a block.
     """
     case = assembly.case
-    run, smallest = case.run, 0.0 if isinstance(case.run.smallest_timestep, str) else case.run.smallest_timestep
-    first, limit = auto_timestep(assembly, tolerance=run.energy_tolerance), largest_timestep(assembly)
+    run = case.run
+    smallest = 0.0 if isinstance(case.run.smallest_timestep, str) else case.run.smallest_timestep
+    first = auto_timestep(assembly, tolerance=run.energy_tolerance)
+    limit = largest_timestep(assembly)
     if not isinstance(run.largest_timestep, str):
         limit = min(limit, run.largest_timestep)
         first = min(first, limit)
     first = max(first, min(smallest, limit))
-    down, up = _TICKS_OF_FIRST, _LONGEST_OF_FIRST if math.isfinite(case.load.lasts) else 1
+    down = _TICKS_OF_FIRST
+    up = _LONGEST_OF_FIRST if math.isfinite(case.load.lasts) else 1
     while down > 1 and first / down < smallest * (1 - 1e-9):
         down //= 2
     while up > 1 and first * up > limit * (1 + 1e-9):
         up //= 2
     first *= min(1.0, duration / rows / first)
     if duration / (first / down) > MOST_STEPS:
-        check_steps(case.name, duration, first / down, timestep_limits(assembly, run.energy_tolerance)[0])
+        check_steps(
+            case.name, duration, first / down, timestep_limits(assembly, run.energy_tolerance)[0]
+        )
     # the longest timestep must not exceed the times between records
-    span, intervals = _AUTO_FRAME_SPAN if isinstance(run.end_time, str) else run.longest, [duration / rows]
+    span = _AUTO_FRAME_SPAN if isinstance(run.end_time, str) else run.longest
+    intervals = [duration / rows]
     intervals += [_WALL_STEPS * first]
     intervals += [span / max(1, run.frames - 1)] if isinstance(run.frames, int) else []
     probes = case.output.probe_interval
@@ -212,7 +243,9 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
     intervals += [span / chain_history(assembly)] if chain_history(assembly) else []
     intervals += [span / line_history(assembly)] if case.line else []
 
-    def fits(length: float) -> bool:  # a given interval of probes is a multiple of it, to half a first timestep
+    def fits(
+        length: float,
+    ) -> bool:  # a given interval of probes is a multiple of it, to half a first timestep
         return given is None or abs(max(1, round(given / length)) * length - given) <= 0.5 * first
 
     while up > 1 and not (up * first <= min(intervals) and fits(up * first)):
@@ -236,7 +269,11 @@ def check_steps(name: str, duration: float, timestep: float, limit: Limit | None
         ``duration`` (s) takes more than `MOST_STEPS` of ``timestep`` (s).
     """
     if not duration / timestep <= MOST_STEPS:
-        way = "run.timestep longer" if limit is None else f"take {limit.remedy}: {limit.cause} sets the steps"
+        way = (
+            "run.timestep longer"
+            if limit is None
+            else f"take {limit.remedy}: {limit.cause} sets the steps"
+        )
         raise InputError(
             f"{name}: run.end_time: {duration:g} s in steps of {timestep:g} s are more than {MOST_STEPS:g} steps; "
             f"make the run shorter, or {way}"
@@ -244,7 +281,8 @@ def check_steps(name: str, duration: float, timestep: float, limit: Limit | None
 
 
 def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
-    """Raise InputError for more snapshots, or records of a chain, than possible, before they are computed.
+    """Raise InputError for more snapshots, or records of a chain, than possible, before they are
+    computed.
 
     Parameters
     ----------
@@ -253,7 +291,9 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
     even
         True if the snapshots are evenly spaced.
     """
-    frames, history, errors = case.run.frames, case.output.history, []
+    frames = case.run.frames
+    history = case.output.history
+    errors = []
     count = frames if isinstance(frames, int) else len(frames)
     each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
     default = DEFAULT_FRAMES if case.figures.film == "none" else FRAMES_OF_A_FILM

@@ -1,24 +1,28 @@
-"""Timestep from the stiffest contact that the load can cause; see `granwave.lammps_inputs.planning.encounters`.
+"""Timestep from the stiffest contact that the load can cause; see
+`granwave.lammps_inputs.planning.encounters`.
 
-The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty times more. The error
-of velocity Verlet is proportional to dt^2 and largest in the first collisions, where few contacts store all the energy.
-There the work W is done with the loading stiffness, and its recoverable part E is returned with the higher unloading
-stiffness. The effective stiffness is
+The timestep dt is chosen for the energy balance; stability (dt < 2/omega) would allow some fifty
+times more. The error of velocity Verlet is proportional to dt^2 and largest in the first
+collisions, where few contacts store all the energy. There the work W is done with the loading
+stiffness, and its recoverable part E is returned with the higher unloading stiffness. The effective
+stiffness is
 
     k = (E/W) k_unloading + (1 - E/W) k_loading        at the largest overlap
 
-or, with an initial dent larger than this overlap, k_unloading at the overlap at which the contact stores all of W.
+or, with an initial dent larger than this overlap, k_unloading at the overlap at which the contact
+stores all of W.
 
-The largest error over the energy input is then c k dt^2 / m, with m twice the effective mass of the pair and c nearly
-constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel, aluminium; 0.5 to 40 m/s), less on other lattices,
-0.15 for Hertz and Thornton contacts, 0.2 for bilinear ones. dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`:
-29 ns for 10 mm brass spheres struck at 5 m/s in fcc. A bar limits dt to half the transit time of a wave through an
-element.
+The largest error over the energy input is then c k dt^2 / m, with m twice the effective mass of the
+pair and c nearly constant: 0.105 to 0.135 in 24 impacts on fcc packings (brass, steel, aluminium;
+0.5 to 40 m/s), less on other lattices, 0.15 for Hertz and Thornton contacts, 0.2 for bilinear ones.
+dt is set so that `_ERROR` k dt^2 / m is `_TOLERANCE`: 29 ns for 10 mm brass spheres struck at 5 m/s
+in fcc. A bar limits dt to half the transit time of a wave through an element.
 
-dt is rounded down to two significant digits. At given velocity it is proportional to the diameter, like all times.
+dt is rounded down to two significant digits. At given velocity it is proportional to the diameter,
+like all times.
 
-No wave runs above the cut-off; grains then move by a share that falls with the square of the frequency, and the
-timestep follows the load. Far above, a run takes long, and shows rounding.
+No wave runs above the cut-off; grains then move by a share that falls with the square of the
+frequency, and the timestep follows the load. Far above, a run takes long, and shows rounding.
 """
 
 from __future__ import annotations
@@ -41,21 +45,26 @@ _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy 
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
 _OF_ROLLING = 0.2  # timestep over 1/angular frequency of a given stiffness; stable below 2
 _OF_COHESION = 0.5  # surfaces that jump together move fast at first
-_OF_VISCOUS_DECAY = 0.1  # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
+# timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
+_OF_VISCOUS_DECAY = 0.1
 
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
-_OF_LOAD_ON_BAR = 5e-4  # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
+# same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
+_OF_LOAD_ON_BAR = 5e-4
 
 
 def expected_peak_overlap(case: Case | Assembly) -> float:
     """Return an upper bound on the largest overlap of two spheres in the run, m."""
     assembly = assemble(case)
-    between = [encounter.overlap for encounter in encounters(assembly) if not encounter.against_wall]
+    between = [
+        encounter.overlap for encounter in encounters(assembly) if not encounter.against_wall
+    ]
     return max(between, default=0.0)
 
 
 def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE) -> float:
-    """The timestep for the stiffest contact expected, with which a run of an automatic timestep begins, s.
+    """The timestep for the stiffest contact expected, with which a run of an automatic timestep
+    begins, s.
 
     Parameters
     ----------
@@ -95,20 +104,26 @@ class Limit:
 
 
 def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[Limit]:
-    """Return the bounds on the timestep, the smallest first, those of contacts by kind of collision.
+    """Return the bounds on the timestep, the smallest first, those of contacts by kind of
+    collision.
 
     Raises
     ------
     ValueError
         No contact absorbs energy, or one has no stiffness at its overlap.
     """
-    factor, load = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR), assembly.case.load
+    factor = math.sqrt(_TOLERANCE * tolerance / ENERGY_TOLERANCE / _ERROR)
+    load = assembly.case.load
     found = _limits_at_any_time(assembly)
     for one in some_encounters(assembly):
-        cause = f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg"
+        cause = (
+            f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg"
+        )
         step = factor * math.sqrt(one.mass / one.stiffness)
         found.append(Limit(step, cause, "larger grains there", of_contact=True))
-    for law, mass in cohesive_laws(assembly):  # stiffness 2 E* a of the circle of contact without force
+    for law, mass in cohesive_laws(
+        assembly
+    ):  # stiffness 2 E* a of the circle of contact without force
         overlap = law.balanced_overlap
         stiffness = 2 * law.effective_modulus * float(law.contact_radius(overlap, overlap))
         step = _OF_COHESION * factor * math.sqrt(mass / stiffness)
@@ -119,27 +134,36 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
         key = "last_frequency" if load.last_frequency == highest else "frequency"
         found.append(Limit(share / highest, f"load.{key} = {highest:g} Hz", "a lower frequency"))
     elif load.duration:
-        found.append(Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load"))
+        found.append(
+            Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load")
+        )
     return sorted(found, key=lambda limit: limit.step)
 
 
 def largest_timestep(assembly: Assembly) -> float:
-    """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without these."""
+    """Bound on the timestep by viscous losses, support and bars at any time, s; infinite without
+    these.
+    """
     return min((limit.step for limit in _limits_at_any_time(assembly)), default=math.inf)
 
 
 def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
     """Return the bounds by losses, bars, and whatever moves beside the grains.
 
-    Of given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective mass m* and radius
-    R* of any contact, the square of the angular frequency of spheres of 2/5 m R^2 is at most 2.5 K/m*, their rate of
-    decay 2.5 gamma/m*; twisting has K/R*^2 and gamma/R*^2 instead.
+    Of given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective
+    mass m* and radius R* of any contact, the square of the angular frequency of spheres of 2/5 m
+    R^2 is at most 2.5 K/m*, their rate of decay 2.5 gamma/m*; twisting has K/R*^2 and gamma/R*^2
+    instead.
     """
-    case, found = assembly.case, some_encounters(assembly)
-    stiffness, mass = max(one.stiffness for one in found), min(one.mass for one in found)
+    case = assembly.case
+    found = some_encounters(assembly)
+    stiffness = max(one.stiffness for one in found)
+    mass = min(one.mass for one in found)
     radius = min(one.law.effective_radius for one in found)
     lossy = [one for one in found if one.loss is not None]
-    limits = [Limit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss") for one in lossy]
+    limits = [
+        Limit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss") for one in lossy
+    ]
     for contact in (case.contact, *(pair.contact for pair in case.pair)):
         for key, arm in (("rolling", 1.0), ("twisting", radius)):
             one = getattr(contact, key)
@@ -154,7 +178,11 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
     for bar in assembly.bars:
         step = BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed
         limits.append(Limit(step, f"{bar.name}.elements", "fewer elements"))
-    limits.append(Limit(support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"))
+    limits.append(
+        Limit(
+            support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"
+        )
+    )
     if case.load.plate is not None:
         on_plate = len(assembly.lattice.top_layer) * stiffness
         step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
@@ -163,26 +191,32 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
 
 
 _LOG = logging.getLogger("granwave")
-_OF_CUTOFF = 2.0  # cut-off of a row over 1/(2 pi shortest time): 2/sqrt(1.2) for Hertz's law by its mean stiffness
-_FAR, _TOO_FAR = 5.0, 100.0  # times the cut-off: a warning, and an error
+# cut-off of a row over 1/(2 pi shortest time): 2/sqrt(1.2) for Hertz's law by its mean stiffness
+_OF_CUTOFF = 2.0
+# times the cut-off: a warning, and an error
+_FAR = 5.0
+_TOO_FAR = 100.0
 
 
 def check_load_frequency(assembly: Assembly) -> None:
-    """Warn about a load that oscillates far above the cut-off, and refuse it where that is beyond all sense.
+    """Warn about a load that oscillates far above the cut-off, and refuse it where that is beyond
+    all sense.
 
     Raises
     ------
     InputError
         The frequency is more than a hundred times what the contacts under the static load pass on.
     """
-    case, load = assembly.case, assembly.case.load
+    case = assembly.case
+    load = assembly.case.load
     if not load.driven or not load.oscillates or assembly.bars or case.precompression is None:
         return
     try:
         shortest = math.sqrt(min(one.mass / one.stiffness for one in some_encounters(assembly)))
     except (ArithmeticError, ValueError):  # no contact takes up energy
         return
-    cutoff, highest = _OF_CUTOFF / (2 * math.pi * shortest), load.frequencies[1]
+    cutoff = _OF_CUTOFF / (2 * math.pi * shortest)
+    highest = load.frequencies[1]
     if highest <= _FAR * cutoff:
         return
     key = "last_frequency" if load.last_frequency == highest else "frequency"
@@ -192,4 +226,7 @@ def check_load_frequency(assembly: Assembly) -> None:
     )
     if highest > _TOO_FAR * cutoff:
         raise InputError(f"{found}; expected at most {_TOO_FAR:g} times as much")
-    _LOG.warning("%s: hardly anything moves, the steps follow the load, and the energy balance may suffer", found)
+    _LOG.warning(
+        "%s: hardly anything moves, the steps follow the load, and the energy balance may suffer",
+        found,
+    )

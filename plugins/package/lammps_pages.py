@@ -1,4 +1,6 @@
-"""Manual pages in the format of LAMMPS's documentation, reStructuredText, from our pages in Markdown."""
+"""Manual pages in the format of LAMMPS's documentation, reStructuredText, from our pages in
+Markdown.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,11 @@ _PACKAGE = (
     "[Build package](Build_package.md) page for more info."
 )
 # pages of LAMMPS whose names do not follow from those of the commands
-_OTHER_PAGES = {"pair_style gran/hertz/history": "pair_gran", "dump local": "dump", "timestep": "timestep"}
+_OTHER_PAGES = {
+    "pair_style gran/hertz/history": "pair_gran",
+    "dump local": "dump",
+    "timestep": "timestep",
+}
 _COMMAND = re.compile(r"(pair_style|compute|fix) (\S+)$|(minimize)$")
 _LAMMPS_SITE = re.compile(r"https://docs\.lammps\.org/(\w+)\.html$")
 
@@ -61,7 +67,9 @@ def _label(page: str, anchor: str) -> str:
 
 class _Page:
     def __init__(self, name: str, text: str, labels: set[str]) -> None:
-        self.name, self.labels, self.section = name, labels, ""
+        self.name = name
+        self.labels = labels
+        self.section = ""
         text = _MEMBER.sub(lambda m: m.expand(_PACKAGE) + (" It" if m["end"] != "." else ""), text)
         text = re.sub(r"`plugins/laws/(\w+)\.h`", r"`src/GRANWAVE/granwave_\1.h`", text)
         self.root = SyntaxTreeNode(MarkdownIt("commonmark").enable("table").parse(text))
@@ -77,7 +85,8 @@ class _Page:
         return _join([getattr(self, "inline_" + child.type)(child) for child in node.children])
 
     def block_heading(self, node: SyntaxTreeNode) -> str:
-        title, lines = self.plain(node), []
+        title = self.plain(node)
+        lines = []
         if node.tag == "h1":
             lines = [f".. index:: {title.removesuffix(' command')}", ""]
         elif node.tag == "h2":
@@ -98,7 +107,9 @@ class _Page:
     def block_code_block(self, node: SyntaxTreeNode) -> str:
         if self.section != "Syntax":
             return f".. code-block:: none\n\n{textwrap.indent(node.content, '   ')}"
-        words = re.sub(r"(?m)^(\s*)(\w+(?: or \w+)?)(?= (?:args|values?|keyword)\b)", r"\1<\2>", node.content)
+        words = re.sub(
+            r"(?m)^(\s*)(\w+(?: or \w+)?)(?= (?:args|values?|keyword)\b)", r"\1<\2>", node.content
+        )
         text = re.sub("<(.*?)>", r"*\1*", _escape(words))
         return f".. parsed-literal::\n\n{textwrap.indent(text, '   ')}"
 
@@ -136,7 +147,8 @@ class _Page:
         return f"**{_escape(self.plain(node))}**"
 
     def inline_link(self, node: SyntaxTreeNode) -> str:
-        text, target = _escape(self.plain(node).replace("\n", " ")), str(node.attrs["href"])
+        text = _escape(self.plain(node).replace("\n", " "))
+        target = str(node.attrs["href"])
         if found := _LAMMPS_SITE.match(target):
             return f":doc:`{text} <{found[1]}>`"
         if "://" in target:
@@ -148,7 +160,11 @@ class _Page:
         return f":ref:`{text} <{_label(page, anchor)}>`" if anchor else f":doc:`{text} <{page}>`"
 
     def plain(self, node: SyntaxTreeNode) -> str:
-        return "".join("\n" if one.type == "softbreak" else one.content for one in node.walk() if not one.children)
+        return "".join(
+            "\n" if one.type == "softbreak" else one.content
+            for one in node.walk()
+            if not one.children
+        )
 
 
 def lammps_pages(folder: Path) -> dict[str, str]:

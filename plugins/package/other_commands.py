@@ -1,4 +1,6 @@
-"""Tables of what the styles do with other commands of LAMMPS, for the manual, of the rows that the tests try."""
+"""Tables of what the styles do with other commands of LAMMPS, for the manual, of the rows that the
+tests try.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,18 @@ MARK = "<!-- other_commands -->"  # of the manual page, where they go
 def other_commands(manual: Path) -> str:
     """Return the tables of a folder's ``other_commands.toml``, in Markdown."""
     text = []
-    for section in tomllib.loads((manual / "other_commands.toml").read_text(encoding="utf-8"))["section"]:
+    for section in tomllib.loads((manual / "other_commands.toml").read_text(encoding="utf-8"))[
+        "section"
+    ]:
         text += [f"## {section['title']}", "", "| command | what happens |", "|---|---|"]
         for row in section["row"]:
-            refused = [f"**Refused**: `{row['message'].replace('.*', '...')}`."] if "message" in row else []
-            text.append(f"| {row['command']} | {' '.join([*refused, row.get('answer', '')]).strip()} |")
+            refused = (
+                [f"**Refused**: `{row['message'].replace('.*', '...')}`."]
+                if "message" in row
+                else []
+            )
+            text.append(
+                f"| {row['command']} | {' '.join([*refused, row.get('answer', '')]).strip()} |"
+            )
         text.append("")
     return "\n".join(text)

@@ -1,10 +1,12 @@
 """Row with a light bead: rectification and switching.
 
-A row under a static force with a light bead near one end, driven at its first bead at a frequency that the row does not
-pass. The mean power that its absorbing end takes in the last half of each run is drawn against the amplitude of the
-drive, with the light bead near the drive and near the other end. Dashed: the steady response of small motions, with the
-losses of contacts. Next to the amplitude at which the row opens, what opens it grows or dies so slowly that the mean is
-that of a state which still changes."""
+A row under a static force with a light bead near one end, driven at its first bead at a frequency
+that the row does not pass. The mean power that its absorbing end takes in the last half of each run
+is drawn against the amplitude of the drive, with the light bead near the drive and near the other
+end. Dashed: the steady response of small motions, with the losses of contacts. Next to the
+amplitude at which the row opens, what opens it grows or dies so slowly that the mean is that of a
+state which still changes.
+"""
 
 import math
 from functools import cached_property
@@ -17,39 +19,54 @@ from scipy.linalg import eigvalsh_tridiagonal
 import granwave as gw
 from granwave.measures import Chain
 
-# A row under a static force does not pass frequencies above its cut-off. A light bead near one end has a mode of its
-# own above it. A drive between the two excites it if it is near, the more the larger the motion, for Hertz's contacts
-# soften; above some amplitude this motion is not stable, and feeds two frequencies that the row passes and whose sum is
-# that of the drive. From the other end the drive hardly reaches the light bead, and the row stays shut up to a larger
-# amplitude (Boechler, Theocharis, Daraio, Nature Materials 10, 665, 2011).
+# A row under a static force does not pass frequencies above its cut-off. A light bead near one end
+# has a mode of its own above it. A drive between the two excites it if it is near, the more the
+# larger the motion, for Hertz's contacts soften; above some amplitude this motion is not stable,
+# and feeds two frequencies that the row passes and whose sum is that of the drive. From the other
+# end the drive hardly reaches the light bead, and the row stays shut up to a larger amplitude
+# (Boechler, Theocharis, Daraio, Nature Materials 10, 665, 2011).
 OPEN = 10.0  # power over that of small motions: above it the row has switched
 SIDES = ("near the drive", "at the far end")
 
 
 class Driven:
-    """A run of a row that is driven by a displacement; small: power of small motions, W/m^2 of its amplitude."""
+    """A run of a row that is driven by a displacement; small: power of small motions, W/m^2 of its
+    amplitude.
+    """
 
     def __init__(self, run, small):
-        load, self.run, self.small = run.case.load, run, small
-        self.amplitude, self.frequency, self.through = load.amplitude, load.frequency, run["absorbed_power_W"]
+        load = run.case.load
+        self.run = run
+        self.small = small
+        self.amplitude = load.amplitude
+        self.frequency = load.frequency
+        self.through = run["absorbed_power_W"]
         self.gain = self.through / (small * self.amplitude**2)
 
     @cached_property
     def static(self):
-        """Static overlap of two like beads, m, and the highest frequency that the row passes alone, Hz."""
-        case, diameter = self.run.case, self.run.case.packing.diameter
+        """Static overlap of two like beads, m, and the highest frequency that the row passes alone,
+        Hz.
+        """
+        case = self.run.case
+        diameter = self.run.case.packing.diameter
         overlap = self.overlap(diameter, diameter)
-        return overlap, math.sqrt(1.5 * case.precompression.force / overlap / case.sphere_mass) / math.pi
+        return overlap, math.sqrt(
+            1.5 * case.precompression.force / overlap / case.sphere_mass
+        ) / math.pi
 
     def overlap(self, *diameters):
         name = self.run.case.material.name
-        bodies = [{"shape": "sphere", "diameter": diameter, "material": name} for diameter in diameters]
+        bodies = [
+            {"shape": "sphere", "diameter": diameter, "material": name} for diameter in diameters
+        ]
         return gw.contact_overlap("hertz", bodies, self.run.case.precompression.force)
 
     @cached_property
     def mode(self):
         """Frequency of the mode of the light bead, with the driven and the last bead held, Hz."""
-        spheres, force = self.run.spheres, self.run.case.precompression.force
+        spheres = self.run.spheres
+        force = self.run.case.precompression.force
         spring = [1.5 * force / self.overlap(*pair) for pair in pairwise(2 * spheres["radius"])]
         mass = spheres["mass"].to_numpy()[1:-1]
         beside = -np.array(spring[1:-1]) / np.sqrt(mass[1:] * mass[:-1])
@@ -58,11 +75,15 @@ class Driven:
 
     @cached_property
     def below(self):
-        """Share of the last bead's motion at frequencies below the cut-off, in the last half of the run."""
+        """Share of the last bead's motion at frequencies below the cut-off, in the last half of the
+        run.
+        """
         chain = Chain(self.run)
         last = chain.velocity[chain.time >= chain.time[-1] / 2, -1]
         power = np.abs(np.fft.rfft((last - last.mean()) * np.hanning(len(last)))) ** 2
-        frequency = np.fft.rfftfreq(len(last), (chain.time[-1] - chain.time[0]) / (len(chain.time) - 1))
+        frequency = np.fft.rfftfreq(
+            len(last), (chain.time[-1] - chain.time[0]) / (len(chain.time) - 1)
+        )
         return power[frequency < self.static[1]].sum() / power.sum()
 
 
@@ -70,17 +91,29 @@ def measured(runs):
     """Runs with the light bead near the drive, and at the far end, in rising order of amplitude."""
     found = {}
     for side, near in zip(SIDES, (True, False), strict=True):
-        same = [run for run in runs if (2 * run.case.replace[0].index[0] <= run.case.packing.size[0]) == near]
+        same = [
+            run
+            for run in runs
+            if (2 * run.case.replace[0].index[0] <= run.case.packing.size[0]) == near
+        ]
         same.sort(key=lambda run: run.case.load.amplitude)
         (damper,), frequency = same[0].case.absorb, same[0].case.load.frequency
-        ratio = gw.transmission(same[0].case, drive=1, sensors=damper.index[0], frequencies=[frequency])
-        small = damper.impedance * (2 * math.pi * frequency * ratio["amplitude_ratio"].values.item()) ** 2 / 2
+        ratio = gw.transmission(
+            same[0].case, drive=1, sensors=damper.index[0], frequencies=[frequency]
+        )
+        small = (
+            damper.impedance
+            * (2 * math.pi * frequency * ratio["amplitude_ratio"].values.item()) ** 2
+            / 2
+        )
         found[side] = [Driven(run, small) for run in same]
     return found
 
 
 def switch(same):
-    """Amplitudes, m, between which the power rises the most over that of small motions; None if it stays."""
+    """Amplitudes, m, between which the power rises the most over that of small motions; None if it
+    stays.
+    """
     if max(one.gain for one in same) < OPEN:
         return None
     size, gain = np.log([(one.amplitude, max(one.gain, 1e-300)) for one in same]).T
@@ -89,7 +122,9 @@ def switch(same):
 
 
 def ratios(found):
-    """Power with the light bead near the drive over that with it at the far end, for each amplitude."""
+    """Power with the light bead near the drive over that with it at the far end, for each
+    amplitude.
+    """
     return np.array([near.through / far.through for near, far in zip(*found.values(), strict=True)])
 
 
@@ -108,7 +143,8 @@ def rows(runs):
             yield gw.Row(f"Light bead {side}: amplitude of the drive at which the row opens", "m", digits=2,
                          ours=math.sqrt(math.prod(between)), remark="Between {:g} and {:g} m; static overlap {:.3g} "
                          "m.".format(*between, same[0].static[0]))
-    near, ratio = found[SIDES[0]], ratios(found)
+    near = found[SIDES[0]]
+    ratio = ratios(found)
     best = ratio.argmax()
     for place, which in ((0, "smallest amplitude"), (best, "amplitude where it is largest")):
         yield gw.Row(f"Power through, light bead near the drive over at the far end, {which}", ours=ratio[place],
@@ -121,13 +157,24 @@ def rows(runs):
 
 def pictures(runs):
     found = measured(runs)
-    figure, data = Figure((7, 2.9), layout="constrained"), {}
+    figure = Figure((7, 2.9), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     for n, (side, same) in enumerate(found.items()):
         size, through, small, given = np.array(
-            [(d.amplitude, d.through, d.small * d.amplitude**2, d.run["load_power_W"]) for d in same]
+            [
+                (d.amplitude, d.through, d.small * d.amplitude**2, d.run["load_power_W"])
+                for d in same
+            ]
         ).T
-        left.loglog(1e6 * size, through, "os"[n] + "-", markersize=3, color=f"C{n}", label=f"light bead {side}")
+        left.loglog(
+            1e6 * size,
+            through,
+            "os"[n] + "-",
+            markersize=3,
+            color=f"C{n}",
+            label=f"light bead {side}",
+        )
         left.loglog(1e6 * size, small, "--", color=f"C{n}", linewidth=0.8)
         if between := switch(same):
             left.axvspan(*(1e6 * one for one in between), color=f"C{n}", alpha=0.15, linewidth=0)

@@ -1,7 +1,9 @@
 """Resonance of a bead on a plane.
 
-A bead under a static force, shaken at frequencies about its own. The frequency of the largest velocity falls as the
-square of the amplitude; where losses are small, the amplitude jumps as the load rises and falls."""
+A bead under a static force, shaken at frequencies about its own. The frequency of the largest
+velocity falls as the square of the amplitude; where losses are small, the amplitude jumps as the
+load rises and falls.
+"""
 
 import math
 from itertools import groupby
@@ -14,37 +16,53 @@ from granwave.measures import amplitude_sweep
 
 # A static force F0 makes the overlap a0; with the motion x = a0 xi of the bead of mass m
 #     m x'' = F0 - F0 (1 + xi)^(3/2) = -k x (1 + a2 xi + a3 xi^2 + ...),   k = 3 F0/(2 a0),   a2 = 1/4, a3 = -1/24
-# and by perturbation (Landau and Lifshitz, Mechanics, 28) the frequency of vibrations of the amplitude xi is
+# and by perturbation (Landau and Lifshitz, Mechanics, 28) the frequency of vibrations of the
+# amplitude xi is
 #     omega = omega0 (1 + (3/8 a3 - 5/12 a2^2) xi^2) = omega0 (1 - xi^2/24)
-# on which the velocity of a weakly damped bead has its largest values. Above some force the answer has three branches,
-# two of which are stable: the bead jumps.
+# on which the velocity of a weakly damped bead has its largest values. Above some force the answer
+# has three branches, two of which are stable: the bead jumps.
 SHIFT = -1 / 24  # of the frequency, for an amplitude of the static overlap
 
 
 class Shaken:
-    """A run of a bead that is shaken; frequencies over that of small vibrations, amplitudes over the static overlap."""
+    """A run of a bead that is shaken; frequencies over that of small vibrations, amplitudes over
+    the static overlap.
+    """
 
     def __init__(self, run):
-        case, static = run.case, run.case.precompression.force
-        bodies = [{"shape": "sphere", "diameter": case.packing.diameter, "material": case.material.name}, "plane"]
+        case = run.case
+        static = run.case.precompression.force
+        bodies = [
+            {"shape": "sphere", "diameter": case.packing.diameter, "material": case.material.name},
+            "plane",
+        ]
         overlap = gw.contact_overlap("hertz", bodies, static)
         self.own = math.sqrt(1.5 * static / overlap / case.sphere_mass) / (2 * math.pi)  # Hz
-        self.force, self.hertz = case.load.amplitude, case.load.frequency
-        self.frequency, self.unit = self.hertz / self.own, 2 * math.pi * self.hertz * overlap  # of its velocity, m/s
+        self.force = case.load.amplitude
+        self.hertz = case.load.frequency
+        self.frequency, self.unit = (
+            self.hertz / self.own,
+            2 * math.pi * self.hertz * overlap,
+        )  # of its velocity, m/s
         self.sweep = amplitude_sweep(run.result)
         self.velocity = 0.0 if self.sweep else run["driven_velocity_m_s"]
         self.overlap = overlap
 
 
 def measured(runs):
-    """Beads under a steady load by force, each in rising order of frequency; those whose load rises and falls."""
+    """Beads under a steady load by force, each in rising order of frequency; those whose load rises
+    and falls.
+    """
     beads = sorted(map(Shaken, runs), key=lambda one: (one.force, one.hertz))
-    steady, swept = [one for one in beads if not one.sweep], [one for one in beads if one.sweep]
+    steady = [one for one in beads if not one.sweep]
+    swept = [one for one in beads if one.sweep]
     return {force: list(same) for force, same in groupby(steady, key=lambda one: one.force)}, swept
 
 
 def peaks(steady):
-    """Force, frequency and amplitude at the largest velocity for each force: a parabola through three points."""
+    """Force, frequency and amplitude at the largest velocity for each force: a parabola through
+    three points.
+    """
     for force, same in steady.items():
         frequency, velocity = np.array([(one.hertz, one.velocity) for one in same]).T
         top = velocity.argmax()
@@ -52,7 +70,11 @@ def peaks(steady):
         curve = np.polyfit(frequency[near] - frequency[top], velocity[near], 2)
         shift = -curve[1] / (2 * curve[0])
         at = frequency[top] + shift
-        yield force, at / same[0].own, np.polyval(curve, shift) / (2 * math.pi * at * same[0].overlap)
+        yield (
+            force,
+            at / same[0].own,
+            np.polyval(curve, shift) / (2 * math.pi * at * same[0].overlap),
+        )
 
 
 def rows(runs):
@@ -72,7 +94,9 @@ def rows(runs):
         )  # fmt: skip
     for one in swept:
         quantity = f"Bead on a plane, shaken at {one.frequency:.3f} of its frequency: hysteresis of its amplitude"
-        yield gw.Row(quantity, ours=one.sweep.apart, remark="Beside a load that rises and falls slowly.")
+        yield gw.Row(
+            quantity, ours=one.sweep.apart, remark="Beside a load that rises and falls slowly."
+        )
 
 
 def pictures(runs):
@@ -84,7 +108,9 @@ def pictures(runs):
 
 
 def answers(steady):
-    figure, data, largest = Figure((3.5, 2.7), layout="constrained"), {}, 0.0
+    figure = Figure((3.5, 2.7), layout="constrained")
+    data = {}
+    largest = 0.0
     axes = figure.subplots()
     for force, same in steady.items():
         x, y = np.array([(one.frequency, one.velocity / one.unit) for one in same]).T
@@ -94,24 +120,37 @@ def answers(steady):
     size = np.linspace(0, largest, 50)
     axes.plot(1 + SHIFT * size**2, size, "k--", linewidth=0.8, label="theory")
     data |= {"theory_frequency": 1 + SHIFT * size**2, "theory_amplitude": size}
-    axes.set(xlabel="Frequency over that of small vibrations", ylabel="Amplitude over the static overlap")
-    axes.legend()
-    caption = (
-        "Amplitude of a bead on a plane under a harmonic force: the larger, the lower the frequency of its largest "
+    axes.set(
+        xlabel="Frequency over that of small vibrations", ylabel="Amplitude over the static overlap"
     )
+    axes.legend()
+    caption = "Amplitude of a bead on a plane under a harmonic force: the larger, the lower the frequency of its largest "
     caption += "value, which lies on the line of perturbation theory (dashed)"
     return gw.Picture("resonance_resonance", caption, figure, data)
 
 
 def jumps(swept):
-    figure, data = Figure((3.5, 2.7), layout="constrained"), {}
+    figure = Figure((3.5, 2.7), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for n, one in enumerate(swept):
-        x, y, name = one.sweep.load, one.sweep.first[0] / one.unit, f"{one.frequency:.3f}"
-        for chosen, line, label in ((one.sweep.rising, "-", f"f/f0 = {name}"), (~one.sweep.rising, "--", "")):
+        x = one.sweep.load
+        y = one.sweep.first[0] / one.unit
+        name = f"{one.frequency:.3f}"
+        for chosen, line, label in (
+            (one.sweep.rising, "-", f"f/f0 = {name}"),
+            (~one.sweep.rising, "--", ""),
+        ):
             axes.plot(x[chosen], y[chosen], line, color=f"C{n}", linewidth=0.9, label=label)
-        data |= {f"force_N_{name}": x, f"amplitude_{name}": y, f"rising_{name}": one.sweep.rising.astype(int)}
-    axes.set(xlabel="Amplitude of the force (N), dashed: falling", ylabel="Amplitude over the static overlap")
+        data |= {
+            f"force_N_{name}": x,
+            f"amplitude_{name}": y,
+            f"rising_{name}": one.sweep.rising.astype(int),
+        }
+    axes.set(
+        xlabel="Amplitude of the force (N), dashed: falling",
+        ylabel="Amplitude over the static overlap",
+    )
     axes.legend()
     caption = "Amplitude while the force rises (solid) and falls (dashed): where these differ, the bead has two steady "
     caption += "motions, and jumps from one to the other at the ends"

@@ -1,8 +1,10 @@
 """A gap tuned by walls: spheres between cylinders (thesis 7.2).
 
-Endless row of brass spheres of 9.525 mm under 1 N with a pair of brass cylinders of 4.76 mm in each gap, between two
-rigid walls that approach by a times the diameter; cylinders as long as the spheres are wide. The bands are those of the
-springs of its static state. Angular frequencies: the source's axes say Hz, but hold rad/s."""
+Endless row of brass spheres of 9.525 mm under 1 N with a pair of brass cylinders of 4.76 mm in each
+gap, between two rigid walls that approach by a times the diameter; cylinders as long as the spheres
+are wide. The bands are those of the springs of its static state. Angular frequencies: the source's
+axes say Hz, but hold rad/s.
+"""
 
 import math
 
@@ -12,12 +14,19 @@ from tunnel import DIAMETER, Tunnel
 
 import granwave as gw
 
-THESIS, FIGURE = "thesis 7.2", "thesis Fig. 7.8"
-APPROACHES, RATIOS = (-1.8e-5, 0.0, 3e-5), (0.3, 0.5, 0.65)
-SPHERE, TIME = 75, 5e-3  # where and how long the source listens, s
+THESIS = "thesis 7.2"
+FIGURE = "thesis Fig. 7.8"
+APPROACHES = (-1.8e-5, 0.0, 3e-5)
+RATIOS = (0.3, 0.5, 0.65)
+# where and how long the source listens, s
+SPHERE = 75
+TIME = 5e-3
 PRINTED = 5.6e3  # Hz, the source's cut-off of the row
-TOP_OF_AXIS, THIRD = 7e4, 3e5  # rad/s: of Fig. 7.7a, and the source's third band
-# spheres, cylinders: top of the axis of Fig. 7.8, rad/s, and what the source says of the width of the gap
+# rad/s: of Fig. 7.7a, and the source's third band
+TOP_OF_AXIS = 7e4
+THIRD = 3e5
+# spheres, cylinders: top of the axis of Fig. 7.8, rad/s, and what the source says of the width of
+# the gap
 PAIRS = {
     ("brass", "brass"): (9e4, ""), ("steel", "aluminium"): (14e4, "small"), ("aluminium", "steel"): (11e4, "large"),
 }  # fmt: skip
@@ -25,8 +34,11 @@ BOTTOM = 2e4  # rad/s: of the axis
 
 
 def rows(runs):
-    plain, top = Tunnel(0.0), gw.bands(runs[0].case)["edges"].values[0, 1]
-    slowest = (SPHERE - 1) / TIME / plain.row_frequency  # group velocity in spheres/s over sqrt(K/m)
+    plain = Tunnel(0.0)
+    top = gw.bands(runs[0].case)["edges"].values[0, 1]
+    slowest = (
+        (SPHERE - 1) / TIME / plain.row_frequency
+    )  # group velocity in spheres/s over sqrt(K/m)
     # fmt: off
     yield gw.Row("Cut-off of the row", "Hz", ours=top, theory=2 * plain.row_frequency / (2 * math.pi),
                  where="2 sqrt(K/m)", verification=True)
@@ -36,7 +48,8 @@ def rows(runs):
                  ours=2 * plain.row_frequency * math.sqrt(1 - slowest**2), remark="Group velocity sqrt(K/m) "
                  "sqrt(1 - (w/2)^2 m/K) spheres a second. Near the digits of the source's 5.6 kHz.")
     for a in APPROACHES:
-        edges, axis = Tunnel(a).edges, TOP_OF_AXIS if a <= 0 else None
+        edges = Tunnel(a).edges
+        axis = TOP_OF_AXIS if a <= 0 else None
         yield gw.Row(f"Top of the acoustic band, a = {a:g}", "rad/s", ours=edges[0, 1], where=THESIS)
         yield gw.Row(f"Bottom of the optical band, a = {a:g}", "rad/s", ours=edges[1, 0], where=THESIS)
         yield gw.Row(f"Top of the optical band, a = {a:g}", "rad/s", axis, edges[1, 1], THESIS, bound=a <= 0,
@@ -61,7 +74,9 @@ def rows(runs):
 
 
 def verdict(runs):
-    low, high = (Tunnel(a).edges[[0, 1], [1, 0]] / 2e3 / math.pi for a in (APPROACHES[0], APPROACHES[-1]))
+    low, high = (
+        Tunnel(a).edges[[0, 1], [1, 0]] / 2e3 / math.pi for a in (APPROACHES[0], APPROACHES[-1])
+    )
     way = 1e6 * (APPROACHES[-1] - APPROACHES[0]) * DIAMETER
     yield (
         f"Walls that approach by {way:.2g} µm move the gap of the tunnel "
@@ -71,33 +86,37 @@ def verdict(runs):
 
 def pictures(runs):
     figure = Figure((3.5, 2.6), layout="constrained")
-    axes, data = figure.subplots(), {}
+    axes = figure.subplots()
+    data = {}
     for n, a in enumerate(APPROACHES):
         tunnel = Tunnel(a)
         hertz, data["phase_rad"] = tunnel.omega / (2 * math.pi), tunnel.k * DIAMETER
         for band in (0, 1):
             label = "" if band else f"a = {a:g}"
-            axes.plot(data["phase_rad"] / math.pi, 1e-3 * hertz[:, band], color=f"C{n}", label=label)
+            axes.plot(
+                data["phase_rad"] / math.pi, 1e-3 * hertz[:, band], color=f"C{n}", label=label
+            )
             data[f"f{band + 1}_at_{a:g}_Hz"] = hertz[:, band]
     axes.set(xlabel="Phase per cell (π)", ylabel="Frequency (kHz)", xlim=(0, 1), ylim=(0, None))
     axes.legend()
-    caption = (
-        "The two lowest bands of the row at three places of the walls: no wave passes between the two curves of a "
-    )
+    caption = "The two lowest bands of the row at three places of the walls: no wave passes between the two curves of a "
     caption += "colour, and walls that approach move that gap up"
     yield gw.Picture("tunable_gap_bands", caption, figure, data)
     figure = Figure((3.5, 2.6), layout="constrained")
-    axes, places = figure.subplots(), np.linspace(-2e-5, 3e-5, 21)
+    axes = figure.subplots()
+    places = np.linspace(-2e-5, 3e-5, 21)
     data = {"approach": places}
     for n, ratio in enumerate(RATIOS):
-        top, bottom = np.array([Tunnel(a, ratio).edges[[0, 1], [1, 0]] for a in places]).T / (2 * math.pi)
+        top, bottom = np.array([Tunnel(a, ratio).edges[[0, 1], [1, 0]] for a in places]).T / (
+            2 * math.pi
+        )
         label = f"cylinders {ratio:g} D"
-        axes.fill_between(1e5 * places, 1e-3 * top, 1e-3 * bottom, color=f"C{n}", alpha=0.35, lw=0, label=label)
+        axes.fill_between(
+            1e5 * places, 1e-3 * top, 1e-3 * bottom, color=f"C{n}", alpha=0.35, lw=0, label=label
+        )
         data |= {f"top_{ratio:g}_Hz": top, f"bottom_{ratio:g}_Hz": bottom}
     axes.set(xlabel="Approach of the walls (1e-5 diameters)", ylabel="Gap (kHz)", xlim=(-2, 3))
     axes.legend(loc="lower center", bbox_to_anchor=(0.5, 1.0), ncols=3, fontsize=7)
-    caption = (
-        "The lowest gap (shaded) against the place of the walls, for cylinders of three lengths: 5e-5 diameters move "
-    )
+    caption = "The lowest gap (shaded) against the place of the walls, for cylinders of three lengths: 5e-5 diameters move "
     caption += "it by as much as its own width or more; shorter cylinders have a higher one"
     yield gw.Picture("tunable_gap_gaps", caption, figure, data)

@@ -1,12 +1,14 @@
-"""Endless row of spheres with a pair of cylinders in each gap between two walls (thesis 7.2), as springs.
+"""Endless row of spheres with a pair of cylinders in each gap between two walls (thesis 7.2), as
+springs.
 
-Static state under the axial force F, walls moved in by a/2 D each (7.5 to 7.7): d0, d1, d2 are the overlaps of two
-spheres, of sphere and cylinder, and of cylinder and wall, y the distance of the cylinder's axis from that of the row,
+Static state under the axial force F, walls moved in by a/2 D each (7.5 to 7.7): d0, d1, d2 are the
+overlaps of two spheres, of sphere and cylinder, and of cylinder and wall, y the distance of the
+cylinder's axis from that of the row,
 
     F = kbb d0^1.5 + 2 cos kcs d1^1.5,   2 sin kcs d1^1.5 = F_wall(d2),   y - d2 = sqrt((R + r)^2 - R^2) - a D/2
 
-with the line law of Puttock and Thwaite at the wall. The two cylinders of a gap move alike: one with twice the mass and
-twice the springs stands for them. Thesis 7.12 has half of their springs.
+with the line law of Puttock and Thwaite at the wall. The two cylinders of a gap move alike: one
+with twice the mass and twice the springs stands for them. Thesis 7.12 has half of their springs.
 """
 
 import math
@@ -16,7 +18,9 @@ from scipy.optimize import brentq
 
 import granwave as gw
 
-DIAMETER, FORCE = 9.525e-3, 1.0  # of the spheres, m; axial, N
+# of the spheres, m; axial, N
+DIAMETER = 9.525e-3
+FORCE = 1.0
 MATERIALS = {  # density, kg/m^3, and Young's modulus, Pa
     "brass": (8500.0, 115e9), "steel": (7800.0, 210e9), "aluminium": (2700.0, 70e9),
 }  # fmt: skip
@@ -24,30 +28,55 @@ POINTS = 61  # wave numbers from the middle to the edge of the zone
 
 
 class Tunnel:
-    """A tunnel whose walls approach by a part of the diameter; 0: everything just touches without force."""
+    """A tunnel whose walls approach by a part of the diameter; 0: everything just touches without
+    force.
+    """
 
     def __init__(self, approach, ratio=4.76 / 9.525, sphere="brass", cylinder="brass"):
-        self.radius, self.small = DIAMETER / 2, ratio * DIAMETER / 2
+        self.radius = DIAMETER / 2
+        self.small = ratio * DIAMETER / 2
         density, modulus = zip(MATERIALS[sphere], MATERIALS[cylinder], strict=True)
-        elastic = [{"name": "body", "density": 1e3, "youngs_modulus": e, "poisson_ratio": 0.3} for e in modulus]
+        elastic = [
+            {"name": "body", "density": 1e3, "youngs_modulus": e, "poisson_ratio": 0.3}
+            for e in modulus
+        ]
         one = {"shape": "sphere", "radius": self.radius, "material": elastic[0]}
-        two = {"shape": "cylinder", "radius": self.small, "length": DIAMETER, "material": elastic[1]}
+        two = {
+            "shape": "cylinder",
+            "radius": self.small,
+            "length": DIAMETER,
+            "material": elastic[1],
+        }
         self.wall = two, "plane"
-        self.constants = [gw.contact_force("hertz", pair, 1e-6) / 1e-9 for pair in ((one, one), (one, two))]
+        self.constants = [
+            gw.contact_force("hertz", pair, 1e-6) / 1e-9 for pair in ((one, one), (one, two))
+        ]
         self.mass = density[0] * math.pi / 6 * DIAMETER**3
         self.pair_mass = 2 * density[1] * math.pi / 4 * (2 * self.small) ** 2 * DIAMETER
-        self.alone = math.sqrt((self.radius + self.small) ** 2 - self.radius**2) - approach * self.radius  # y - d2, m
+        self.alone = (
+            math.sqrt((self.radius + self.small) ** 2 - self.radius**2) - approach * self.radius
+        )  # y - d2, m
         most = (FORCE / self.constants[0]) ** (2 / 3)
-        self.row_frequency = math.sqrt(1.5 * self.constants[0] * math.sqrt(most) / self.mass)  # sqrt(K/m), rad/s
+        self.row_frequency = math.sqrt(
+            1.5 * self.constants[0] * math.sqrt(most) / self.mass
+        )  # sqrt(K/m), rad/s
         self.d0 = brentq(self.miss, 1e-6 * most, most * (1 - 1e-12), xtol=1e-22, rtol=1e-14)
         self.k = np.linspace(0, math.pi / DIAMETER, POINTS)
-        self.omega = np.sqrt(np.maximum(np.linalg.eigvalsh(self.dynamical_matrix()), 0.0))  # (wave numbers, bands)
-        self.edges = np.stack([self.omega.min(axis=0), self.omega.max(axis=0)], axis=1)  # of the bands, rad/s
+        self.omega = np.sqrt(
+            np.maximum(np.linalg.eigvalsh(self.dynamical_matrix()), 0.0)
+        )  # (wave numbers, bands)
+        self.edges = np.stack(
+            [self.omega.min(axis=0), self.omega.max(axis=0)], axis=1
+        )  # of the bands, rad/s
 
     def geometry(self, d0):
-        """Overlaps d1 and d2, and cosine of the contacts of the cylinder, if the spheres overlap by d0."""
-        half, reach = self.radius - d0 / 2, self.radius + self.small
-        rest, d1 = max(FORCE - self.constants[0] * d0**1.5, 0.0), 0.0
+        """Overlaps d1 and d2, and cosine of the contacts of the cylinder, if the spheres overlap by
+        d0.
+        """
+        half = self.radius - d0 / 2
+        reach = self.radius + self.small
+        rest = max(FORCE - self.constants[0] * d0**1.5, 0.0)
+        d1 = 0.0
         for _ in range(21):
             d1 = (rest / (2 * self.constants[1] * half / (reach - d1))) ** (2 / 3)
         return d1, math.sqrt((reach - d1) ** 2 - half**2) - self.alone, half / (reach - d1)
@@ -59,11 +88,16 @@ class Tunnel:
         return 2 * math.sqrt(1 - cosine**2) * self.constants[1] * d1**1.5 - at_wall
 
     def dynamical_matrix(self):
-        """Matrix of the sphere along z and of the pair of cylinders along x and z: (wave numbers, 3, 3), s^-2."""
+        """Matrix of the sphere along z and of the pair of cylinders along x and z: (wave numbers,
+        3, 3), s^-2.
+        """
         d1, d2, cosine = self.geometry(self.d0)
-        sine, phase = math.sqrt(1 - cosine**2), np.exp(1j * self.k * DIAMETER)
+        sine = math.sqrt(1 - cosine**2)
+        phase = np.exp(1j * self.k * DIAMETER)
         forces = self.constants[0] * self.d0**1.5, 2 * self.constants[1] * d1**1.5
-        reach, matrix = self.radius + self.small - d1, np.zeros((POINTS, 2, 2, 2, 2), dtype=complex)  # body, x or z
+        # body, x or z
+        reach = self.radius + self.small - d1
+        matrix = np.zeros((POINTS, 2, 2, 2, 2), dtype=complex)
         for first, second, shift, normal, length, force, overlap in (
             (0, 0, phase, (0.0, 1.0), DIAMETER - self.d0, forces[0], self.d0),
             (0, 1, 1.0, (sine, cosine), reach, forces[1], d1),

@@ -1,8 +1,9 @@
 """Chains of brass and of PTFE: speeds that an interferometer measured.
 
-Olivares and others (Optica Applicata 47, 257, 2017) measured the speed of the wave of a ball that strikes a row of
-like balls: 346 ± 40 m/s in brass under 0.8 N, 102 ± 3 m/s in PTFE under 0.4 N. Their abstract gives neither diameter
-nor velocity of the striker. But far above the static force neither matters for the ratio of both speeds.
+Olivares and others (Optica Applicata 47, 257, 2017) measured the speed of the wave of a ball that
+strikes a row of like balls: 346 ± 40 m/s in brass under 0.8 N, 102 ± 3 m/s in PTFE under 0.4 N.
+Their abstract gives neither diameter nor velocity of the striker. But far above the static force
+neither matters for the ratio of both speeds.
 """
 
 import math
@@ -14,12 +15,12 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import Chain, first_peak
 
-WHERE, MEASURED, MARGIN = (
-    "Olivares et al. 2017, abstract",
-    {"brass": 346.0, "ptfe": 102.0},
-    {"brass": 40.0, "ptfe": 3.0},
-)
-FIRST, LAST = 15, 30  # contacts
+WHERE = "Olivares et al. 2017, abstract"
+MEASURED = {"brass": 346.0, "ptfe": 102.0}
+MARGIN = {"brass": 40.0, "ptfe": 3.0}
+# contacts
+FIRST = 15
+LAST = 30
 
 
 def ball(chain):
@@ -27,13 +28,16 @@ def ball(chain):
 
 
 def stiffness(chain):
-    """Effective modulus over density, m^2/s^2: speeds far above the static force go with its power 2/5."""
+    """Effective modulus over density, m^2/s^2: speeds far above the static force go with its power
+    2/5.
+    """
     return chain.law.effective_modulus / chain.case.material.density
 
 
 def measured(runs):
     """Impact velocities and speeds by material, and modulus over density of each."""
-    found, chains = {}, sorted(map(Chain, runs), key=lambda chain: (ball(chain), chain.load.velocity))
+    found = {}
+    chains = sorted(map(Chain, runs), key=lambda chain: (ball(chain), chain.load.velocity))
     for key, alike in groupby(chains, key=ball):
         points = []
         for chain in alike:
@@ -47,7 +51,8 @@ def measured(runs):
 
 def rows(runs):
     (velocity, brass, stiff), (_, ptfe, soft) = (measured(runs)[key] for key in ("brass", "ptfe"))
-    source, strong = MEASURED["brass"] / MEASURED["ptfe"], (stiff / soft) ** 0.4
+    source = MEASURED["brass"] / MEASURED["ptfe"]
+    strong = (stiff / soft) ** 0.4
     margin = source * math.hypot(*(MARGIN[key] / MEASURED[key] for key in MEASURED))
     for v, ours in zip(velocity, brass / ptfe, strict=True):
         needed = (source / ours) ** -2.5
@@ -60,11 +65,20 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((3.6, 2.6), layout="constrained"), {}
+    figure = Figure((3.6, 2.6), layout="constrained")
+    data = {}
     axes = figure.subplots()
-    for colour, (key, (velocity, speed, _)) in zip(("C0", "C1"), measured(runs).items(), strict=True):
+    for colour, (key, (velocity, speed, _)) in zip(
+        ("C0", "C1"), measured(runs).items(), strict=True
+    ):
         axes.loglog(velocity, speed, "o-", color=colour, markersize=4, label=f"{key}, simulation")
-        axes.axhspan(MEASURED[key] - MARGIN[key], MEASURED[key] + MARGIN[key], color=colour, alpha=0.25, linewidth=0)
+        axes.axhspan(
+            MEASURED[key] - MARGIN[key],
+            MEASURED[key] + MARGIN[key],
+            color=colour,
+            alpha=0.25,
+            linewidth=0,
+        )
         data |= {f"{key}_velocity_m_s": velocity, f"{key}_speed_m_s": speed}
     axes.set(xlabel="Impact velocity (m/s)", ylabel="Speed of the wave (m/s)")
     axes.legend(fontsize=6)

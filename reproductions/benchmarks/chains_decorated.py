@@ -1,8 +1,9 @@
 """Decorated chains: small beads between large ones.
 
-Ten beads that shrink by 5 % from one to the next, with a small bead between any two, the first struck at 1 m/s, the
-last free. Two limits are known: hard spheres that collide once each, and small beads without mass, two springs in a
-row, so that the large beads alone hand on the energy (Harbola and others 2009).
+Ten beads that shrink by 5 % from one to the next, with a small bead between any two, the first
+struck at 1 m/s, the last free. Two limits are known: hard spheres that collide once each, and small
+beads without mass, two springs in a row, so that the large beads alone hand on the energy (Harbola
+and others 2009).
 """
 
 import numpy as np
@@ -11,26 +12,34 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import Chain
 
-WHERE, NEWS = "hard spheres, once each", "UB Reporter 38 (19)"
+WHERE = "hard spheres, once each"
+NEWS = "UB Reporter 38 (19)"
 AGAIN = "Small beads collide many times, and each time hand on more."
 LIGHT = "Small beads without mass"
 
 
 def handed_on(diameters):
     """Share of the energy that hard spheres hand on to the last one, each pair colliding once."""
-    first, second = diameters[:-1] ** 3, diameters[1:] ** 3
+    first = diameters[:-1] ** 3
+    second = diameters[1:] ** 3
     return float(np.prod(4 * first * second / (first + second) ** 2))
 
 
 def measured(runs):
-    """Small over large diameter, energy of the last bead over the input, that of hard spheres, of large beads alone."""
+    """Small over large diameter, energy of the last bead over the input, that of hard spheres, of
+    large beads alone.
+    """
     found = []
     for chain in map(Chain, runs):
         diameters = np.full(chain.case.packing.size[0], chain.case.packing.diameter)
         for one in chain.case.replace:
             diameters[np.array(one.index) - 1] = one.diameter
-        last = (diameters[-1] / diameters[0]) ** 3 * (chain.velocity[-1, -1] / chain.load.velocity) ** 2
-        found.append((diameters[1] / diameters[0], last, handed_on(diameters), handed_on(diameters[::2])))
+        last = (diameters[-1] / diameters[0]) ** 3 * (
+            chain.velocity[-1, -1] / chain.load.velocity
+        ) ** 2
+        found.append(
+            (diameters[1] / diameters[0], last, handed_on(diameters), handed_on(diameters[::2]))
+        )
     return np.array(sorted(found)).T
 
 
@@ -56,11 +65,18 @@ def pictures(runs):
     axes.plot(small, last, "oC0-", markersize=4, label="simulation")
     axes.plot(small, hard, "0.5", label="hard spheres, once each")
     axes.plot(small, large, "0.5", linestyle="--", label="small beads without mass")
-    axes.set(xlabel="Small over large diameter", ylabel="Last bead's energy over the input", ylim=(0, 1))
+    axes.set(
+        xlabel="Small over large diameter", ylabel="Last bead's energy over the input", ylim=(0, 1)
+    )
     axes.legend(fontsize=6)
     caption = (
         "Energy of the last bead of a decorated, tapered chain against the size of the small beads. Neither limit "
         "holds between them, and the smallest beads are not the best: look for the least of the curve"
     )
-    data = {"small_over_large": small, "last_over_input": last, "hard_over_input": hard, "light_over_input": large}
+    data = {
+        "small_over_large": small,
+        "last_over_input": last,
+        "hard_over_input": hard,
+        "light_over_input": large,
+    }
     yield gw.Picture("decorated_chain", caption, axes.figure, data)

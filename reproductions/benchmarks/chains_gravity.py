@@ -11,8 +11,10 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import Chain, first_peak, power_law
 
-WHERE, POWER = "Hong, Ji and Kim 1998, abstract", 1.5
-SPEED, VELOCITY = (1 - 1 / POWER) / 2, -(1 / 3 + 1 / POWER) / 4
+WHERE = "Hong, Ji and Kim 1998, abstract"
+POWER = 1.5
+SPEED = (1 - 1 / POWER) / 2
+VELOCITY = -(1 / 3 + 1 / POWER) / 4
 STRETCHES = ((10, 30), (30, 90), (60, 180))  # of beads
 FAR = "The powers are those of great depth: ours come near as the stretch goes down."
 
@@ -29,19 +31,35 @@ def measured(runs):
 def rows(runs):
     depth, _, height, speed = measured(runs)
     for first, last in STRETCHES:
-        part, at = slice(first - 1, last), f"beads {first} to {last}"
+        part = slice(first - 1, last)
+        at = f"beads {first} to {last}"
         fits = (power_law(depth[part], height[part]), power_law(depth[part], speed[part]))
-        for what, fit, printed in zip(("largest velocity", "speed"), fits, (VELOCITY, SPEED), strict=True):
-            yield gw.Row(f"Power of the {what} with the depth, {at}", "", printed, fit.exponent, WHERE, FAR, digits=4)
+        for what, fit, printed in zip(
+            ("largest velocity", "speed"), fits, (VELOCITY, SPEED), strict=True
+        ):
+            yield gw.Row(
+                f"Power of the {what} with the depth, {at}",
+                "",
+                printed,
+                fit.exponent,
+                WHERE,
+                FAR,
+                digits=4,
+            )
 
 
 def pictures(runs):
     depth, _, height, speed = measured(runs)
-    figure, shown, deep = Figure((6.6, 2.6), layout="constrained"), slice(2, -12), 150
+    figure = Figure((6.6, 2.6), layout="constrained")
+    shown = slice(2, -12)
+    deep = 150
     left, right = figure.subplots(1, 2)
     for axes, values, power in ((left, height, VELOCITY), (right, speed, SPEED)):
         axes.loglog(
-            depth[shown], values[deep] * (depth[shown] / depth[deep]) ** power, "0.5", label=f"power {power:.3g}"
+            depth[shown],
+            values[deep] * (depth[shown] / depth[deep]) ** power,
+            "0.5",
+            label=f"power {power:.3g}",
         )
         axes.loglog(depth[shown], values[shown], "C0.", markersize=3, label="simulation")
         axes.set_xlabel("Depth (m)")
@@ -52,4 +70,9 @@ def pictures(runs):
         "Largest velocity of the beads and speed of the wave against the depth in a chain under gravity. Lines have "
         "the source's powers and go through one deep bead: points bend towards them as the wave goes down"
     )
-    yield gw.Picture("gravity_chain", caption, figure, {"depth_m": depth, "velocity_m_s": height, "speed_m_s": speed})
+    yield gw.Picture(
+        "gravity_chain",
+        caption,
+        figure,
+        {"depth_m": depth, "velocity_m_s": height, "speed_m_s": speed},
+    )

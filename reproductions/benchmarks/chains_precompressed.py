@@ -1,8 +1,9 @@
 """Chains under a static force: speed against force.
 
-Coste, Falcon and Fauve (Phys. Rev. E 56, 6104, 1997) struck chains of steel beads of 8 mm under three static forces.
-Daraio and others (Phys. Rev. E 73, 026610, 2006) pressed chains of PTFE and of steel by a magnet. What their abstracts
-print needs no modulus: in units of the static state all such chains are one.
+Coste, Falcon and Fauve (Phys. Rev. E 56, 6104, 1997) struck chains of steel beads of 8 mm under
+three static forces. Daraio and others (Phys. Rev. E 73, 026610, 2006) pressed chains of PTFE and of
+steel by a magnet. What their abstracts print needs no modulus: in units of the static state all
+such chains are one.
 """
 
 import numpy as np
@@ -13,19 +14,26 @@ import granwave as gw
 from granwave.measures import Chain, first_peak, width
 from granwave.theory import discrete_speed, lattice_speed, precompressed_line
 
-COSTE, DARAIO = "Coste et al. 1997, abstract", "Daraio et al. 2006, abstract"
-FIRST, LAST = 20, 40  # contacts
+COSTE = "Coste et al. 1997, abstract"
+DARAIO = "Daraio et al. 2006, abstract"
+# contacts
+FIRST = 20
+LAST = 40
 CURVE = "The source: one curve for its three static forces, that of Nesterenko's theory."
 SPREADS = " Ours still spreads and is a little slow."
 LEAST = 0.01  # of the pulse's largest velocity: its ends
 
 
 def measured(runs):
-    """Largest and static force, speed over c0, and speed over that without a static force, of each pressed chain."""
+    """Largest and static force, speed over c0, and speed over that without a static force, of each
+    pressed chain.
+    """
     found = []
     for chain in map(Chain, runs):
         line = precompressed_line(chain.case)
-        peaks = [first_peak(chain.time, one - line.force, floor=0.5) for one in chain.force.T[FIRST:LAST]]
+        peaks = [
+            first_peak(chain.time, one - line.force, floor=0.5) for one in chain.force.T[FIRST:LAST]
+        ]
         times, added = np.array(peaks).T
         speed = line.spacing / np.polyfit(np.arange(len(times)), times, 1)[0]
         alone = chain.scales.nesterenko(added.mean()) * discrete_speed()
@@ -34,7 +42,9 @@ def measured(runs):
 
 
 def faster(added):
-    """Speed over that without a static force, of the same force added, in static forces: travelling waves."""
+    """Speed over that without a static force, of the same force added, in static forces: travelling
+    waves.
+    """
     weakest = 1e6  # far above the static force
     alone = float(lattice_speed(np.array(weakest))) * (added / weakest) ** (1 / 6)
     return float(lattice_speed(np.array(1 + added))) / alone
@@ -42,8 +52,11 @@ def faster(added):
 
 def pulse(runs):
     """Length of the pulse under the least static force over that of the chain."""
-    chain = min(map(Chain, runs), key=lambda one: (one.case.precompression.force, -one.load.velocity))
-    when, beads = chain.velocity[:, 29].argmax(), chain.case.packing.size[0]
+    chain = min(
+        map(Chain, runs), key=lambda one: (one.case.precompression.force, -one.load.velocity)
+    )
+    when = chain.velocity[:, 29].argmax()
+    beads = chain.case.packing.size[0]
     return width(np.arange(beads), chain.velocity[when], LEAST) / beads
 
 
@@ -55,7 +68,8 @@ def rows(runs):
                      theory=float(lattice_speed(np.array(1 + f))), remark=CURVE if f > 2 else CURVE + SPREADS)
     yield gw.Row("Length of the pulse over that of the chain", "", 0.1, pulse(runs), COSTE, "Typically a tenth. Ours: "
                  f"between {100 * LEAST:g} % of the largest velocity, 51 beads.", digits=2)
-    most, twice = gain.argmax(), brentq(lambda f: faster(f) - 2, 1e-3, 10)
+    most = gain.argmax()
+    twice = brentq(lambda f: faster(f) - 2, 1e-3, 10)
     yield gw.Row("Speed over that without static force, same force added: largest", "", 2.0, gain[most], DARAIO,
                  f"Up to two times. Ours: {added[most]:.2g} static forces added; twice at {twice:.2g}, in theory.",
                  theory=faster(added[most]), bound=True)
@@ -64,7 +78,8 @@ def rows(runs):
 
 def pictures(runs):
     added, static, speed, gain = measured(runs)
-    figure, fine = Figure((6.6, 2.6), layout="constrained"), np.geomspace(0.7 * added.min(), 1.5 * added.max(), 100)
+    figure = Figure((6.6, 2.6), layout="constrained")
+    fine = np.geomspace(0.7 * added.min(), 1.5 * added.max(), 100)
     left, right = figure.subplots(1, 2)
     left.semilogx(fine, lattice_speed(1 + fine), "0.5", label="travelling waves")
     right.loglog(fine, [faster(f) for f in fine], "0.5")
@@ -80,5 +95,10 @@ def pictures(runs):
         "Speed of waves under four static forces against their height, over c0 and over the speed without a static "
         "force. All lie on one curve, as measured; the dotted line is the doubled speed of the second source"
     )
-    data = {"added_over_static": added, "static_N": static, "speed_over_c0": speed, "speed_over_alone": gain}
+    data = {
+        "added_over_static": added,
+        "static_N": static,
+        "speed_over_c0": speed,
+        "speed_over_alone": gain,
+    }
     yield gw.Picture("pressed_chains", caption, figure, data)

@@ -1,8 +1,9 @@
 """Protectors: which order of hard and soft beads spares a wall.
 
-Fraternali, Porter and Daraio (arXiv:0802.1451) let an evolutionary algorithm arrange beads of steel and PTFE so that
-the largest force on a wall is least. Here twelve beads of 10 mm are struck at 1 m/s: like beads, two halves,
-alternating beads, and what `granwave design` found among the 4096 orders in 80 runs.
+Fraternali, Porter and Daraio (arXiv:0802.1451) let an evolutionary algorithm arrange beads of steel
+and PTFE so that the largest force on a wall is least. Here twelve beads of 10 mm are struck at 1
+m/s: like beads, two halves, alternating beads, and what `granwave design` found among the 4096
+orders in 80 runs.
 """
 
 import numpy as np
@@ -12,7 +13,11 @@ import granwave as gw
 
 WHERE = "Fraternali et al. 2008, abstract"
 ORDERS = {"SSSSSSSSSSSS": "steel", "PPPPPPPPPPPP": "PTFE", "SSSSSSPPPPPP": "PTFE at the wall"}
-ORDERS |= {"PPPPPPSSSSSS": "PTFE at the striker", "SPSPSPSPSPSP": "alternating", "PSSSSSPSPPPP": "by design"}
+ORDERS |= {
+    "PPPPPPSSSSSS": "PTFE at the striker",
+    "SPSPSPSPSPSP": "alternating",
+    "PSSSSSPSPPPP": "by design",
+}
 
 
 def order(case):
@@ -33,7 +38,13 @@ def measured(runs):
 def rows(runs):
     forces = measured(runs)
     for beads, force in forces.items():
-        yield gw.Row(f"Largest force on the wall, {ORDERS[beads]} ({beads})", "N", ours=force, where="ours", digits=4)
+        yield gw.Row(
+            f"Largest force on the wall, {ORDERS[beads]} ({beads})",
+            "N",
+            ours=force,
+            where="ours",
+            digits=4,
+        )
     best = min(forces, key=forces.get)
     soft_first = forces["PPPPPPSSSSSS"] / forces["SSSSSSPPPPPP"]
     yield gw.Row(
@@ -51,7 +62,8 @@ def rows(runs):
 
 def pictures(runs):
     forces = measured(runs)
-    figure, values = Figure((5.0, 2.4), layout="constrained"), np.array(list(forces.values()))
+    figure = Figure((5.0, 2.4), layout="constrained")
+    values = np.array(list(forces.values()))
     axes = figure.subplots()
     axes.barh([f"{ORDERS[beads]}\n{beads}" for beads in forces], values, color="C0", height=0.6)
     axes.set(xlabel="Largest force on the wall (N)", xscale="log")

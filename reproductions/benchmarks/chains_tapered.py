@@ -1,8 +1,9 @@
 """Tapered chains: the energy that reaches the last bead.
 
-Chains of 20 beads whose diameters fall by the share q from bead to bead, the first of 10 mm struck at 1 m/s, the last
-free. Doney and Sen took hard spheres that collide one after the other: from bead to bead 4 e^3/(1 + e^3)^2 of the
-energy goes on, e = 1 - q. Melo and others (q = 5.60 and 8.27 %, measured) found the front of the wave to fall so.
+Chains of 20 beads whose diameters fall by the share q from bead to bead, the first of 10 mm struck
+at 1 m/s, the last free. Doney and Sen took hard spheres that collide one after the other: from bead
+to bead 4 e^3/(1 + e^3)^2 of the energy goes on, e = 1 - q. Melo and others (q = 5.60 and 8.27 %,
+measured) found the front of the wave to fall so.
 """
 
 import numpy as np
@@ -11,15 +12,20 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import Chain
 
-HARD, MEASURED = "Doney and Sen 2005, hard spheres", "Melo et al. 2006, abstract"
+HARD = "Doney and Sen 2005, hard spheres"
+MEASURED = "Melo et al. 2006, abstract"
 NEWS = "UB Reporter 38 (19)"
-FIRST, LAST = 6, 17  # beads between which the front has its shape and has not met the end
+# beads between which the front has its shape and has not met the end
+FIRST = 6
+LAST = 17
 SOURCE = "The source: hard spheres describe the measured front well, and better with a small loss. Ours falls more."
 LEFT = "Hertz's wave is spread over some five beads: what it leaves behind does not collide again with the front."
 
 
 class Tapered:
-    """Taper, energy of the last bead at the end over the input, and the fall of the front from bead to bead."""
+    """Taper, energy of the last bead at the end over the input, and the fall of the front from bead
+    to bead.
+    """
 
     def __init__(self, run):
         chain = Chain(run)
@@ -28,7 +34,9 @@ class Tapered:
             diameters[np.array(one.index) - 1] = one.diameter
         self.taper = round(1 - diameters[1] / diameters[0], 4)
         energy = diameters**3 * chain.velocity**2 / diameters[0] ** 3 / chain.load.velocity**2
-        self.last, fronts, beads = energy[-1, -1], energy.max(axis=0), np.arange(FIRST, LAST)
+        self.last = energy[-1, -1]
+        fronts = energy.max(axis=0)
+        beads = np.arange(FIRST, LAST)
         self.front = np.exp(np.polyfit(beads, np.log(fronts[beads - 1]), 1)[0])
         ratio = (1 - self.taper) ** 3
         self.hard = 4 * ratio / (1 + ratio) ** 2
@@ -86,4 +94,9 @@ def pictures(runs):
         "Marks below the grey line: a wave over several beads leaves more behind than hard spheres do"
     )
     data = {"taper_percent": taper, "last_over_input": last, "hard_last_over_input": hard}
-    yield gw.Picture("tapered_chain", caption, figure, data | {"front_ratio": front, "hard_front_ratio": hard_front})
+    yield gw.Picture(
+        "tapered_chain",
+        caption,
+        figure,
+        data | {"front_ratio": front, "hard_front_ratio": hard_front},
+    )

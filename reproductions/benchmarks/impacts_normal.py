@@ -1,7 +1,7 @@
 """Normal impacts: tests 1 to 3 of Chung and Ooi.
 
-Two elastic spheres, a sphere and a rigid plane, and restitution that is asked for and comes out. The largest force
-and overlap follow from Hertz's law and the energy.
+Two elastic spheres, a sphere and a rigid plane, and restitution that is asked for and comes out.
+The largest force and overlap follow from Hertz's law and the energy.
 """
 
 import numpy as np
@@ -21,8 +21,10 @@ class Impact:
     """An elastic impact: largest force and overlap, and those of Hertz's law by the energy."""
 
     def __init__(self, run):
-        self.run, self.case = run, run.case
-        material, self.pair = run.case.material, run.case.packing.size[-1] == 2
+        self.run = run
+        self.case = run.case
+        material = run.case.material
+        self.pair = run.case.packing.size[-1] == 2
         self.name, self.test = NAMES[material.youngs_modulus], 1 if self.pair else 2
         names = ("youngs_modulus", "poisson_ratio", "density")
         constants = {name: getattr(material, name) for name in names}
@@ -45,7 +47,10 @@ def measured(runs):
     """Elastic impacts, and restitutions asked for and found, (2, n)."""
     asked = [run for run in runs if run.case.material.youngs_modulus not in NAMES]
     losses = sorted(
-        (run.case.contact.loss.dashpot.restitution if run.case.contact.loss else 1.0, run["restitution"])
+        (
+            run.case.contact.loss.dashpot.restitution if run.case.contact.loss else 1.0,
+            run["restitution"],
+        )
         for run in asked
     )
     return [Impact(run) for run in runs if run not in asked], np.array(losses).T
@@ -72,19 +77,27 @@ def rows(runs):
                 where=WHERE.format(one.test),
             )
     for restitution, ours in zip(asked, found, strict=True):
-        yield gw.Row(f"Restitution, {restitution:g} asked for", source=restitution, ours=ours, where=WHERE.format(3))
+        yield gw.Row(
+            f"Restitution, {restitution:g} asked for",
+            source=restitution,
+            ours=ours,
+            where=WHERE.format(3),
+        )
 
 
 def pictures(runs):
     impacts, losses = measured(runs)
-    figure, data = Figure((6.4, 2.8), layout="constrained"), {}
+    figure = Figure((6.4, 2.8), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     for k, one in enumerate(impacts):
         overlap = np.linspace(0, one.overlap, 60)
         left.plot(1e6 * overlap, one.force(overlap) / 1e3, f"C{k}", label=one.name)
         left.plot(1e6 * one.overlap, one.measured() / 1e3, f"C{k}.")
         if one.name in CURVES:
-            left.plot(1e6 * CURVES[one.name][0], CURVES[one.name][1] / 1e3, f"C{k}o", fillstyle="none")
+            left.plot(
+                1e6 * CURVES[one.name][0], CURVES[one.name][1] / 1e3, f"C{k}o", fillstyle="none"
+            )
         word = one.name.replace(" ", "_")
         data |= {f"{word}_overlap_m": overlap, f"{word}_force_N": one.force(overlap)}
     right.plot(*losses, "C0.", label="ours")

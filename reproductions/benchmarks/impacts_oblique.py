@@ -1,11 +1,12 @@
 """Oblique impacts at one speed: test 4 of Chung and Ooi.
 
-A sphere of aluminium oxide or alloy, 5 mm across, hits a rigid plane at 3.9 m/s and at angles from 4 to 85 degrees
-from the normal; friction 0.092, restitution 0.98. The rebound angle is that of the surface. Beyond some 33 degrees
-the sphere slides all the time and every program agrees. Below, the spring of friction decides: the tests are
-defined for a spring of no slip, ours keeps its force and loses some of it as its circle shrinks, theirs keeps its
-elongation. The measurements show the annulus of slip that the theory of Mindlin and Deresiewicz has, and that
-contact.tangential = "partial_slip" computes.
+A sphere of aluminium oxide or alloy, 5 mm across, hits a rigid plane at 3.9 m/s and at angles from
+4 to 85 degrees from the normal; friction 0.092, restitution 0.98. The rebound angle is that of the
+surface. Beyond some 33 degrees the sphere slides all the time and every program agrees. Below, the
+spring of friction decides: the tests are defined for a spring of no slip, ours keeps its force and
+loses some of it as its circle shrinks, theirs keeps its elongation. The measurements show the
+annulus of slip that the theory of Mindlin and Deresiewicz has, and that contact.tangential =
+"partial_slip" computes.
 """
 
 import itertools
@@ -36,7 +37,9 @@ def three(one, normal, across, spin):
 
 
 def measured(runs):
-    """Angle, the three ours and the three of theory, by rising angle: (7, n) of each material and model."""
+    """Angle, the three ours and the three of theory, by rising angle: (7, n) of each material and
+    model.
+    """
     found = {(name, model): [] for name in NAMES.values() for model in MODELS}
     for one in map(Rebound, runs):
         ours = three(one, one.normal_after, one.across_after, one.spin_after)
@@ -72,11 +75,20 @@ def rows(runs):
                 ours, theory = columns[[1 + k, 4 + k], at]
                 name = f"{quantity.capitalize()} measured at {angle:g} degrees, oxide, {label}"
                 remark = MEASURED[model]
-                yield gw.Row(name, unit, source=source, ours=ours, theory=theory, where=EXPERIMENT, remark=remark)
+                yield gw.Row(
+                    name,
+                    unit,
+                    source=source,
+                    ours=ours,
+                    theory=theory,
+                    where=EXPERIMENT,
+                    remark=remark,
+                )
 
 
 def pictures(runs):
-    found, data = measured(runs), {}
+    found = measured(runs)
+    data = {}
     figure = Figure((8.2, 2.9), layout="constrained")
     points = (MEASURED_RESTITUTION, MEASURED_SPIN, MEASURED_REBOUND)
     for k, (axes, (quantity, unit)) in enumerate(zip(figure.subplots(1, 3), KINDS, strict=True)):
@@ -84,14 +96,31 @@ def pictures(runs):
         axes.plot(TEST_4[0], TEST_4[1 + k], "C1o", fillstyle="none", label="Chung and Ooi, oxide")
         for (model, label), style in zip(MODELS.items(), ("C0.-", "C2.-"), strict=True):
             axes.plot(*found["oxide", model][[0, 1 + k]], style, label=f"ours, {label}")
-        axes.plot(*found["oxide", "partial_slip"][[0, 4 + k]], "0.3", linestyle=":", label="theory of partial slip")
-        axes.set(xlabel="Angle of incidence (degrees)", ylabel=quantity.capitalize() + (f" ({unit})" if unit else ""))
+        axes.plot(
+            *found["oxide", "partial_slip"][[0, 4 + k]],
+            "0.3",
+            linestyle=":",
+            label="theory of partial slip",
+        )
+        axes.set(
+            xlabel="Angle of incidence (degrees)",
+            ylabel=quantity.capitalize() + (f" ({unit})" if unit else ""),
+        )
         word = quantity.replace(" ", "_")
-        data |= {f"{name}_{MODELS[model].replace(' ', '_')}_{word}": v[1 + k] for (name, model), v in found.items()}
-        data |= {f"{name}_theory_{word}": found[name, "partial_slip"][4 + k] for name in NAMES.values()}
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=8)
+        data |= {
+            f"{name}_{MODELS[model].replace(' ', '_')}_{word}": v[1 + k]
+            for (name, model), v in found.items()
+        }
+        data |= {
+            f"{name}_theory_{word}": found[name, "partial_slip"][4 + k] for name in NAMES.values()
+        }
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside upper center", ncols=4, fontsize=8
+    )
     caption = (
         "Oblique impacts of a sphere of aluminium oxide on a plane at 3.9 m/s. Below some 25 degrees partial slip "
         "counts: measurements follow it, and single springs miss it, ours as those of others"
     )
-    yield gw.Picture("", caption, figure, {"angle_degrees": found["oxide", "partial_slip"][0]} | data)
+    yield gw.Picture(
+        "", caption, figure, {"angle_degrees": found["oxide", "partial_slip"][0]} | data
+    )

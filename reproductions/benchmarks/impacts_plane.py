@@ -1,10 +1,10 @@
 """Spheres that hit a rigid plane at one normal velocity: tests 5 and 6 of Chung and Ooi.
 
-In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin are those of the
-surface, over friction times the normal velocity. In test 6 they spin, friction 0.4 and restitution 0.5. Where
-spheres slide all the time rigid bodies are enough. Below, theory is partial slip after Mindlin and Deresiewicz;
-finite elements of a steel sphere follow it in test 5, and so do runs with contact.tangential = "partial_slip";
-single springs do not.
+In test 5 they slide along the plane, friction 0.3 and no loss; incidence, rebound and spin are
+those of the surface, over friction times the normal velocity. In test 6 they spin, friction 0.4 and
+restitution 0.5. Where spheres slide all the time rigid bodies are enough. Below, theory is partial
+slip after Mindlin and Deresiewicz; finite elements of a steel sphere follow it in test 5, and so do
+runs with contact.tangential = "partial_slip"; single springs do not.
 """
 
 import itertools
@@ -35,7 +35,8 @@ class Point:
     def __init__(self, run):
         one = Rebound(run)
         self.partial = one.case.contact.tangential == "partial_slip"
-        self.name, self.slides = NAMES[one.case.material.youngs_modulus], not any(one.case.load.spin)
+        self.name = NAMES[one.case.material.youngs_modulus]
+        self.slides = not any(one.case.load.spin)
         scale = one.case.contact.friction if self.slides else 1.0
         first = one.surface[0]
         self.incidence = first / (scale * one.normal)
@@ -50,10 +51,14 @@ class Point:
 
 
 def measured(runs, partial=False):
-    """Points by the name of their material, by rising incidence: (5, n) of incidence, two ours, two of theory."""
+    """Points by the name of their material, by rising incidence: (5, n) of incidence, two ours, two
+    of theory.
+    """
     points = [point for point in map(Point, runs) if point.partial == partial]
     return {
-        name: np.array(sorted((p.incidence, *p.ours, *p.theory) for p in points if p.name == name)).T
+        name: np.array(
+            sorted((p.incidence, *p.ours, *p.theory) for p in points if p.name == name)
+        ).T
         for name in NAMES.values()
         if any(p.name == name for p in points)
     }
@@ -63,13 +68,20 @@ def rows(runs):
     found = measured(runs)
     tests = (
         (5, TEST_5, ("steel", "polyethylene"), ("rebound", "spin"), (1, 2.01, 3.33, 6)),
-        (6, TEST_6, ("alloy", "nylon"), ("rebound", "restitution of the surface"), (0.268, 1, 1.732, 3.732)),
+        (
+            6,
+            TEST_6,
+            ("alloy", "nylon"),
+            ("rebound", "restitution of the surface"),
+            (0.268, 1, 1.732, 3.732),
+        ),
     )
     for test, printed, names, quantities, chosen in tests:
         for column, name in enumerate(names if names[0] in found else ()):
             values = found[name]
             for k, quantity in enumerate(quantities):
-                # columns of test 5: both of a material; of test 6: rebounds of both, restitutions of both
+                # columns of test 5: both of a material; of test 6: rebounds of both, restitutions
+                # of both
                 source = printed[1 + 2 * column + k] if test == 5 else printed[1 + column + 2 * k]
                 for incidence in chosen:
                     at = np.abs(values[0] - incidence).argmin()
@@ -88,8 +100,12 @@ def rows(runs):
     both = {"one spring": found["steel"], "partial slip": measured(runs, partial=True)["steel"]}
     pairs = (("rebound", FINITE_ELEMENTS_REBOUND), ("spin", FINITE_ELEMENTS_SPIN))
     for k, (quantity, points) in enumerate(pairs):
-        for (incidence, value), (label, steel) in itertools.product(points.T[[3, 6, 9]], both.items()):
-            ours, theory = (float(Akima1DInterpolator(steel[0], steel[n + k])(incidence)) for n in (1, 3))
+        for (incidence, value), (label, steel) in itertools.product(
+            points.T[[3, 6, 9]], both.items()
+        ):
+            ours, theory = (
+                float(Akima1DInterpolator(steel[0], steel[n + k])(incidence)) for n in (1, 3)
+            )
             yield gw.Row(
                 f"Test 5, {quantity} of finite elements at incidence {incidence:g}, {label}",
                 source=value,
@@ -106,7 +122,8 @@ def pictures(runs):
     for test, printed, names in ((5, TEST_5, ("steel",)), (6, TEST_6, ("alloy", "nylon"))):
         if names[0] not in found:
             continue
-        figure, data = Figure((6.8, 2.9), layout="constrained"), {}
+        figure = Figure((6.8, 2.9), layout="constrained")
+        data = {}
         labels = ("Rebound", "Spin" if test == 5 else "Restitution of the surface")
         for k, (axes, label) in enumerate(zip(figure.subplots(1, 2), labels, strict=True)):
             if test == 5:
@@ -118,14 +135,31 @@ def pictures(runs):
             for column, name in enumerate(names):
                 colour = f"C{column}"
                 source = printed[1 + k] if test == 5 else printed[1 + column + 2 * k]
-                axes.plot(printed[0], source, "o", color=colour, fillstyle="none", label=f"Chung and Ooi, {name}")
-                axes.plot(found[name][0], found[name][1 + k], ".-", color=colour, label=f"ours, {name}{single}")
-                axes.plot(found[name][0], found[name][3 + k], ":", color=colour, label=f"theory, {name}")
+                axes.plot(
+                    printed[0],
+                    source,
+                    "o",
+                    color=colour,
+                    fillstyle="none",
+                    label=f"Chung and Ooi, {name}",
+                )
+                axes.plot(
+                    found[name][0],
+                    found[name][1 + k],
+                    ".-",
+                    color=colour,
+                    label=f"ours, {name}{single}",
+                )
+                axes.plot(
+                    found[name][0], found[name][3 + k], ":", color=colour, label=f"theory, {name}"
+                )
                 data[f"{name}_incidence"] = found[name][0]
                 data[f"{name}_{label.lower().replace(' ', '_')}"] = found[name][1 + k]
                 data[f"{name}_partial_slip_{label.lower().replace(' ', '_')}"] = found[name][3 + k]
             axes.set(xlabel="Incidence", ylabel=label, xlim=(0, None))
-        figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=8)
+        figure.legend(
+            *axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=8
+        )
         caption = f"Test {test}: a sphere on a plane, {'sliding' if test == 5 else 'spinning'}. Incidence and rebound "
         caption += "are tangents of the surface" + (", over friction" if test == 5 else "")
         yield gw.Picture("sliding" if test == 5 else "spinning", caption, figure, data)

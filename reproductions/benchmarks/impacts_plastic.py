@@ -1,15 +1,16 @@
 """Restitution of metal spheres against velocity, beside formulas.
 
-Two equal brass spheres, 0.01 to 100 m/s, with the elasto-plastic law and with that of C. Thornton (J. Appl. Mech.
-64 (1997) 383: elastic, perfectly plastic). Thornton's formula is the integral of his law, in which contacts yield
-and flow at one pressure: a yield factor of 1. With a factor of 1.6 ours yields at 1.6 times the strength and flows
-at the strength, as the thesis has it; that returns less. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a
-constant dynamic pressure of 3 times the yield strength and elastic unloading after Hertz; then restitution falls
-with the power -1/4 of the velocity. His formula is no guide where contacts are hardly yielding. A yield
-strength that grows with the strain rate (G. R. Johnson and W. H. Cook 1983, C = 0.009 of cartridge brass)
-returns more at high velocities: by his formula as its power 5/8, of the strength at the rate 0.2 d(a/R)/dt of
-both spheres, with his largest contact radius and the velocity of impact. Fits to
-finite elements and measurements of others are left out: their numbers could not be had in print.
+Two equal brass spheres, 0.01 to 100 m/s, with the elasto-plastic law and with that of C. Thornton
+(J. Appl. Mech. 64 (1997) 383: elastic, perfectly plastic). Thornton's formula is the integral of
+his law, in which contacts yield and flow at one pressure: a yield factor of 1. With a factor of 1.6
+ours yields at 1.6 times the strength and flows at the strength, as the thesis has it; that returns
+less. K. L. Johnson (Contact Mechanics, 1985, 11.3) takes a constant dynamic pressure of 3 times the
+yield strength and elastic unloading after Hertz; then restitution falls with the power -1/4 of the
+velocity. His formula is no guide where contacts are hardly yielding. A yield strength that grows
+with the strain rate (G. R. Johnson and W. H. Cook 1983, C = 0.009 of cartridge brass) returns more
+at high velocities: by his formula as its power 5/8, of the strength at the rate 0.2 d(a/R)/dt of
+both spheres, with his largest contact radius and the velocity of impact. Fits to finite elements
+and measurements of others are left out: their numbers could not be had in print.
 """
 
 import math
@@ -19,7 +20,8 @@ from matplotlib.figure import Figure
 
 import granwave as gw
 
-JOHNSON, THORNTON = "Johnson 1985, 11.3", "Thornton 1997"
+JOHNSON = "Johnson 1985, 11.3"
+THORNTON = "Thornton 1997"
 LAWS = ("elastoplastic", "thornton", "thornton of 1997", "elastoplastic with a rate")
 THESIS = "Yields at 1.6 times the strength, flows at the strength: a softer unloading than that of the paper."
 SOFTER = "Pressure rises slowly from 1.6 to 2.5 times the strength; Johnson's is 3 at once."
@@ -37,10 +39,14 @@ class Curve:
     """Restitution against velocity of a law, and by the formulas."""
 
     def __init__(self, law, runs):
-        chosen = sorted((run.case.load.velocity, run["restitution"]) for run in runs if name_of(run.case) == law)
+        chosen = sorted(
+            (run.case.load.velocity, run["restitution"]) for run in runs if name_of(run.case) == law
+        )
         self.law, (self.velocity, self.restitution) = law, np.array(chosen).T
         case = next(run.case for run in runs if run.case.contact.law == "elastoplastic")
-        self.material, self.radius, self.mass = case.material, case.packing.diameter / 4, case.sphere_mass / 2
+        self.material = case.material
+        self.radius = case.packing.diameter / 4
+        self.mass = case.sphere_mass / 2
         self.modulus = self.material.youngs_modulus / (2 * (1 - self.material.poisson_ratio**2))
 
     def at_yield(self):
@@ -62,7 +68,13 @@ class Curve:
 
     def stronger(self, sensitivity):
         """Factor of the yield strength at the rate of Johnson's largest contact, at least 1."""
-        radius = (2 * self.mass * self.velocity**2 * self.radius / (math.pi * 3 * self.material.yield_strength)) ** 0.25
+        radius = (
+            2
+            * self.mass
+            * self.velocity**2
+            * self.radius
+            / (math.pi * 3 * self.material.yield_strength)
+        ) ** 0.25
         return 1 + sensitivity * np.log(np.maximum(0.1 * self.velocity / radius, 1.0))
 
     def slope(self, first, last):
@@ -105,13 +117,33 @@ def pictures(runs):
     axes = Figure((4.6, 3.2), layout="constrained").subplots()
     axes.loglog(own.velocity, own.restitution, "C0o-", markersize=4, label="elasto-plastic law")
     axes.loglog(
-        fast.velocity, fast.restitution, "C3--", linewidth=0.9, label="with a yield strength that grows with the rate"
+        fast.velocity,
+        fast.restitution,
+        "C3--",
+        linewidth=0.9,
+        label="with a yield strength that grows with the rate",
     )
-    axes.loglog(thornton.velocity, thornton.restitution, "C1s", markersize=4, label="law thornton, yield factor 1")
-    axes.loglog(thesis.velocity, thesis.restitution, "C2^", markersize=4, label="law thornton, yield factor 1.6")
-    axes.loglog(thornton.velocity, thornton.thornton(), "C1", linewidth=0.9, label="Thornton's formula")
+    axes.loglog(
+        thornton.velocity,
+        thornton.restitution,
+        "C1s",
+        markersize=4,
+        label="law thornton, yield factor 1",
+    )
+    axes.loglog(
+        thesis.velocity,
+        thesis.restitution,
+        "C2^",
+        markersize=4,
+        label="law thornton, yield factor 1.6",
+    )
+    axes.loglog(
+        thornton.velocity, thornton.thornton(), "C1", linewidth=0.9, label="Thornton's formula"
+    )
     beyond = own.johnson() <= 1
-    axes.loglog(own.velocity[beyond], own.johnson()[beyond], "0.5", linewidth=0.9, label="Johnson's formula")
+    axes.loglog(
+        own.velocity[beyond], own.johnson()[beyond], "0.5", linewidth=0.9, label="Johnson's formula"
+    )
     axes.set(xlabel="Velocity (m/s)", ylabel="Restitution")
     axes.legend(fontsize=8)
     data = {"velocity_m_s": own.velocity, "restitution": own.restitution, "johnson": own.johnson()}

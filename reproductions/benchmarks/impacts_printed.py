@@ -1,4 +1,5 @@
-"""Points of the figures of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) 643: eight tests of impacts.
+"""Points of the figures of Y. C. Chung and J. Y. Ooi, Granular Matter 13 (2011) 643: eight tests of
+impacts.
 
 Read off the figures by the developers of Kratos Multiphysics, to some 1 % of an axis
 (`applications/DEMApplication`, folders `test_examples/basic_benchmarks/paper_data` and
@@ -7,7 +8,8 @@ Read off the figures by the developers of Kratos Multiphysics, to some 1 % of an
 
 import numpy as np
 
-# Test 4: angle (degrees); oxide: tangential restitution, spin (rad/s), rebound angle (degrees); alloy: the first two
+# Test 4: angle (degrees); oxide: tangential restitution, spin (rad/s), rebound angle (degrees);
+# alloy: the first two
 TEST_4 = np.array([
     [5, 0.948, -19.3, 3.76, 0.899, -35.3],
     [10, 0.687, -213.0, -1.56, 0.671, -223.7],
@@ -23,7 +25,8 @@ TEST_4 = np.array([
     [80, 0.966, -126.3, 78.70, 0.966, -125.2],
     [85, 0.983, -63.1, 84.52, 0.983, -64.2],
 ]).T  # fmt: skip
-# Measured by A. H. Kharaz, D. A. Gorham, A. D. Salman, Powder Technology 120 (2001) 281: oxide, 5 mm, on thick glass
+# Measured by A. H. Kharaz, D. A. Gorham, A. D. Salman, Powder Technology 120 (2001) 281: oxide, 5
+# mm, on thick glass
 MEASURED_SPIN = np.array([
     [5.90, -134.9], [10.87, -261.2], [21.12, -573.7], [31.14, -612.2], [38.95, -595.1],
     [50.24, -449.5], [60.10, -375.7], [69.96, -243.0], [78.56, -142.4], [84.32, -70.6],
@@ -61,7 +64,8 @@ FINITE_ELEMENTS_SPIN = np.array([
     [0.32, -0.19], [0.60, -0.41], [0.89, -0.67], [1.18, -0.98], [1.53, -1.36], [1.90, -1.79], [2.28, -2.32],
     [2.76, -2.86], [3.30, -3.44], [3.89, -4.04], [4.69, -4.57], [5.66, -4.94], [7.03, -4.94], [9.04, -4.97],
 ]).T  # fmt: skip
-# Test 6: tangent of the incidence; tangent of the rebound, restitution of the surface (of alloy and of nylon)
+# Test 6: tangent of the incidence; tangent of the rebound, restitution of the surface (of alloy and
+# of nylon)
 TEST_6 = np.array([
     [0.087, 0.022, 0.022, -0.342, -0.116],
     [0.176, 0.062, 0.049, -0.258, -0.113],

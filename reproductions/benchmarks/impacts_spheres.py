@@ -1,9 +1,9 @@
 """Impacts of two spinning spheres: tests 7 and 8 of Chung and Ooi.
 
-In test 7 two equal spheres with opposite spins hit each other: their surfaces do not slip, so that spins stay and
-nothing goes sideways. In test 8 a spinning sphere hits one that is five times as large and 125 000 times as heavy,
-stiffer (case A) or of the same stiffness (case B): that must give what a plane gives in test 6, from which the
-printed values are.
+In test 7 two equal spheres with opposite spins hit each other: their surfaces do not slip, so that
+spins stay and nothing goes sideways. In test 8 a spinning sphere hits one that is five times as
+large and 125 000 times as heavy, stiffer (case A) or of the same stiffness (case B): that must give
+what a plane gives in test 6, from which the printed values are.
 """
 
 import numpy as np
@@ -18,10 +18,13 @@ DAMPED = "Theory is partial slip on a plane. Theirs damps the tangential motion 
 
 
 class Pair:
-    """Two spheres; of unlike ones incidence and rebound, and the rebound with partial slip on a plane."""
+    """Two spheres; of unlike ones incidence and rebound, and the rebound with partial slip on a
+    plane.
+    """
 
     def __init__(self, run):
-        self.run, self.alike = run, bool(run.case.striker)
+        self.run = run
+        self.alike = bool(run.case.striker)
         if self.alike:
             self.spin = run.case.load.spin[1]
             self.sideways = np.abs(run.fields.velocity.values[-1, :, 0]).max()
@@ -29,7 +32,8 @@ class Pair:
         one = Rebound(run)
         self.case = "A" if run.case.replace[0].material.youngs_modulus > 1e12 else "B"
         first, last = one.surface
-        self.incidence, self.rebound = first / one.normal, last / one.normal_after
+        self.incidence = first / one.normal
+        self.rebound = last / one.normal_after
         normal, across, spin = one.with_partial_slip()
         self.theory = (across + one.radius * spin) / normal
 
@@ -37,7 +41,9 @@ class Pair:
 def measured(runs):
     """Pairs of equal spheres, and of unlike ones by case and incidence."""
     pairs = list(map(Pair, runs))
-    unlike = sorted((one for one in pairs if not one.alike), key=lambda one: (one.case, one.incidence))
+    unlike = sorted(
+        (one for one in pairs if not one.alike), key=lambda one: (one.case, one.incidence)
+    )
     return [one for one in pairs if one.alike], unlike
 
 
@@ -75,7 +81,8 @@ def rows(runs):
 
 def pictures(runs):
     _, unlike = measured(runs)
-    figure, data = Figure((4.2, 2.9), layout="constrained"), {}
+    figure = Figure((4.2, 2.9), layout="constrained")
+    data = {}
     axes = figure.subplots()
     axes.plot(*TEST_6[:2], "ko", fillstyle="none", label="Chung and Ooi, test 6")
     for case, mark in (("A", "C0.-"), ("B", "C1x")):

@@ -1,4 +1,6 @@
-"""Composite chains: the output pulse against the section's length, and waves in and behind the section."""
+"""Composite chains: the output pulse against the section's length, and waves in and behind the
+section.
+"""
 
 import math
 
@@ -12,9 +14,15 @@ import granwave as gw
 from granwave.measures import exponential_decay
 
 PLACE = "composite chain, "
-MEASURED, FITTED = PLACE + "section 4, measured", PLACE + "Fig. 11"
-ERROR, STRIKER = 4.2, 0.626  # of the source's elements against its measurements, brass (%); its striker (m/s)
-ROLLED, SLOPE, GRAVITY = 0.010, math.radians(3), 9.81  # m, between surfaces; slope of the holder; m/s^2
+MEASURED = PLACE + "section 4, measured"
+FITTED = PLACE + "Fig. 11"
+# of the source's elements against its measurements, brass (%); its striker (m/s)
+ERROR = 4.2
+STRIKER = 0.626
+# m, between surfaces; slope of the holder; m/s^2
+ROLLED = 0.010
+SLOPE = math.radians(3)
+GRAVITY = 9.81
 OF_SPEED = (
     "Nothing dissipates here. A striker of 0.41 m/s would give the measured V: 0.626 m/s is a free fall of 20 mm, not "
     "the source's slope of 3 degrees. Its finite elements, 2 to 3 % slow, are up to 4.2 % above the measured.",
@@ -80,7 +88,8 @@ def rows(kinds):
 
 # fmt: off
 def of_speed(kind, found, measured):
-    n, speed = [section.n for section in found], np.array([section.speed for section in found])
+    n = [section.n for section in found]
+    speed = np.array([section.speed for section in found])
     yields = kind != "elastic"
     for k in sorted({0, len(n) - 1}):
         source = measured.get(n[k])
@@ -101,7 +110,8 @@ def of_speed(kind, found, measured):
 
 
 def of_ratio(kind, found):
-    n, ratio = [section.n for section in found], np.array([section.ratio for section in found])
+    n = [section.n for section in found]
+    ratio = np.array([section.ratio for section in found])
     for k in sorted({0, len(n) - 1}):
         yield gw.Row(f"lambda, N2 = {n[k]}, {kind}", ours=ratio[k], where=FITTED)
     if kind == "elastic":
@@ -121,23 +131,34 @@ def pictures(kinds):
         "pulse, and exponential fits (source Fig. 11). A longer section slows elastic pulses too; what else is lost is "
         "yielding's"
     )
-    yield gw.Picture(f"composite_{light.replace('-', '_')}_length", caption, *against_length(kinds, SPEEDS[light]))
+    yield gw.Picture(
+        f"composite_{light.replace('-', '_')}_length",
+        caption,
+        *against_length(kinds, SPEEDS[light]),
+    )
     shown = watched(kinds["elastic"])
     caption = f"{light}, {shown.n} beads: force in place and time (slanted lines: waves), and at one contact, with the "
     caption += "source's names (Fig. 6). Below: energy by section (dashed: yielding), and its largest density (Fig. 8)"
     waves = {kind: Waves(watched(found)) for kind, found in kinds.items()}
-    yield gw.Picture(f"composite_{light.replace('-', '_')}_waves", caption, *waves_and_energy(waves))
+    yield gw.Picture(
+        f"composite_{light.replace('-', '_')}_waves", caption, *waves_and_energy(waves)
+    )
 
 
 def against_length(kinds, measured):
-    figure, data = Figure((7, 5.2), layout="constrained"), {}
+    figure = Figure((7, 5.2), layout="constrained")
+    data = {}
     panels = figure.subplots(2, 2)
     panels[0, 1].sharey(panels[0, 0])
     for axes, marker, (kind, found) in zip(panels[0], "os", kinds.items(), strict=False):
-        slug, shortest = kind.replace(" ", "_"), found[0]
+        slug = kind.replace(" ", "_")
+        shortest = found[0]
         for section in (*found[:-2:3], found[-1]):
             axes.plot(1e6 * section.time, section.output, label=f"$N_2$ = {section.n}")
-            data |= {f"{slug}_{section.n}_time_s": section.time, f"{slug}_{section.n}_output_N": section.output}
+            data |= {
+                f"{slug}_{section.n}_time_s": section.time,
+                f"{slug}_{section.n}_output_N": section.output,
+            }
         until = shortest.time < shortest.arrived
         axes.plot(1e6 * shortest.time[until], shortest.incident[until], "k", label="incident")
         data |= {f"{slug}_incident_time_s": shortest.time, f"{slug}_incident_N": shortest.incident}

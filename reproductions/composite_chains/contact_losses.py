@@ -1,8 +1,8 @@
 """Losses in the contacts of composite chains.
 
-Composite chains with Hertz's law and Tsuji's dashpot in every contact, given by the restitution of a collision, which
-does not depend on the speed. V and lambda as in the study of composite chains. The source gives no restitution: that
-here is a value of polished metal spheres.
+Composite chains with Hertz's law and Tsuji's dashpot in every contact, given by the restitution of
+a collision, which does not depend on the speed. V and lambda as in the study of composite chains.
+The source gives no restitution: that here is a value of polished metal spheres.
 """
 
 from matplotlib.figure import Figure
@@ -10,7 +10,9 @@ from section import SPEEDS, STRESSES, WATCHED, by, sections
 
 import granwave as gw
 
-STRIKER, SLOWER = 0.626, 0.41  # m/s, as printed, and what gives the measured speeds
+# m/s, as printed, and what gives the measured speeds
+STRIKER = 0.626
+SLOWER = 0.41
 
 
 def restitution(section):
@@ -26,8 +28,13 @@ def series(runs):
 def rows(runs):
     where = "composite chain, "
     for (light, value), chains in series(runs).items():
-        kind, speeds, (begin, end) = f"{light}, restitution {value:g}", SPEEDS[light], STRESSES[light]
-        first, last = chains[0], chains[-1]
+        kind, speeds, (begin, end) = (
+            f"{light}, restitution {value:g}",
+            SPEEDS[light],
+            STRESSES[light],
+        )
+        first = chains[0]
+        last = chains[-1]
         # fmt: off
         for chain in chains[:: max(len(chains) - 1, 1)]:
             slower = chain.speed * (SLOWER / STRIKER) ** 0.2
@@ -51,18 +58,33 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data, colours = Figure((7, 3), layout="constrained"), {}, {}
+    figure = Figure((7, 3), layout="constrained")
+    data = {}
+    colours = {}
     left, right = figure.subplots(1, 2)
     for (light, value), chains in series(runs).items():
-        mark, colour = "os"[light in colours], colours.setdefault(light, f"C{len(colours)}")
+        mark = "os"[light in colours]
+        colour = colours.setdefault(light, f"C{len(colours)}")
         name = f"{light}_restitution_{value:g}".replace("-", "_").replace(".", "_")
         n, speed, ratio = zip(*((one.n, one.speed, one.ratio) for one in chains), strict=True)
-        left.plot(n, speed, f"{mark}-", color=colour, markersize=4, label=f"{light}, restitution {value:g}")
+        left.plot(
+            n,
+            speed,
+            f"{mark}-",
+            color=colour,
+            markersize=4,
+            label=f"{light}, restitution {value:g}",
+        )
         right.plot(n, ratio, f"{mark}-", color=colour, markersize=4)
         data |= {f"{name}_n": n, f"{name}_speed_m_s": speed, f"{name}_ratio": ratio}
     for light, speeds in SPEEDS.items():
         if light in colours and speeds:
-            left.plot(*zip(*speeds.items(), strict=True), "x", color=colours[light], label=f"{light}, measured")
+            left.plot(
+                *zip(*speeds.items(), strict=True),
+                "x",
+                color=colours[light],
+                label=f"{light}, measured",
+            )
     left.set(xlabel="Beads in the section $N_2$", ylabel="Speed $V$ (m/s)")
     right.set(xlabel="Beads in the section $N_2$", ylabel=r"$\lambda$")
     figure.legend(*left.get_legend_handles_labels(), loc="outside upper center", ncols=3)
@@ -76,7 +98,9 @@ def pictures(runs):
 def verdict(runs):
     for (light, value), chains in series(runs).items():
         (first, *_, last), speeds = chains, SPEEDS[light]
-        measured = f" (measured: {100 * (1 - speeds[last.n] / speeds[first.n]):.2g} %)" if speeds else ""
+        measured = (
+            f" (measured: {100 * (1 - speeds[last.n] / speeds[first.n]):.2g} %)" if speeds else ""
+        )
         if value < 1:
             yield (
                 f"With restitution {value:g} lambda falls from {first.ratio:.3f} ({first.n} beads of {light}) to "

@@ -1,8 +1,9 @@
 """Friction of the holder in composite chains.
 
-Elastic composite chains whose beads lie in a level holder, press on it with their weight, and slide in it. V and
-lambda as in the study of composite chains: only friction takes energy. The source sees lambda fall with the section's
-length, and blames friction between beads and holder, of which it gives no coefficient.
+Elastic composite chains whose beads lie in a level holder, press on it with their weight, and slide
+in it. V and lambda as in the study of composite chains: only friction takes energy. The source sees
+lambda fall with the section's length, and blames friction between beads and holder, of which it
+gives no coefficient.
 """
 
 import numpy as np
@@ -35,19 +36,24 @@ def rows(runs):
     for light, chains in series(runs).items():
         least, *others = chains
         for friction in others:
-            for smooth, rough in list(zip(chains[least], chains[friction], strict=True))[:: len(chains[friction]) - 1]:
+            for smooth, rough in list(zip(chains[least], chains[friction], strict=True))[
+                :: len(chains[friction]) - 1
+            ]:
                 name = f"Change of lambda by friction {friction:g} instead of {least:g}, {light}, N2 = {rough.n}"
                 remark = f"lambda: {rough.ratio:.4f}; V: {rough.speed:.1f} m/s, changed by "
                 remark += f"{100 * (rough.speed / smooth.speed - 1):.2f} %."
                 change = 100 * (rough.ratio / smooth.ratio - 1)
-                yield gw.Row(name, "%", ours=change, where="composite chain, section 4", remark=remark)
+                yield gw.Row(
+                    name, "%", ours=change, where="composite chain, section 4", remark=remark
+                )
             name = f"Energy taken by the holder, friction {friction:g}, {light}, N2 = {rough.n}"
             yield gw.Row(name, "J", ours=rough.run.energies.holder.iloc[-1], theory=taken(rough), verification=True,
                          where="friction times weight times the path of every bead")  # fmt: skip
 
 
 def pictures(runs):
-    figure, data = Figure((7, 3), layout="constrained"), {}
+    figure = Figure((7, 3), layout="constrained")
+    data = {}
     panels = figure.subplots(1, 2)
     lost = 0.0
     for colour, (light, chains) in enumerate(series(runs).items()):
@@ -55,13 +61,25 @@ def pictures(runs):
         for mark, (friction, alike) in zip("os^", chains.items(), strict=False):
             name = f"{light}_{friction:g}".replace("-", "_").replace(".", "_")
             data[f"{name}_n"] = n = [one.n for one in alike]
-            for axes, key, what in zip(panels, ("speed", "ratio"), ("speed_m_s", "ratio"), strict=True):
-                values, least = (np.array([getattr(one, key) for one in found]) for found in (alike, smooth))
+            for axes, key, what in zip(
+                panels, ("speed", "ratio"), ("speed_m_s", "ratio"), strict=True
+            ):
+                values, least = (
+                    np.array([getattr(one, key) for one in found]) for found in (alike, smooth)
+                )
                 data[f"{name}_{what}"] = values
                 lost = max(lost, *(1 - values / least)) if key == "ratio" else lost
-                axes.plot(n, values / least, f"{mark}-C{colour}", ms=4, label=f"{light}, friction {friction:g}")
+                axes.plot(
+                    n,
+                    values / least,
+                    f"{mark}-C{colour}",
+                    ms=4,
+                    label=f"{light}, friction {friction:g}",
+                )
     for axes, what in zip(panels, ("Speed $V$", r"$\lambda$"), strict=True):
-        axes.set(xlabel="Beads in the section $N_2$", ylabel=f"{what} over that at the least friction")
+        axes.set(
+            xlabel="Beads in the section $N_2$", ylabel=f"{what} over that at the least friction"
+        )
     figure.legend(*panels[0].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     caption = (
         "Speed and height of the output pulse over those at the least friction, against the section's length. What "
@@ -72,7 +90,8 @@ def pictures(runs):
 
 def verdict(runs):
     for light, chains in series(runs).items():
-        smooth, rough = chains[min(chains)][-1], chains[max(chains)][-1]
+        smooth = chains[min(chains)][-1]
+        rough = chains[max(chains)][-1]
         yield (
             f"Friction {max(chains):g} under the weight of the beads lowers the output pulse behind {rough.n} beads "
             f"of {light} by {100 * (1 - rough.ratio / smooth.ratio):.2g} %."

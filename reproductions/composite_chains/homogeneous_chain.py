@@ -1,8 +1,8 @@
 """Homogeneous chain of the composite-chain source.
 
-15 elastic spheres of 4.76 mm, the first with 0.626 m/s. Speed: 5 diameters over the time between the peaks at
-contacts 5 and 10; force: the peak at contact 10. The source takes Nesterenko's formula for theory; the travelling
-wave of the discrete chain stands beside it.
+15 elastic spheres of 4.76 mm, the first with 0.626 m/s. Speed: 5 diameters over the time between
+the peaks at contacts 5 and 10; force: the peak at contact 10. The source takes Nesterenko's formula
+for theory; the travelling wave of the discrete chain stands beside it.
 """
 
 import numpy as np
@@ -13,9 +13,13 @@ from granwave.measures import Chain, power_law
 from granwave.theory import discrete_speed
 
 CONTACTS = EARLY, LATE = 4, 9  # from 0: of beads 5 and 6, 10 and 11, as the source takes them
-CHOSEN, FIRST_PENALTY, ELEMENT = 10, 5, 25e-6  # the source's best model; from where on the mesh is the same; m
+# the source's best model; from where on the mesh is the same; m
+CHOSEN = 10
+FIRST_PENALTY = 5
+ELEMENT = 25e-6
 # fmt: off
-MODELS = [  # finite elements: name, force (N), speed (m/s), printed error of the speed (%), computing time (s)
+# finite elements: name, force (N), speed (m/s), printed error of the speed (%), computing time (s)
+MODELS = [
     ("mesh 0.2 to 0.4 mm", 7.92, 590, 20.00, 564), ("mesh 0.1 to 0.2 mm", 21.71, 569, 2.14, 1129),
     ("mesh 0.05 to 0.1 mm", 24.55, 566, 4.63, 1876), ("mesh 0.025 to 0.05 mm", 26.62, 586, 2.58, 4140),
     ("mesh 0.01 to 0.02 mm", 27.17, 599, 0.76, 12063), ("penalty 1.1", 26.71, 587, 2.47, np.nan),
@@ -38,7 +42,8 @@ class Wave:
         self.expected = 0.719 * chain.scales.impulse_force(chain.impulse)
         self.gap = np.diff(chain.array("chain/displacement"), axis=1)
         pressed = chain.force[:, EARLY] > 0.01 * chain.force[:, EARLY].max()
-        self.approach, self.pressed = -self.gap[pressed, EARLY], chain.force[pressed, EARLY]
+        self.approach = -self.gap[pressed, EARLY]
+        self.pressed = chain.force[pressed, EARLY]
         self.law = power_law(self.approach, self.pressed)
         self.radius = chain.law.contact_radius(chain.scales.overlap(np.array([self.force])))[0]
 
@@ -47,7 +52,9 @@ class Wave:
         return discrete_speed() * self.chain.scales.nesterenko(force)
 
     def errors(self, force, speed):
-        """Errors of a force against the expected one, of a speed against that of the wave of this force; per cent."""
+        """Errors of a force against the expected one, of a speed against that of the wave of this
+        force; per cent.
+        """
         return 100 * abs(force / self.expected - 1), 100 * abs(speed / self.discrete(force) - 1)
 
     def parting(self, contact):
@@ -58,9 +65,13 @@ class Wave:
 
 def rows(runs):
     one = Wave(runs[0])
-    nesterenko, where = one.chain.scales.nesterenko, {"where": "composite chain, Tables 2 and 3"}
+    nesterenko = one.chain.scales.nesterenko
+    where = {"where": "composite chain, Tables 2 and 3"}
     coarse = ["Too coarse for the contact."] + [""] * (len(MODELS) - 1)
-    over = [f"{abs(x):.1f} % {'below' if x < 0 else 'above'}" for x in 100 * (SPEED / one.discrete(FORCE) - 1)]
+    over = [
+        f"{abs(x):.1f} % {'below' if x < 0 else 'above'}"
+        for x in 100 * (SPEED / one.discrete(FORCE) - 1)
+    ]
     printed = 100 * abs(SPEED[CHOSEN] / nesterenko(FORCE[CHOSEN]) - 1)
     of_force, of_speed = one.errors(FORCE, SPEED)
     our_force, our_speed = one.errors(one.force, one.speed)
@@ -93,12 +104,19 @@ def rows(runs):
 
 def pictures(runs):
     one = Wave(runs[0])
-    time, force, gap = one.chain.time, one.chain.force[:, CONTACTS], one.gap[:, CONTACTS]
+    time = one.chain.time
+    force = one.chain.force[:, CONTACTS]
+    gap = one.gap[:, CONTACTS]
     pairs = [f"beads {contact + 1} and {contact + 2}" for contact in CONTACTS]
     figure = Figure((7, 2.6), layout="constrained")
     left, middle, right = figure.subplots(1, 3)
     left.plot(1e6 * time, force, label=pairs)
-    left.set(xlabel="Time (µs)", ylabel="Contact force (N)", xlim=(0, 1e6 * time[-1]), ylim=(0, 1.35 * force.max()))
+    left.set(
+        xlabel="Time (µs)",
+        ylabel="Contact force (N)",
+        xlim=(0, 1e6 * time[-1]),
+        ylim=(0, 1.35 * force.max()),
+    )
     left.legend()
     middle.plot(1e6 * time, 1e6 * gap, label=pairs)
     middle.axhline(0, color="0.6", linewidth=0.6)
@@ -119,7 +137,8 @@ def pictures(runs):
     data |= {"time_s": time, "approach_m": one.approach, "force_N": one.pressed}
     yield gw.Picture("homogeneous_contact", caption, figure, data)
 
-    theirs, ours = one.errors(FORCE, SPEED), one.errors(one.force, one.speed)
+    theirs = one.errors(FORCE, SPEED)
+    ours = one.errors(one.force, one.speed)
     axes = Figure((3.5, 2.7), layout="constrained").subplots()
     for mark, part, name in (
         ("s-C1", slice(FIRST_PENALTY), "source, mesh made finer"),
@@ -129,7 +148,11 @@ def pictures(runs):
     axes.loglog(*ours, "oC0", label="ours")
     axes.set(xlabel="Error of the peak force (%)", ylabel="Error of the wave speed (%)")
     axes.legend(loc="upper left")
-    table = {"force_N": [*FORCE, one.force], "speed_m_s": [*SPEED, one.speed], "took_s": [*TOOK, np.nan]}
+    table = {
+        "force_N": [*FORCE, one.force],
+        "speed_m_s": [*SPEED, one.speed],
+        "took_s": [*TOOK, np.nan],
+    }
     table |= {"model": [*NAMES, "ours"], "printed_speed_error_percent": [*PRINTED, np.nan]}
     for n, what in enumerate(("force", "speed")):
         table[f"{what}_error_percent"] = [*theirs[n], ours[n]]

@@ -1,15 +1,16 @@
-"""A chain of steel with a section of lighter beads, between two sensors that read the mean force of a bead's contacts.
+"""A chain of steel with a section of lighter beads, between two sensors that read the mean force of
+a bead's contacts.
 
-V is the distance of the sensors over the time between the first peaks there, lambda the ratio of these peaks, output
-over incident.
+V is the distance of the sensors over the time between the first peaks there, lambda the ratio of
+these peaks, output over incident.
 """
 
 import math
 
 from granwave.measures import Chain, first_peak
 
-# of the source, by the section's material: measured V by the beads in the section (m/s); when the pulse comes back
-# from the chain's end (ms); stresses in the section's first and last contact (MPa)
+# of the source, by the section's material: measured V by the beads in the section (m/s); when the
+# pulse comes back from the chain's end (ms); stresses in the section's first and last contact (MPa)
 SPEEDS = {"brass-composite": {3: 469.0, 24: 424.0}, "ptfe": {}}
 FROM_END = {"brass-composite": 1.25, "ptfe": 1.85}
 STRESSES = {"brass-composite": (1200.0, 1110.0), "ptfe": (35.0, 20.0)}
@@ -20,15 +21,31 @@ class Section:
     """The section, and the pulse before and behind it."""
 
     def __init__(self, run):
-        self.run, self.case, self.chain = run, run.case, Chain(run)
+        self.run = run
+        self.case = run.case
+        self.chain = Chain(run)
         section, (before, behind) = self.case.replace[0], self.case.sensor
-        self.first, self.last, self.n = section.index[0], section.index[-1], len(section.index)
-        self.material, self.light, self.time = section.material, section.material.name, self.chain.time
+        self.first = section.index[0]
+        self.last = section.index[-1]
+        self.n = len(section.index)
+        self.material, self.light, self.time = (
+            section.material,
+            section.material.name,
+            self.chain.time,
+        )
         yields = self.case.contact.law == "elastoplastic"
-        self.kind = f"yielding at {1e-6 * self.material.yield_strength:g} MPa" if yields else "elastic"
-        self.incident, self.output = (self.chain.sensors[sensor.name] for sensor in (before, behind))
-        (start, incident), (self.arrived, output) = (first_peak(self.time, f) for f in (self.incident, self.output))
-        self.speed = (run.spheres.position_z[behind.id] - run.spheres.position_z[before.id]) / (self.arrived - start)
+        self.kind = (
+            f"yielding at {1e-6 * self.material.yield_strength:g} MPa" if yields else "elastic"
+        )
+        self.incident, self.output = (
+            self.chain.sensors[sensor.name] for sensor in (before, behind)
+        )
+        (start, incident), (self.arrived, output) = (
+            first_peak(self.time, f) for f in (self.incident, self.output)
+        )
+        self.speed = (run.spheres.position_z[behind.id] - run.spheres.position_z[before.id]) / (
+            self.arrived - start
+        )
         self.ratio = output / incident
 
     def force(self, bead):
@@ -40,9 +57,13 @@ class Section:
         return first_peak(self.time, self.force(bead))[1]
 
     def pressure(self, bead):
-        """Largest Hertzian pressure between this bead and the next in the first peak, Pa; of elastic chains."""
+        """Largest Hertzian pressure between this bead and the next in the first peak, Pa; of
+        elastic chains.
+        """
         law = self.chain.law_between(bead, bead + 1)
-        return (6 * self.peak(bead) * law.effective_modulus**2 / (math.pi**3 * law.effective_radius**2)) ** (1 / 3)
+        return (
+            6 * self.peak(bead) * law.effective_modulus**2 / (math.pi**3 * law.effective_radius**2)
+        ) ** (1 / 3)
 
 
 def sections(runs):

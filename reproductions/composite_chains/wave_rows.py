@@ -33,8 +33,10 @@ def of_reflections(waves, from_end):
 
 
 def of_output(waves, longest, kind):
-    """Second peak of the output, and the wave of the incident train that makes it (source Fig. 7)."""
-    out, train = waves.transmitted, longest.train
+    """Second peak of the output, and the wave of the incident train that makes it (source Fig. 7).
+    """
+    out = waves.transmitted
+    train = longest.train
     if len(out) < 2:
         return
     late = out[1].time - out[0].time
@@ -44,7 +46,8 @@ def of_output(waves, longest, kind):
         return
     behind = train[1].time - train[0].time
     remark = f"{1e6 * behind:.0f} µs later, before anything is reflected: the incident pulse becomes a train."
-    if abs(late - behind) < 0.25 * behind:  # the time between them may change on their way through the section
+    # the time between them may change on their way through the section
+    if abs(late - behind) < 0.25 * behind:
         remark += " The second output peak is this wave; for the source it comes of a collision of the incident " \
             "pulse with the BRW."
     yield gw.Row(f"Second wave into the section over the first, N2 = {longest.n}, {kind}",
@@ -53,12 +56,14 @@ def of_output(waves, longest, kind):
 
 def of_energy(waves, kind):
     """Energy by section, and the largest energy density along the chain (source Fig. 8)."""
-    until, where = waves.before_return, {"where": f"{PLACE}Fig. 8"}
+    until = waves.before_return
+    where = {"where": f"{PLACE}Fig. 8"}
     for share, section in zip(waves.shares.T, ("first steel", "light", "second steel"), strict=True):
         yield gw.Row(f"Energy of the {section} section over the input, N2 = {waves.n}, {kind}",
                      ours=np.interp(until, waves.time, share),
                      remark=f"At {1e6 * until:.0f} µs, when a pulse is back from the chain's end.", **where)
-    density, place = waves.density, list(waves.chain.array("chain/id")).index
+    density = waves.density
+    place = list(waves.chain.array("chain/id")).index
     for part, first, last, remark in (
         ("steel before the section", 3, waves.first - 2,
          "The source: constant. The pulse still finds its shape here."),
@@ -69,11 +74,14 @@ def of_energy(waves, kind):
 
 
 def of_pressure(section, source):
-    """Largest pressure in the first and the last contact of the section of an elastic chain (source 3.3)."""
+    """Largest pressure in the first and the last contact of the section of an elastic chain (source
+    3.3).
+    """
     first, last = (1e-6 * section.pressure(bead) for bead in (section.first, section.last - 1))
     mises = first / hertz_von_mises_yield_factor(section.material.poisson_ratio)
     force = section.peak(section.first) * (source[0] / first) ** 3
-    at, where = f"N2 = {section.n}, elastic", f"{PLACE}3.3"
+    at = f"N2 = {section.n}, elastic"
+    where = f"{PLACE}3.3"
     yield gw.Row(f"Largest pressure, first contact of the section, {at}", "MPa", source[0], first, where,
                  "The source: largest compressive stress in the contact area, without N2 and place. In Hertz's contact "
                  f"that is the largest pressure; the mean one is {2 / 3 * first:.0f}, the largest von Mises stress "
@@ -88,40 +96,59 @@ def of_pressure(section, source):
 
 
 def waves_and_energy(waves):
-    shown, chain = waves["elastic"], waves["elastic"].chain
-    k, time, place = chain.contact_between(shown.middle), 1e6 * shown.time, 1e3 * chain.place
-    force, largest = shown.section.force(shown.middle), np.abs(shown.flow).max()
+    shown = waves["elastic"]
+    chain = waves["elastic"].chain
+    k = chain.contact_between(shown.middle)
+    time = 1e6 * shown.time
+    place = 1e3 * chain.place
+    force = shown.section.force(shown.middle)
+    largest = np.abs(shown.flow).max()
     figure = Figure((7, 6.8), layout="constrained")
     (left, right), (energy, density) = figure.subplots(2, 2, height_ratios=(1.5, 1))
     norm = SymLogNorm(0.01 * largest, vmin=-largest, vmax=largest)
     places = place[: shown.flow.shape[1]]
-    mesh = left.pcolormesh(places, time, shown.flow, cmap="RdBu", norm=norm, rasterized=True, shading="nearest")
+    mesh = left.pcolormesh(
+        places, time, shown.flow, cmap="RdBu", norm=norm, rasterized=True, shading="nearest"
+    )
     for bead in (shown.first - 1, shown.last):
         left.axvline(place[chain.contact_between(bead)], color="k", linewidth=0.6, linestyle="--")
     left.axvline(place[k], color="0.6", linewidth=0.6, linestyle=":")
     left.set(xlabel="Place (mm)", ylabel="Time (µs)")
-    figure.colorbar(mesh, ax=left, location="top", label="Force (N), negative while the beads move back")
+    figure.colorbar(
+        mesh, ax=left, location="top", label="Force (N), negative while the beads move back"
+    )
     right.semilogx(np.maximum(force, 1e-9 * force.max()), time)
     for name, wave in shown.reflections.items():
         right.annotate("from the end" if name == "end" else name, (wave.force, 1e6 * wave.time), (6, 0),
                        textcoords="offset points", va="center", fontsize=7)  # fmt: skip
-    right.set(xlabel=f"Force (N) between beads {shown.middle} and {shown.middle + 1}", ylim=(0, time[-1]))
+    right.set(
+        xlabel=f"Force (N) between beads {shown.middle} and {shown.middle + 1}", ylim=(0, time[-1])
+    )
     right.set_xlim(3e-3 * force.max(), 20 * force.max())
     watched = np.array([(wave.time, wave.force, wave.forth) for wave in shown.watched]).T
     data = {"time_s": shown.time, "contact_N": force, "flow_N": shown.flow[:, k]}
     data |= dict(zip(("wave_time_s", "wave_force_N", "wave_forth"), watched, strict=True))
     for line, (kind, one) in zip(("-", "--"), waves.items(), strict=False):
-        slug, ids = kind.replace(" ", "_"), one.chain.array("chain/id")
+        slug = kind.replace(" ", "_")
+        ids = one.chain.array("chain/id")
         data[f"{slug}_time_s"] = one.time
         for n, part in enumerate(("first steel", "light", "second steel")):
-            energy.plot(1e6 * one.time, one.shares[:, n], f"{line}C{n}", label=part if line == "-" else None)
+            energy.plot(
+                1e6 * one.time, one.shares[:, n], f"{line}C{n}", label=part if line == "-" else None
+            )
             data[f"{slug}_{part}_over_input".replace(" ", "_")] = one.shares[:, n]
-        bead = np.where(ids <= one.section.case.packing.size[0], ids, 0)  # the striker before bead 1
+        bead = np.where(
+            ids <= one.section.case.packing.size[0], ids, 0
+        )  # the striker before bead 1
         density.plot(bead, one.density, f"o{line}", markersize=2.5, label=kind)
         data |= {f"{slug}_bead": bead, f"{slug}_density_J_m3": one.density}
     density.axvspan(shown.first - 0.5, shown.last + 0.5, color="0.9", linewidth=0)
     energy.set(xlabel="Time (µs)", ylabel="Energy over the input", xlim=(0, None), ylim=(0, 1.3))
-    density.set(xlabel="Bead (0: striker; shaded: section)", ylabel="Largest energy density (J/m³)", ylim=(0, None))
+    density.set(
+        xlabel="Bead (0: striker; shaded: section)",
+        ylabel="Largest energy density (J/m³)",
+        ylim=(0, None),
+    )
     energy.legend(ncols=3, fontsize=6)
     density.legend()
     return figure, data

@@ -21,7 +21,9 @@ NAMES = {
 
 @dataclass(frozen=True)
 class Wave:
-    """A maximum of the force at a contact: time in s, force in N; ``forth``: its beads move from the struck end on."""
+    """A maximum of the force at a contact: time in s, force in N; ``forth``: its beads move from
+    the struck end on.
+    """
 
     time: float
     force: float
@@ -29,25 +31,41 @@ class Wave:
 
 
 class Waves:
-    """Waves of a section (`section.Section`), and energies of its beads: kinetic, and half of each contact's."""
+    """Waves of a section (`section.Section`), and energies of its beads: kinetic, and half of each
+    contact's.
+    """
 
     def __init__(self, section):
-        self.section, self.chain, self.time = section, section.chain, section.time
-        self.first, self.last, self.n = section.first, section.last, section.n
-        self.middle = self.first + min(2, self.n - 2)  # the bead whose contact with the next is watched
+        self.section = section
+        self.chain = section.chain
+        self.time = section.time
+        self.first = section.first
+        self.last = section.last
+        self.n = section.n
+        self.middle = self.first + min(
+            2, self.n - 2
+        )  # the bead whose contact with the next is watched
         self.at = f"between beads {self.middle} and {self.middle + 1}, N2 = {self.n}"
 
     @cached_property
     def flow(self):
-        """Force of every contact between beads, negative while its beads move towards the struck end, N."""
+        """Force of every contact between beads, negative while its beads move towards the struck
+        end, N.
+        """
         velocity = self.chain.velocity
-        return self.chain.force[:, : velocity.shape[1] - 1] * np.sign(velocity[:, :-1] + velocity[:, 1:])
+        return self.chain.force[:, : velocity.shape[1] - 1] * np.sign(
+            velocity[:, :-1] + velocity[:, 1:]
+        )
 
     def between(self, bead):
         """All maxima of the force between this bead and the next, in time."""
-        force, flow = self.section.force(bead), self.flow[:, self.chain.contact_between(bead)]
+        force = self.section.force(bead)
+        flow = self.flow[:, self.chain.contact_between(bead)]
         places = maxima(force, LEAST * force.max())
-        return [Wave(*one) for one in zip(self.time[places], force[places], flow[places] >= 0, strict=True)]
+        return [
+            Wave(*one)
+            for one in zip(self.time[places], force[places], flow[places] >= 0, strict=True)
+        ]
 
     @cached_property
     def watched(self):
@@ -58,18 +76,24 @@ class Waves:
     def reflections(self):
         """Waves at the watched contact, by the source's names, as far as they are found.
 
-        ``BRW``: the first that runs back, from the section's far end. ``FRW``: the next one after the BRW has come to
-        the section's near end, where it may meet a later wave back; ``DFRW`` the one after that. ``end``: the first
-        one back after a wave from the chain's end has come to the section's far end.
+        ``BRW``: the first that runs back, from the section's far end. ``FRW``: the next one after
+        the BRW has come to the section's near end, where it may meet a later wave back; ``DFRW``
+        the one after that. ``end``: the first one back after a wave from the chain's end has come
+        to the section's far end.
         """
-        found, back = {"incident": self.watched[0]}, [wave for wave in self.watched if not wave.forth]
-        after = min((wave.time for wave in self.between(self.last + 1) if not wave.forth), default=math.inf)
+        found = {"incident": self.watched[0]}
+        back = [wave for wave in self.watched if not wave.forth]
+        after = min(
+            (wave.time for wave in self.between(self.last + 1) if not wave.forth), default=math.inf
+        )
         from_end = [wave for wave in back if wave.time > after]
         if from_end:
             found["end"] = from_end[0]
         if not back or back[0].time > after:
             return found
-        turned = [w.time for w in self.between(self.first - 1) if not w.forth and w.time > back[0].time]
+        turned = [
+            w.time for w in self.between(self.first - 1) if not w.forth and w.time > back[0].time
+        ]
         until = from_end[0].time if from_end else math.inf
         again = [wave for wave in self.watched if turned and turned[0] < wave.time < until]
         return found | {"BRW": back[0]} | dict(zip(("FRW", "DFRW"), again, strict=False))
@@ -96,28 +120,38 @@ class Waves:
 
     @cached_property
     def before_return(self):
-        """Time at which the first wave back from the chain's end comes to the section, or the end of the run, s."""
+        """Time at which the first wave back from the chain's end comes to the section, or the end
+        of the run, s.
+        """
         back = (wave.time for wave in self.between(self.last + 1) if not wave.forth)
         return min(back, default=self.time[-1])
 
     @cached_property
     def energy(self):
         """Energy of the beads: (n_times, n_beads), J."""
-        chain, ids = self.chain, self.chain.array("chain/id")
+        chain = self.chain
+        ids = self.chain.array("chain/id")
         overlap = np.maximum(-np.diff(chain.array("chain/displacement"), axis=1), 0.0)
         largest = np.maximum.accumulate(overlap)
         energy = 0.5 * self.section.run.spheres.mass.loc[ids].to_numpy() * chain.velocity**2
         for k, (first, second) in enumerate(pairwise(ids)):
-            stored = chain.law_between(int(first), int(second)).elastic_energy(overlap[:, k], largest[:, k])
+            stored = chain.law_between(int(first), int(second)).elastic_energy(
+                overlap[:, k], largest[:, k]
+            )
             energy[:, k : k + 2] += 0.5 * np.asarray(stored)[:, None]
         return energy
 
     @cached_property
     def shares(self):
-        """Energy of the first steel section with the striker, the light and the second steel one over the input."""
+        """Energy of the first steel section with the striker, the light and the second steel one
+        over the input.
+        """
         ends = list(self.chain.array("chain/id")).index(self.first), self.n
         parts = np.split(self.energy, np.cumsum(ends), axis=1)
-        return np.stack([part.sum(axis=1) for part in parts], axis=1) / self.section.run.energies.input.iloc[-1]
+        return (
+            np.stack([part.sum(axis=1) for part in parts], axis=1)
+            / self.section.run.energies.input.iloc[-1]
+        )
 
     @cached_property
     def density(self):
@@ -126,7 +160,16 @@ class Waves:
         return self.energy[self.time <= self.before_return].max(axis=0) / volume
 
     def passed(self, bead):
-        """Energy that went forth and back through the contact of this bead and the next, until `before_return`, J."""
-        k, until = self.chain.contact_between(bead), self.time <= self.before_return
-        power = self.chain.force[:, k] * 0.5 * (self.chain.velocity[:, k] + self.chain.velocity[:, k + 1])
-        return [np.trapezoid(np.maximum(sign * power, 0.0)[until], self.time[until]) for sign in (1, -1)]
+        """Energy that went forth and back through the contact of this bead and the next, until
+        `before_return`, J.
+        """
+        k = self.chain.contact_between(bead)
+        until = self.time <= self.before_return
+        power = (
+            self.chain.force[:, k]
+            * 0.5
+            * (self.chain.velocity[:, k] + self.chain.velocity[:, k + 1])
+        )
+        return [
+            np.trapezoid(np.maximum(sign * power, 0.0)[until], self.time[until]) for sign in (1, -1)
+        ]

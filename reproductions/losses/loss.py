@@ -1,9 +1,10 @@
 """Losses in contacts: restitution, and waves that decay.
 
-Two equal elastic spheres that collide, and elastic chains whose first bead is struck, with the three kinds of loss: a
-loss time, the loss time of a restitution at a velocity, and Tsuji's dashpot. A wave whose largest force F falls slowly
-has the shape of the solitary wave of F at each contact, whose duration goes with F^(-1/6) and whose energy with
-F^(5/3). So F^(-1/6) rises linearly along the chain with a loss time, and ln F falls linearly with a dashpot.
+Two equal elastic spheres that collide, and elastic chains whose first bead is struck, with the
+three kinds of loss: a loss time, the loss time of a restitution at a velocity, and Tsuji's dashpot.
+A wave whose largest force F falls slowly has the shape of the solitary wave of F at each contact,
+whose duration goes with F^(-1/6) and whose energy with F^(5/3). So F^(-1/6) rises linearly along
+the chain with a loss time, and ln F falls linearly with a dashpot.
 """
 
 import math
@@ -15,16 +16,27 @@ import granwave as gw
 from granwave.measures import Chain
 
 KINDS = ("time 0.3 µs", "restitution 0.9 at 1 m/s", "dashpot of restitution 0.9")
-SERIES = (1.0, -1.153449, 0.798267, 0.266666)  # of b^0, b, b^2, b^(5/2): Schwager and Poeschel, Phys. Rev. E 78 (2008)
-FIRST, END = 8, 6  # contact from which on a wave has its shape; contacts at the end of a chain that are left out
+SERIES = (
+    1.0,
+    -1.153449,
+    0.798267,
+    0.266666,
+)  # of b^0, b, b^2, b^(5/2): Schwager and Poeschel, Phys. Rev. E 78 (2008)
+# contact from which on a wave has its shape; contacts at the end of a chain that are left out
+FIRST = 8
+END = 6
 
 
 class Wave:
-    """Largest force of each contact, over that of the first one shown, and the law of its kind of loss."""
+    """Largest force of each contact, over that of the first one shown, and the law of its kind of
+    loss.
+    """
 
     def __init__(self, chain):
-        peaks, timed = chain.force.max(axis=0), chain.loss[0] == "time"
-        self.contact, self.law = np.arange(FIRST, len(peaks) - END), "F^(-1/6)" if timed else "ln F"
+        peaks = chain.force.max(axis=0)
+        timed = chain.loss[0] == "time"
+        self.contact = np.arange(FIRST, len(peaks) - END)
+        self.law = "F^(-1/6)" if timed else "ln F"
         self.force = peaks[self.contact] / peaks[FIRST]
         scaled = self.force ** (-1 / 6) if timed else np.log(self.force)
         slope, start = np.polyfit(self.contact, scaled, 1)
@@ -34,7 +46,9 @@ class Wave:
 
 
 def restitution(chain):
-    """Restitution by the series of viscoelastic spheres, or of a dashpot by the collision of the law."""
+    """Restitution by the series of viscoelastic spheres, or of a dashpot by the collision of the
+    law.
+    """
     (kind, size), law, mass, speed = chain.loss, chain.law, chain.mass / 2, chain.load.velocity
     if kind == "dashpot":
         return law.collide(mass, speed, loss_dashpot=size, steps=4000)["restitution"]
@@ -44,13 +58,17 @@ def restitution(chain):
 
 
 def measured(runs):
-    """Velocities, restitutions and those by formula, (n, 3) by rising velocity, and the wave, for each kind of loss."""
+    """Velocities, restitutions and those by formula, (n, 3) by rising velocity, and the wave, for
+    each kind of loss.
+    """
     found = {}
     for kind, name in zip(KINDS, ("time", "restitution", "dashpot"), strict=True):
         alike = [Chain(run) for run in runs if getattr(run.case.contact.loss, name) is not None]
         pairs = [chain for chain in alike if chain.case.packing.size[-1] == 2]
         (long,) = [chain for chain in alike if chain not in pairs]
-        values = [(chain.load.velocity, chain.value("restitution"), restitution(chain)) for chain in pairs]
+        values = [
+            (chain.load.velocity, chain.value("restitution"), restitution(chain)) for chain in pairs
+        ]
         found[kind] = np.array(sorted(values)), Wave(long)
     return found
 
@@ -76,16 +94,23 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((6.8, 3.0), layout="constrained"), {}
+    figure = Figure((6.8, 3.0), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
-    for (kind, (pairs, wave)), style in zip(measured(runs).items(), ("C0o", "C1s", "C2^"), strict=True):
+    for (kind, (pairs, wave)), style in zip(
+        measured(runs).items(), ("C0o", "C1s", "C2^"), strict=True
+    ):
         speed, ours, theory = pairs.T
         left.semilogx(speed, theory, "0.5", linewidth=0.9)
         left.semilogx(speed, ours, style, markersize=4, label=kind)
         right.semilogy(wave.contact, wave.fitted, "0.5", linewidth=0.9)
         right.semilogy(wave.contact, wave.force, style, markersize=4)
         name = kind.split()[0]
-        data |= {f"{name}_velocity_m_s": speed, f"{name}_restitution": ours, f"{name}_theory_restitution": theory}
+        data |= {
+            f"{name}_velocity_m_s": speed,
+            f"{name}_restitution": ours,
+            f"{name}_theory_restitution": theory,
+        }
         data |= {f"{name}_contact": wave.contact, f"{name}_force_over_first": wave.force}
         data[f"{name}_theory_force_over_first"] = wave.fitted
     left.set(xlabel="Velocity (m/s)", ylabel="Restitution")

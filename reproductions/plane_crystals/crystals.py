@@ -1,9 +1,11 @@
 """Plane crystals of soft cylinders under a plate.
 
-A centred-square (BCC in the source) and a hexagonal crystal (HCP) of polyurethane cylinders between rigid walls,
-struck by a rigid plate at 6 m/s. The source prints neither the modulus at that rate, nor density, friction, loss, the
-mass of the plate, nor how many grains there are: 70 MPa, 1130 kg/m3, 0.3, 12 us, 20 kg/m, 88 and 105 grains are
-chosen. What it does print is compared; values of our second program for the same crystals test the code."""
+A centred-square (BCC in the source) and a hexagonal crystal (HCP) of polyurethane cylinders between
+rigid walls, struck by a rigid plate at 6 m/s. The source prints neither the modulus at that rate,
+nor density, friction, loss, the mass of the plate, nor how many grains there are: 70 MPa, 1130
+kg/m3, 0.3, 12 us, 20 kg/m, 88 and 105 grains are chosen. What it does print is compared; values of
+our second program for the same crystals test the code.
+"""
 
 import math
 
@@ -25,24 +27,31 @@ SIZES = {
 
 
 def measured(runs):
-    """Crystals of which all grains are recorded, with walls and with free sides; and the wide ones; by name."""
+    """Crystals of which all grains are recorded, with walls and with free sides; and the wide ones;
+    by name.
+    """
     crystals = [Crystal(run) for run in runs]
     whole = [one for one in crystals if "all" in one.lines]
     wide = [one for one in crystals if one.count >= WIDE]
-    return [by_name(some) for some in ([c for c in whole if c.walls], [c for c in whole if not c.walls], wide)]
+    return [
+        by_name(some)
+        for some in ([c for c in whole if c.walls], [c for c in whole if not c.walls], wide)
+    ]
 
 
 def long_waves(stiffness, friction):
     """Speed of long waves in BCC over that in HCP.
 
-    Rows approach each other without moving sideways. Contacts lie 45 degrees (BCC) and 30 degrees (HCP) off the way of
-    the wave; where they stick, tangential over normal force is the ratio of stiffnesses, tangential over normal, times
-    the tangent of that angle.
+    Rows approach each other without moving sideways. Contacts lie 45 degrees (BCC) and 30 degrees
+    (HCP) off the way of the wave; where they stick, tangential over normal force is the ratio of
+    stiffnesses, tangential over normal, times the tangent of that angle.
     """
 
     def speed(angle):
         tangential = min(stiffness * math.tan(angle), friction)
-        return math.cos(angle) * math.sqrt(2 * math.cos(angle) * (math.cos(angle) + tangential * math.sin(angle)))
+        return math.cos(angle) * math.sqrt(
+            2 * math.cos(angle) * (math.cos(angle) + tangential * math.sin(angle))
+        )
 
     return speed(math.pi / 4) / speed(math.pi / 6)
 
@@ -50,7 +59,8 @@ def long_waves(stiffness, friction):
 def rows(runs):
     walls, free, wide = measured(runs)
     motions = {name: Motion(one) for name, one in walls.items()}
-    case, fig9 = walls["BCC"].case, f"{SOURCE}, Fig. 9"
+    case = walls["BCC"].case
+    fig9 = f"{SOURCE}, Fig. 9"
     stuck = 2 * (1 - case.material.poisson_ratio) / (2 - case.material.poisson_ratio)
     theory = "Theory: long waves, whose contacts slide in both; if they stuck it were"
     theory += f" {long_waves(stuck, math.inf):.3f}, without friction 2/3."
@@ -73,7 +83,8 @@ def rows(runs):
                 yield gw.Row(f"{quantity}, {name}", unit, ours=ours, where=CHECK, remark=remark, theory=second[which],
                              verification=True, digits=digits)
     for name, one in walls.items():
-        speeds, fig10 = one.lines["all"].distribution, f"{SOURCE}, Fig. 10"
+        speeds = one.lines["all"].distribution
+        fig10 = f"{SOURCE}, Fig. 10"
         yield gw.Row(f"Largest speeds of all grains, p that they are Gaussian, {name}", ours=speeds.normal_p, digits=1,
                      where=fig10, remark="The source: Gaussian. Of the test of Shapiro and Wilk.")
         yield gw.Row(f"Largest speeds of all grains, standard deviation over mean, {name}", digits=2, where=fig10,
@@ -95,8 +106,11 @@ def rows(runs):
 
 def verified(one, motion):
     """Quantity, unit, ours, those of our second program (BCC, HCP), digits, and remark."""
-    line, decay, speeds = one.down, one.decay, one.lines["all"].distribution
-    lateral, run = line.lateral_force / one.case.packing.length, one.run
+    line = one.down
+    decay = one.decay
+    speeds = one.lines["all"].distribution
+    lateral = line.lateral_force / one.case.packing.length
+    run = one.run
     # fmt: off
     return (
         ("Front speed along the middle line", "m/s", line.front_speed, (120.0, 204.0), 4, ""),
@@ -120,16 +134,33 @@ def verified(one, motion):
 
 def pictures(runs):
     walls, free, _ = measured(runs)
-    figure, data = Figure((7, 2.5), layout="constrained"), {}
+    figure = Figure((7, 2.5), layout="constrained")
+    data = {}
     panels = figure.subplots(1, 3)
     for crystals, line, word in ((walls, "o-", "walls"), (free, "^--", "free")):
         for colour, (name, one) in enumerate(crystals.items()):
-            curves = (one.peak, one.down.lateral_force / one.case.packing.length, 1e3 * one.down.width)
+            curves = (
+                one.peak,
+                one.down.lateral_force / one.case.packing.length,
+                1e3 * one.down.width,
+            )
             for axes, values in zip(panels, curves, strict=True):
-                axes.plot(one.depth, values, line, markersize=3, color=f"C{colour}", label=f"{name}, {word}")
+                axes.plot(
+                    one.depth,
+                    values,
+                    line,
+                    markersize=3,
+                    color=f"C{colour}",
+                    label=f"{name}, {word}",
+                )
             names = ("depth_diameters", "peak_m_s", "lateral_N_per_m", "width_ms")
-            data |= {f"{name}_{word}_{key}": v for key, v in zip(names, (one.depth, *curves), strict=True)}
-    for axes, quantity in zip(panels, ("Peak speed (m/s)", "Lateral force (N/m)", "Half width (ms)"), strict=True):
+            data |= {
+                f"{name}_{word}_{key}": v
+                for key, v in zip(names, (one.depth, *curves), strict=True)
+            }
+    for axes, quantity in zip(
+        panels, ("Peak speed (m/s)", "Lateral force (N/m)", "Half width (ms)"), strict=True
+    ):
         axes.set(xlabel="Depth (diameters)", ylabel=quantity, ylim=(0, None))
     panels[0].legend(fontsize=7)
     caption = "Down the middle line of both crystals, with side walls (solid) and without (dashed): from where the "

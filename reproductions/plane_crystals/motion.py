@@ -1,20 +1,28 @@
-"""Motion of all grains of a crystal: rotations, rows that move out and in, symmetry, and what a camera sees."""
+"""Motion of all grains of a crystal: rotations, rows that move out and in, symmetry, and what a
+camera sees.
+"""
 
 import numpy as np
 from scipy.signal import find_peaks
 from scipy.spatial import cKDTree
 
-SAME, IN_ROW = 1e-6, 0.01  # diameters
-QUIET, SMALL = 0.25, 0.05  # of the first peak: speed before a second pulse, and its least prominence
+# diameters
+SAME = 1e-6
+IN_ROW = 0.01
+# of the first peak: speed before a second pulse, and its least prominence
+QUIET = 0.25
+SMALL = 0.05
 
 
 class Motion:
     """Motion of a crystal, places and times in m and s."""
 
     def __init__(self, crystal):
-        self.crystal, self.diameter = crystal, crystal.case.packing.diameter
+        self.crystal = crystal
+        self.diameter = crystal.case.packing.diameter
         self.time, self.position, self.displacement, self.rate = (
-            crystal.run.result[f"lines/all/{name}"] for name in ("time", "position", "displacement", "angular_velocity")
+            crystal.run.result[f"lines/all/{name}"]
+            for name in ("time", "position", "displacement", "angular_velocity")
         )
         self.x = self.position[:, 0]
         self.middle = 0.5 * (self.x.min() + self.x.max())
@@ -38,16 +46,21 @@ class Motion:
         """Largest difference of displacements of grains that mirror each other, over a diameter."""
         image = self.position.copy()
         image[:, 0] = 2 * self.middle - image[:, 0]
-        partner, moved = cKDTree(self.position).query(image)[1], self.displacement
-        across, down = moved[:, :, 0] + moved[:, partner, 0], moved[:, :, 2] - moved[:, partner, 2]
+        partner = cKDTree(self.position).query(image)[1]
+        moved = self.displacement
+        across = moved[:, :, 0] + moved[:, partner, 0]
+        down = moved[:, :, 2] - moved[:, partner, 2]
         return max(np.abs(across).max(), np.abs(down).max()) / self.diameter
 
     def seen_by_camera(self, rate):
-        """Least and largest ratio of the largest speeds that frames, rate a second, show to the true ones, of the line.
+        """Least and largest ratio of the largest speeds that frames, rate a second, show to the
+        true ones, of the line.
 
         A camera sees displacements: between two frames the mean velocity.
         """
-        time, moved = (self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "displacement"))
+        time, moved = (
+            self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "displacement")
+        )
         frames = np.arange(0.0, time[-1], 1 / rate)
         moved = moved[:, :, ::2].transpose(1, 2, 0)  # sideways and down, in the plane
         places = np.array([[np.interp(frames, time, one) for one in grain] for grain in moved])
@@ -57,8 +70,11 @@ class Motion:
 
     def later_peak(self):
         """Time of the second pulse's peak in the deepest grains that the floor does not hold, s."""
-        time, velocity = (self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "velocity"))
-        speed, found = np.linalg.norm(velocity, axis=2), []
+        time, velocity = (
+            self.crystal.run.result[f"lines/down/{name}"] for name in ("time", "velocity")
+        )
+        speed = np.linalg.norm(velocity, axis=2)
+        found = []
         for one in speed.T[len(self.crystal.depth) // 2 : self.crystal.down.fitted.stop]:
             first = one.argmax()
             low = np.flatnonzero(one[first:] < QUIET * one[first])

@@ -1,8 +1,10 @@
 """Influences on speed and decay in plane crystals.
 
-The two crystals between walls with one thing changed: height, a gap at the walls, friction, the loss of contacts, the
-mass of the plate, the modulus, the size of the grains, or diameters that scatter. First pulses alone are compared:
-without friction the centred-square crystal has no shear stiffness, and what follows is chaotic."""
+The two crystals between walls with one thing changed: height, a gap at the walls, friction, the
+loss of contacts, the mass of the plate, the modulus, the size of the grains, or diameters that
+scatter. First pulses alone are compared: without friction the centred-square crystal has no shear
+stiffness, and what follows is chaotic.
+"""
 
 import math
 
@@ -13,7 +15,8 @@ from matplotlib.figure import Figure
 import granwave as gw
 
 SPEED = 125.0  # m/s, printed
-# value of the crystals in sides.toml, for the height and the number a row over those of these; in the order of tests
+# value of the crystals in sides.toml, for the height and the number a row over those of these; in
+# the order of tests
 BASE = {"height": 1.0, "gap": 0.0, "friction": 0.3, "loss": 12e-6, "modulus": 70e6, "diameter": 0.0127, "count": 1.0,
         "scatter": 0.0, "plate": 20.0}  # fmt: skip
 ALONE = ("diameter", "count", "scatter")  # changed to one other value only
@@ -44,18 +47,30 @@ def values(one):
 
 
 def measured(runs):
-    """Values and crystals by what was changed and the name of the crystal; and the crystals that a cylinder struck."""
+    """Values and crystals by what was changed and the name of the crystal; and the crystals that a
+    cylinder struck.
+    """
     crystals = [Crystal(run) for run in runs]
     series = {}
     for one in crystals:
-        if one.case.load.kind != "plate" or not one.walls or {"load.mass", "boundary.sides"} <= one.run.labels.keys():
+        if (
+            one.case.load.kind != "plate"
+            or not one.walls
+            or {"load.mass", "boundary.sides"} <= one.run.labels.keys()
+        ):
             continue  # with free sides, or of width.toml
         now = values(one)
-        changed = [what for what, base in BASE.items() if not math.isclose(now[what], base, rel_tol=1e-6)]
-        for what in changed[:1] or [what for what in BASE if what not in ALONE]:  # larger grains have a heavier plate
+        changed = [
+            what for what, base in BASE.items() if not math.isclose(now[what], base, rel_tol=1e-6)
+        ]
+        for what in changed[:1] or [
+            what for what in BASE if what not in ALONE
+        ]:  # larger grains have a heavier plate
             series.setdefault((what, one.name), []).append((now[what], one))
     struck = [one for one in crystals if one.case.load.kind == "striker"]
-    return {key: sorted(points, key=lambda point: point[0]) for key, points in series.items()}, struck
+    return {
+        key: sorted(points, key=lambda point: point[0]) for key, points in series.items()
+    }, struck
 
 
 def rows(runs):
@@ -117,11 +132,14 @@ def of_modulus(points, which, name):
 
 def pictures(runs):
     series, _ = measured(runs)
-    figure, data = Figure((7, 2.8), layout="constrained"), {}
+    figure = Figure((7, 2.8), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     for name in NAMES.values():
         for axes, what, scale in ((left, "modulus", 1e-6), (right, "gap", 1e3)):
-            value, speed = np.array([(value, one.down.front_speed) for value, one in series[what, name]]).T
+            value, speed = np.array(
+                [(value, one.down.front_speed) for value, one in series[what, name]]
+            ).T
             axes.plot(value * scale, speed, "-o", markersize=3, label=name)
             data |= {f"{name}_{what}": value * scale, f"{name}_{what}_front_m_s": speed}
     left.axhline(SPEED, color="0.5", linestyle=":", label="source")
@@ -129,7 +147,9 @@ def pictures(runs):
     right.set(xlabel="Gap at the side walls (mm)", ylabel="Front speed (m/s)", ylim=(0, None))
     left.legend()
     caption = "Front speed of both crystals against the modulus and against the gap at the side walls: a power of the "
-    caption += "modulus (straight lines), whose 125 m/s of the source (dotted) need less than it prints"
+    caption += (
+        "modulus (straight lines), whose 125 m/s of the source (dotted) need less than it prints"
+    )
     yield gw.Picture("lateral_parameters", caption, figure, data)
 
 
@@ -145,6 +165,8 @@ def tables(runs):
                 "First peak (m/s)": [one.peak[0] for one in crystals],
                 "Decay 1 (1/m)": [decay.first for decay in decays],
                 "Decay 2 (1/m)": [decay.second for decay in decays],
-                "Border (D)": [decay.border / points[0][1].case.packing.diameter for decay in decays],
+                "Border (D)": [
+                    decay.border / points[0][1].case.packing.diameter for decay in decays
+                ],
             }
             yield f"{name}, {what} (SI units; height over that of the reference)", columns

@@ -1,8 +1,9 @@
 """The source on lateral constraints: what it prints, and what holds.
 
-"Influence of Lateral Constraints on Wave Propagation in Finite Granular Crystals", J. Appl. Mech., 2020: crystals of
-polyurethane cylinders between rigid walls, struck by a falling plate, watched by a camera. What follows from its
-printed formulas is worked out here; its figures are not used."""
+"Influence of Lateral Constraints on Wave Propagation in Finite Granular Crystals", J. Appl. Mech.,
+2020: crystals of polyurethane cylinders between rigid walls, struck by a falling plate, watched by
+a camera. What follows from its printed formulas is worked out here; its figures are not used.
+"""
 
 import numpy as np
 from crystal import CHECK, SOURCE
@@ -11,7 +12,9 @@ from scipy.signal import lfilter
 import granwave as gw
 from granwave.measures import Chain
 
-LONG, TERMS = 15.7, ((253.1, 2.64), (1320.4, 0.55))  # MPa and s, equation 7
+# MPa and s, equation 7
+LONG = 15.7
+TERMS = ((253.1, 2.64), (1320.4, 0.55))
 MODULI = (150.0, 530.0, 740.0, 480.0)  # MPa, of contacts 1 to 4
 PULSES = (1e-3, 2e-3, 4e-3, 6e-3)  # s
 ERRATA = (
@@ -56,15 +59,18 @@ def relaxed(time):
 def impulse_lost(duration):
     """Impulse that a half-sine pulse of strain lacks of that at the modulus of time 0, per cent."""
     time = np.linspace(0.0, duration, 4001)
-    strain, rate = np.sin(np.pi * time / duration), np.pi / duration * np.cos(np.pi * time / duration)
-    added, stress = np.append(0.0, 0.5 * (rate[1:] + rate[:-1])) * time[1], LONG * strain
+    strain = np.sin(np.pi * time / duration)
+    rate = np.pi / duration * np.cos(np.pi * time / duration)
+    added = np.append(0.0, 0.5 * (rate[1:] + rate[:-1])) * time[1]
+    stress = LONG * strain
     for size, tau in TERMS:
         stress = stress + lfilter([size], [1.0, -np.exp(-time[1] / tau)], added)
     return 100 * (1 - np.trapezoid(stress, time) / np.trapezoid(relaxed(0.0) * strain, time))
 
 
 def rows(runs):
-    slow, lost = relaxed(6e-3), [impulse_lost(time) for time in PULSES]
+    slow = relaxed(6e-3)
+    lost = [impulse_lost(time) for time in PULSES]
     remark = f"By its equation 7 pulses of up to 6 ms have {slow:.0f} to {relaxed(0.0):.0f} MPa, whatever their rate: "
     remark += "150 to 740 MPa would take seconds."
     for n, modulus in enumerate(MODULI, start=1):
@@ -74,7 +80,8 @@ def rows(runs):
         quantity = f"Difference of impulses, elastic and viscoelastic, {word}"
         remark = "Half-sine strains of 1 to 6 ms with its equation 7."
         yield gw.Row(quantity, "%", source, theory=theory, where=f"{SOURCE}, Fig. 3", remark=remark)
-    law, mass = Chain(runs[0]).law_between(1, 2), runs[0].spheres["mass"].iloc[0] / 2
+    law = Chain(runs[0]).law_between(1, 2)
+    mass = runs[0].spheres["mass"].iloc[0] / 2
     for speed, expected in ((1.0, 0.7468), (6.0, 0.7141)):
         found = law.collide(mass, speed, loss_time=runs[0].case.contact.loss.time, steps=4000)
         yield gw.Row(f"Restitution of two grains at {speed:g} m/s, loss time 12 us", ours=found["restitution"],
@@ -89,5 +96,7 @@ def tables(_):
         "carry waves at one speed, and that its moduli give 125 m/s, does not; and region 1 is where no signal of "
         "the sides has arrived yet, not where reflected waves compress."
     )
-    columns = zip(("Where", "Printed", "What holds, and why"), zip(*ERRATA, strict=True), strict=True)
+    columns = zip(
+        ("Where", "Printed", "What holds, and why"), zip(*ERRATA, strict=True), strict=True
+    )
     yield "Errors of the source", dict(columns)

@@ -1,11 +1,13 @@
 """Region 1 of a plane crystal ends where its sides begin to be felt.
 
-Crystals of 4 to 16 grains a row beside one of 40, with the same mass of the plate per width, with side walls and with
-free sides. Peak speed of the first pulse down the middle line over that of the wide crystal; the two part where it
-differs by 3 %. The source holds that reflected waves compress the upper part laterally (region 1), as deep as the
-crystal is wide. The front and what the top corners send run down together along the close-packed lines and meet on the
-middle line at W/2 (45 degrees) and sqrt(3)/2 W (30 degrees): above, nothing of the sides has arrived, and free sides
-part at the same depth."""
+Crystals of 4 to 16 grains a row beside one of 40, with the same mass of the plate per width, with
+side walls and with free sides. Peak speed of the first pulse down the middle line over that of the
+wide crystal; the two part where it differs by 3 %. The source holds that reflected waves compress
+the upper part laterally (region 1), as deep as the crystal is wide. The front and what the top
+corners send run down together along the close-packed lines and meet on the middle line at W/2 (45
+degrees) and sqrt(3)/2 W (30 degrees): above, nothing of the sides has arrived, and free sides part
+at the same depth.
+"""
 
 import numpy as np
 from crystal import CHECK, NAMES, SOURCE, Crystal
@@ -14,24 +16,45 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import parted_at
 
-# depth where crystals part with walls and without by number of grains a row, D, by our second program
+# depth where crystals part with walls and without by number of grains a row, D, by our second
+# program
 TRIAL = {
-    "BCC": {4: (2.8, 2.8), 6: (2.8, 4.2), 8: (5.7, 5.7), 10: (5.7, 7.1), 12: (7.1, 8.5), 16: (9.9, 11.3)},
-    "HCP": {4: (1.7, 1.7), 6: (3.5, 3.5), 8: (6.9, 5.2), 10: (8.7, 8.7), 12: (10.4, 10.4), 16: (np.nan, 13.9)},
+    "BCC": {
+        4: (2.8, 2.8),
+        6: (2.8, 4.2),
+        8: (5.7, 5.7),
+        10: (5.7, 7.1),
+        12: (7.1, 8.5),
+        16: (9.9, 11.3),
+    },
+    "HCP": {
+        4: (1.7, 1.7),
+        6: (3.5, 3.5),
+        8: (6.9, 5.2),
+        10: (8.7, 8.7),
+        12: (10.4, 10.4),
+        16: (np.nan, 13.9),
+    },
 }
-# layers of region 1, grains a row inferred from them, decay in region 1 (1/m), as the source has them; layers a D
+# layers of region 1, grains a row inferred from them, decay in region 1 (1/m), as the source has
+# them; layers a D
 PRINTED = {"BCC": (7.0, 7, 1.6, np.sqrt(2)), "HCP": (8.5, 8, 1.8, 2 / np.sqrt(3))}
 
 
 class Widths:
-    """Crystals of one kind by width, with walls and with free sides, each with its depth of parting from the wide one.
+    """Crystals of one kind by width, with walls and with free sides, each with its depth of parting
+    from the wide one.
 
     The depth is NaN if they do not part.
     """
 
     def __init__(self, name, crystals):
         *narrow, self.wide = sorted(crystals, key=lambda one: one.width)
-        self.name, self.pairs = name, ([one for one in narrow if one.walls], [one for one in narrow if not one.walls])
+        self.name = name
+        self.pairs = (
+            [one for one in narrow if one.walls],
+            [one for one in narrow if not one.walls],
+        )
         for one in narrow:
             n = min(one.down.fitted.stop, self.wide.down.fitted.stop)
             found = parted_at(one.depth[:n], one.peak[:n], self.wide.peak[:n])
@@ -84,29 +107,46 @@ def rows(group):
 
 
 def pictures(group):
-    figure, data = Figure((7, 2.8), layout="constrained"), {}
+    figure = Figure((7, 2.8), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     for crystals, parted, word, line, mark, colour in zip(
         group.pairs, group.parted, ("walls", "free"), ("-", "--"), "o^", ("C0", "C1"), strict=True
     ):
         for one in crystals:
             n = min(len(one.depth), len(group.wide.depth))
-            place, ratio = one.depth[:n] / one.meeting, one.peak[:n] / group.wide.peak[:n]
-            left.plot(place, ratio, line, color=colour, alpha=0.25 + 0.75 * one.width / group.width[-1], linewidth=0.9)
-            data |= {f"{word}_{one.count}_depth_diameters": one.depth[:n], f"{word}_{one.count}_over_wide": ratio}
+            place = one.depth[:n] / one.meeting
+            ratio = one.peak[:n] / group.wide.peak[:n]
+            left.plot(
+                place,
+                ratio,
+                line,
+                color=colour,
+                alpha=0.25 + 0.75 * one.width / group.width[-1],
+                linewidth=0.9,
+            )
+            data |= {
+                f"{word}_{one.count}_depth_diameters": one.depth[:n],
+                f"{word}_{one.count}_over_wide": ratio,
+            }
         right.plot(group.width, parted, mark, markersize=4, color=colour, label=word)
         data |= {"width_diameters": group.width, f"{word}_parted_diameters": parted}
     widths = np.array([0.0, group.width[-1]])
     right.plot(widths, widths * group.law, color="0.5", label="sides are felt from here")
     right.plot(widths, widths, ":", color="0.5", label="depth = width (source)")
     left.axvline(1.0, color="0.5", linestyle=":", linewidth=0.8)
-    left.set(xlabel="Depth / depth where the sides' signals meet", ylabel="Peak speed / that of the wide")
-    left.set(xlim=(0, 3), ylim=(0, 1.3))
-    right.set(xlabel="Width (diameters)", ylabel="Depth where they part (diameters)", xlim=(0, None), ylim=(0, None))
-    right.legend()
-    caption = (
-        f"{group.name}: peak speeds of crystals of several widths over those of the widest part where the signals of "
+    left.set(
+        xlabel="Depth / depth where the sides' signals meet", ylabel="Peak speed / that of the wide"
     )
+    left.set(xlim=(0, 3), ylim=(0, 1.3))
+    right.set(
+        xlabel="Width (diameters)",
+        ylabel="Depth where they part (diameters)",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
+    right.legend()
+    caption = f"{group.name}: peak speeds of crystals of several widths over those of the widest part where the signals of "
     caption += "both sides meet (1 on the left); that depth grows with the width"
     yield gw.Picture(f"lateral_width_{group.name.lower()}", caption, figure, data)
 

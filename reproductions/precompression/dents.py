@@ -1,10 +1,10 @@
 """Changes by a lasting dent.
 
-Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the undeformed spheres
-part (1e-9 diameters). The second is what LIGGGHTS, YADE and MercuryDPM do with laws that yield, and LAMMPS's own
-granular styles with the history of a contact: it ends where the distance exceeds the sum of the radii. Dents in rigid
-walls are kept in both. Rows that rattle move chaotically: sign and size of a change mean something there, its digits do
-not.
+Each packing twice: dents kept (boundary.forget_gap of 0.1 diameters), and forgotten as soon as the
+undeformed spheres part (1e-9 diameters). The second is what LIGGGHTS, YADE and MercuryDPM do with
+laws that yield, and LAMMPS's own granular styles with the history of a contact: it ends where the
+distance exceeds the sum of the radii. Dents in rigid walls are kept in both. Rows that rattle move
+chaotically: sign and size of a change mean something there, its digits do not.
 """
 
 import math
@@ -32,13 +32,17 @@ def pairs(runs):
 
 def words(run):
     """``Row of 5 spheres with gaps of 0.1 mm; 5 struck at 5 m/s``."""
-    case, load, packing = run.case, run.case.load, run.case.packing
+    case = run.case
+    load = run.case.load
+    packing = run.case.packing
     count = run["n_spheres"]
     if packing.kind == "fcc":
         parts = [f"FCC packing of {' x '.join(map(str, packing.size))} spheres"]
     else:
         gap = np.diff(np.sort(run.spheres.position_z)).max() - packing.diameter
-        parts = [f"Row of {count} spheres" + (f" with gaps of {1e3 * gap:.3g} mm" if gap > 1e-6 else "")]
+        parts = [
+            f"Row of {count} spheres" + (f" with gaps of {1e3 * gap:.3g} mm" if gap > 1e-6 else "")
+        ]
     if packing.diameter_scatter:
         parts.append(f"diameters that scatter over {1e6 * packing.diameter_scatter:.3g} µm")
     if case.has_initial_dents:
@@ -87,10 +91,11 @@ def verdict(runs):
 
 
 def restitution_at_zero_force(law, mass, velocity):
-    """Restitution with a dent that is kept, and with one that is forgotten where the force falls to zero.
+    """Restitution with a dent that is kept, and with one that is forgotten where the force falls to
+    zero.
 
-    A new contact that overlaps by the dent pushes the spheres apart with what it would have stored when loaded so far,
-    leaves a smaller dent, which is forgotten too, and so on.
+    A new contact that overlaps by the dent pushes the spheres apart with what it would have stored
+    when loaded so far, leaves a smaller dent, which is forgotten too, and so on.
     """
     energy = 0.5 * mass * velocity**2
     overlap = np.geomspace(1e-3, 1, 4000) * law.valid_overlap

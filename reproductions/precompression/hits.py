@@ -1,7 +1,7 @@
 """A packing hit several times.
 
-Each run starts with the spheres in their first places and with the dents that the run before left. The runs tell by
-themselves: contact.initial_overlap of a second hit is the result of the first one.
+Each run starts with the spheres in their first places and with the dents that the run before left.
+The runs tell by themselves: contact.initial_overlap of a second hit is the result of the first one.
 
     granwave report first second --study reproductions/precompression/hits.py
 """
@@ -54,7 +54,10 @@ def tables(series):
 
 
 def verdict(series):
-    lost, force = (columns(series)[key] for key in ("Dissipated (% of input)", "Largest force added at the bottom (N)"))
+    lost, force = (
+        columns(series)[key]
+        for key in ("Dissipated (% of input)", "Largest force added at the bottom (N)")
+    )
     yield (
         f"Hit {len(series)} times, the packing dissipates {lost[-1]:.3g} % of the last impact ({lost[0]:.3g} % of the "
         f"first) and hands on {force[-1]:.4g} N ({force[0]:.4g} N).{released_energy((series[0], series[-1]))}"

@@ -1,7 +1,7 @@
 """An impact at 5 m/s on packings under uniform pressure, with contacts that yield, and elastic.
 
-FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under uniform static pressure, which stays on. What
-the static load made yield is not counted.
+FCC packings of 16 x 16 x 8 brass spheres of 10 mm with free sides under uniform static pressure,
+which stays on. What the static load made yield is not counted.
 """
 
 import numpy as np
@@ -36,7 +36,9 @@ def title(runs):
 
 def columns(runs):
     """The impact at each pressure, without what yielding does where nothing yields."""
-    static = [precompressed_line(run.case).force if run.case.precompression else 0.0 for run in runs]
+    static = [
+        precompressed_line(run.case).force if run.case.precompression else 0.0 for run in runs
+    ]
     found = {
         "Static pressure (Pa)": [pressure(run) for run in runs],
         "Static force of a contact (N)": static,
@@ -45,7 +47,9 @@ def columns(runs):
         "Largest contact force, the static one in it (N)": [run["peak_force_N"] for run in runs],
     }
     if runs[0].case.contact.law != "hertz":
-        found["Dissipated by the impact (% of input)"] = [100 * run["dissipated_fraction"] for run in runs]
+        found["Dissipated by the impact (% of input)"] = [
+            100 * run["dissipated_fraction"] for run in runs
+        ]
         found["Contacts that yielded in it"] = [run["n_plastic_contacts"] for run in runs]
     return found
 
@@ -55,7 +59,8 @@ def tables(runs):
 
 
 def verdict(runs):
-    first, last = runs[0], runs[-1]
+    first = runs[0]
+    last = runs[-1]
     sentence = f"Under uniform pressure of {pressure(last):.3g} Pa the impact adds {added(last):.4g} N at the bottom "
     sentence += f"({added(first):.4g} N without a static load)"
     if last["dissipated_fraction"]:

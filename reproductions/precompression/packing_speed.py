@@ -1,9 +1,9 @@
 """Precompressed packings: speed of small waves.
 
-Small impacts on packings under static pressure, along the stacking of their layers. c0 by the times of the crests of
-the layers' mean velocities, over the places that layers had before the load. Theory: c0 = h sqrt((2 k - f/D)/m), with
-layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p D^2/(2 sqrt 2) the force of a contact, by balance on a layer
-(uniaxial) as by the virial (uniform).
+Small impacts on packings under static pressure, along the stacking of their layers. c0 by the times
+of the crests of the layers' mean velocities, over the places that layers had before the load.
+Theory: c0 = h sqrt((2 k - f/D)/m), with layers h = D sqrt(2/3) apart, k = 3/2 f/alpha, and f = p
+D^2/(2 sqrt 2) the force of a contact, by balance on a layer (uniaxial) as by the virial (uniform).
 """
 
 from itertools import groupby
@@ -23,9 +23,12 @@ def measured(runs):
     """Packing and load in words; pressure, Pa, speed and its theory, m/s."""
     points = []
     for run in runs:
-        case, line = run.case, precompressed_line(run.case)
+        case = run.case
+        line = precompressed_line(run.case)
         name = f"{case.packing.kind}, {case.precompression.kind}"
-        points.append((name, case.precompression.pressure, speed_along_layers(run.result, line), line.speed))
+        points.append(
+            (name, case.precompression.pressure, speed_along_layers(run.result, line), line.speed)
+        )
     for name, found in groupby(sorted(points), key=lambda point: point[0]):
         yield name, *np.array([point[1:] for point in found]).T
 
@@ -42,13 +45,18 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((3.4, 2.6), layout="constrained"), {}
+    figure = Figure((3.4, 2.6), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for name, pressure, speed, theory in measured(runs):
         axes.loglog(pressure, theory, "0.5", label="theory" if not data else "")
         axes.loglog(pressure, speed, MARKS[name], fillstyle="none", markersize=6, label=name)
         word = name.replace(", ", "_")
-        data |= {f"{word}_pressure_Pa": pressure, f"{word}_speed_m_s": speed, f"{word}_theory_m_s": theory}
+        data |= {
+            f"{word}_pressure_Pa": pressure,
+            f"{word}_speed_m_s": speed,
+            f"{word}_theory_m_s": theory,
+        }
     axes.set(xlabel="Pressure (Pa)", ylabel="Speed of small waves (m/s)")
     axes.legend(loc="upper left")
     caption = (

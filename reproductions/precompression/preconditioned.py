@@ -1,6 +1,7 @@
 """Spheres that were pressed before.
 
-Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that force.
+Contacts that have dents from the start, of one force everywhere: they shall stay elastic up to that
+force.
 """
 
 from itertools import groupby
@@ -15,14 +16,24 @@ from granwave.measures import Chain
 
 ELASTIC = 1e-9  # share of the input: nothing is dissipated
 REACHED = 1e-3  # of the largest force along the chain: the pulse has come to a contact
-CLOSED = {"chain": "are there at the impact.", "fcc": "are closed by a static load, which stays on."}
-TITLES = {"chain": "Chain of 80 brass spheres of 9.52 mm", "fcc": "FCC packing of 8 x 8 x 6 brass spheres of 10 mm"}
+CLOSED = {
+    "chain": "are there at the impact.",
+    "fcc": "are closed by a static load, which stays on.",
+}
+TITLES = {
+    "chain": "Chain of 80 brass spheres of 9.52 mm",
+    "fcc": "FCC packing of 8 x 8 x 6 brass spheres of 10 mm",
+}
 
 
 def select(runs):
     """The chain, then the packing."""
     found = ([run for run in runs if run.case.packing.kind == kind] for kind in TITLES)
-    return [sorted(group, key=lambda run: (level(run), run.case.load.velocity)) for group in found if group]
+    return [
+        sorted(group, key=lambda run: (level(run), run.case.load.velocity))
+        for group in found
+        if group
+    ]
 
 
 def level(run):
@@ -50,7 +61,10 @@ def by_level(runs):
 def rows(runs):
     for pressed, force, dissipated in by_level(runs):
         elastic = dissipated < ELASTIC
-        for which, chosen in (("Largest force without", elastic), ("Smallest force with", ~elastic)):
+        for which, chosen in (
+            ("Largest force without", elastic),
+            ("Smallest force with", ~elastic),
+        ):
             if pressed and chosen.any():
                 found = force[chosen].max() if which.startswith("Largest") else force[chosen].min()
                 yield gw.Row(
@@ -70,7 +84,9 @@ def tables(runs):
     }
     if runs[0].case.packing.kind == "fcc":
         bottom = [run.result["walls/bottom/force"] for run in runs]
-        found["Largest force added at the bottom (N)"] = [(force - force[0]).max() for force in bottom]
+        found["Largest force added at the bottom (N)"] = [
+            (force - force[0]).max() for force in bottom
+        ]
     yield "Impacts with and without preconditioning", found
 
 
@@ -90,10 +106,17 @@ def verdict(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((3.4, 2.7), layout="constrained"), {}
+    figure = Figure((3.4, 2.7), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for n, (pressed, force, dissipated) in enumerate(by_level(runs)):
-        axes.semilogx(force, 100 * dissipated, f"o-C{n}", markersize=3, label=f"{pressed:g} N" if pressed else "fresh")
+        axes.semilogx(
+            force,
+            100 * dissipated,
+            f"o-C{n}",
+            markersize=3,
+            label=f"{pressed:g} N" if pressed else "fresh",
+        )
         if pressed:
             axes.axvline(pressed, color=f"C{n}", linestyle=":", linewidth=0.8)
         data[f"level_{pressed:g}_N_peak_force_N"] = force
@@ -110,11 +133,13 @@ def pictures(runs):
     yield gw.Picture("_dissipation", caption, figure, data)
     if runs[0].case.packing.kind == "fcc":
         return
-    figure, data = Figure((3.4, 2.5), layout="constrained"), {}
+    figure = Figure((3.4, 2.5), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for run in fastest(runs):
         peaks = Chain(run).of_contacts("peak_force")
-        contact, name = np.arange(1, len(peaks) + 1), f"{level(run):g} N" if level(run) else "fresh"
+        contact = np.arange(1, len(peaks) + 1)
+        name = f"{level(run):g} N" if level(run) else "fresh"
         axes.semilogy(contact, np.where(peaks > REACHED * peaks.max(), peaks, np.nan), label=name)
         data |= {"contact": contact, f"level_{level(run):g}_N_peak_force_N": peaks}
     axes.set(xlabel="Contact", ylabel="Largest force (N)", xlim=(0, None))

@@ -1,9 +1,10 @@
 """Settled packings, scatter of 5 µm.
 
-FCC packings of 10 x 10 x 6 brass spheres of 10 mm whose diameters are up to 5 µm smaller, struck at 5 m/s: as placed
-with gaps, and settled without friction by a static load that stays on. Means over seeds with 95 % confidence intervals.
-Contacts that bear force: of two spheres, at the start; standing without friction takes three for each sphere, those
-with walls counted. Residual: largest net force left on a sphere over the largest static force of a contact.
+FCC packings of 10 x 10 x 6 brass spheres of 10 mm whose diameters are up to 5 µm smaller, struck at
+5 m/s: as placed with gaps, and settled without friction by a static load that stays on. Means over
+seeds with 95 % confidence intervals. Contacts that bear force: of two spheres, at the start;
+standing without friction takes three for each sphere, those with walls counted. Residual: largest
+net force left on a sphere over the largest static force of a contact.
 """
 
 import math
@@ -27,7 +28,9 @@ def state(run):
     stage = run.case.precompression
     if stage is None:
         return "as placed" if run.case.packing.diameter_scatter else "like spheres, as placed"
-    return "settled under " + ("gravity" if stage.kind == "gravity" else f"{1e-3 * stage.pressure:g} kPa on top")
+    return "settled under " + (
+        "gravity" if stage.kind == "gravity" else f"{1e-3 * stage.pressure:g} kPa on top"
+    )
 
 
 def by_state(runs):
@@ -45,21 +48,33 @@ def transmitted(runs):
 
 
 def contacts(run):
-    """Contacts of two spheres that bear force at the start, over the number of spheres; 0 as placed."""
-    return float(run.result["prestage/contacts"][-1]) / run["n_spheres"] if run.case.precompression else 0.0
+    """Contacts of two spheres that bear force at the start, over the number of spheres; 0 as
+    placed.
+    """
+    return (
+        float(run.result["prestage/contacts"][-1]) / run["n_spheres"]
+        if run.case.precompression
+        else 0.0
+    )
 
 
 def tables(runs):
     states = by_state(runs).values()
-    residual = [max((run["precompression_residual"] or math.nan) for run in same) for same in states]
+    residual = [
+        max((run["precompression_residual"] or math.nan) for run in same) for same in states
+    ]
     yield (
         "Settled and as placed",
         {
             "Packing": list(COLOURS),
             "Seeds": [len(same) for same in states],
-            "Contacts that bear force (a sphere)": [estimate(list(map(contacts, same))) for same in states],
+            "Contacts that bear force (a sphere)": [
+                estimate(list(map(contacts, same))) for same in states
+            ],
             "Residual": [float(f"{one:.2g}") for one in residual],
-            "Arrival at the bottom (µs)": [estimate([1e6 * run["base_arrival_s"] for run in same]) for same in states],
+            "Arrival at the bottom (µs)": [
+                estimate([1e6 * run["base_arrival_s"] for run in same]) for same in states
+            ],
             "Largest force added there (N)": [transmitted(same) for same in states],
             "Dissipated (% of input)": [
                 estimate([100 * run["dissipated_fraction"] for run in same]) for same in states
@@ -82,13 +97,21 @@ def verdict(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((3.4, 3.2), layout="constrained"), {}
+    figure = Figure((3.4, 3.2), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for number, (name, same) in enumerate(by_state(runs).items(), start=1):
         for place, run in enumerate(same, start=1):
             time, force = added(run)
             line = ":" if name.startswith("like") else "-"
-            axes.plot(1e6 * time, force, line, color=COLOURS[name], linewidth=1.0, label="" if place > 1 else name)
+            axes.plot(
+                1e6 * time,
+                force,
+                line,
+                color=COLOURS[name],
+                linewidth=1.0,
+                label="" if place > 1 else name,
+            )
             data |= {f"time_{number}_{place}_s": time, f"force_{number}_{place}_N": force}
     axes.set(xlabel="Time (µs)", ylabel="Force added at the bottom (N)", xlim=(0, None))
     figure.legend(loc="outside lower left", ncols=2, fontsize=7)

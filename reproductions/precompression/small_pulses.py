@@ -1,8 +1,9 @@
 """Precompressed chain: small pulses.
 
-The first bead of a precompressed chain is struck so that F_m/F0 stays below 1.05, at six static forces. Such a pulse
-spreads, and its crest is slower than long waves (by 0.8 % here): c0 is found by the times of the crests from bead 10
-on, which are known for a linear chain. The source prints the formula.
+The first bead of a precompressed chain is struck so that F_m/F0 stays below 1.05, at six static
+forces. Such a pulse spreads, and its crest is slower than long waves (by 0.8 % here): c0 is found
+by the times of the crests from bead 10 on, which are known for a linear chain. The source prints
+the formula.
 """
 
 import numpy as np
@@ -17,7 +18,9 @@ from granwave.measures import power_law
 def measured(runs):
     """Waves by static force; that force, the speed found, and the one that the source prints."""
     waves = sorted(map(Wave, runs), key=lambda wave: wave.static)
-    return waves, *np.array([(wave.static, wave.long_wave_speed, wave.printed_c0) for wave in waves]).T
+    return waves, *np.array(
+        [(wave.static, wave.long_wave_speed, wave.printed_c0) for wave in waves]
+    ).T
 
 
 def rows(runs):
@@ -38,7 +41,13 @@ def pictures(runs):
     _, force, speed, printed = measured(runs)
     axes = Figure((3.4, 2.4), layout="constrained").subplots()
     axes.loglog(force, printed, "0.5", label="c0 (composite 3)")
-    axes.loglog(force, speed, "o", markersize=4, label=f"simulation: power {power_law(force, speed).exponent:.4f}")
+    axes.loglog(
+        force,
+        speed,
+        "o",
+        markersize=4,
+        label=f"simulation: power {power_law(force, speed).exponent:.4f}",
+    )
     axes.yaxis.set_minor_formatter(ScalarFormatter())
     axes.xaxis.set_major_formatter("{x:g}")
     axes.set(xlabel="Static force F0 (N)", ylabel="Speed of small pulses (m/s)")

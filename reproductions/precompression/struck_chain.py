@@ -1,7 +1,7 @@
 """The wave of the struck first bead of a precompressed elastic chain, measured far down the chain.
 
-In the units of the static state (speeds over c0, forces over F0, velocities over omega alpha0) every such chain is
-one curve. c0 is that of long waves, sqrt(3/2 F0 D^2/(m alpha0)).
+In the units of the static state (speeds over c0, forces over F0, velocities over omega alpha0)
+every such chain is one curve. c0 is that of long waves, sqrt(3/2 F0 D^2/(m alpha0)).
 """
 
 import math
@@ -25,11 +25,15 @@ def solitary_speed(ratio):
     eps = ratio ** (2 / 3) - 1
     bracket = 4 / 15 * (3 + 2 * ratio ** (5 / 3) - 5 * ratio ** (2 / 3))
     near = 1 + eps / 12  # the next term; the bracket cancels there
-    return np.where(eps < 1e-4, near, np.sqrt(np.maximum(bracket, 0)) / np.where(eps < 1e-4, 1, eps))
+    return np.where(
+        eps < 1e-4, near, np.sqrt(np.maximum(bracket, 0)) / np.where(eps < 1e-4, 1, eps)
+    )
 
 
 class Wave:
-    """Speed and height of the crest in the second half of the contacts that it passes before the far end feels it."""
+    """Speed and height of the crest in the second half of the contacts that it passes before the
+    far end feels it.
+    """
 
     def __init__(self, run):
         self.chain = chain = Chain(run)
@@ -42,7 +46,9 @@ class Wave:
         time = chain.time[until]
         crests = np.array([first_peak(time, one, floor=0.5) for one in added[until].T])
         running = (crests[:, 0] < time[-1]) & (np.diff(crests[:, 0], prepend=-1) > 0)
-        self.last = int(np.argmin(np.append(running, False)))  # contact, from 1, that the crest has passed
+        self.last = int(
+            np.argmin(np.append(running, False))
+        )  # contact, from 1, that the crest has passed
         self.window = window = slice(self.last // 2, self.last)
         self.middle = (window.start + window.stop) // 2
         when, height = crests[window].T
@@ -55,9 +61,12 @@ class Wave:
     @property
     def printed_c0(self):
         """c0 by (3), m/s."""
-        own, diameter = self.chain.case.material, self.chain.case.packing.diameter
+        own = self.chain.case.material
+        diameter = self.chain.case.packing.diameter
         modulus = own.youngs_modulus / (1 - own.poisson_ratio**2)
-        return PRINTED_FACTOR * (4 * modulus**2 * self.static / (diameter**2 * own.density**3)) ** (1 / 6)
+        return PRINTED_FACTOR * (4 * modulus**2 * self.static / (diameter**2 * own.density**3)) ** (
+            1 / 6
+        )
 
     @property
     def printed(self):
@@ -66,9 +75,16 @@ class Wave:
 
     @property
     def long_wave_speed(self):
-        """c0 by the crests of the beads' velocities, whose dispersion in a linear chain is known, m/s."""
-        numbers, chain, until = np.arange(FIRST_BEAD, self.last), self.chain, self.until
-        times = [first_peak(chain.time[until], chain.velocity[until, n - 1], floor=0.5)[0] for n in numbers]
+        """c0 by the crests of the beads' velocities, whose dispersion in a linear chain is known,
+        m/s.
+        """
+        numbers = np.arange(FIRST_BEAD, self.last)
+        chain = self.chain
+        until = self.until
+        times = [
+            first_peak(chain.time[until], chain.velocity[until, n - 1], floor=0.5)[0]
+            for n in numbers
+        ]
         return long_wave_speed(self.line, numbers, np.array(times))
 
     @property

@@ -1,7 +1,8 @@
 """Precompressed to uncompressed chain, 0.1 m/s.
 
-One impact, at 0.1 m/s, on a chain under ten static forces from 3 mN to 100 N: the wave is that of an uncompressed
-chain as long as c0 is far below its speed, and a small pulse beyond; the two lines cross at F0 = 1.52 N.
+One impact, at 0.1 m/s, on a chain under ten static forces from 3 mN to 100 N: the wave is that of
+an uncompressed chain as long as c0 is far below its speed, and a small pulse beyond; the two lines
+cross at F0 = 1.52 N.
 """
 
 import numpy as np
@@ -17,8 +18,10 @@ def measured(runs):
 
 def rows(runs):
     waves = measured(runs)
-    first, last = waves[0], waves[-1]
-    free, chain = first.uncompressed_speed, first.chain
+    first = waves[0]
+    last = waves[-1]
+    free = first.uncompressed_speed
+    chain = first.chain
     height = 0.7176 * chain.scales.impulse_force(chain.mass * first.velocity)
     spreads = "" if last.steady else " The crest still spreads: it is slower than a solitary wave."
     # fmt: off
@@ -37,7 +40,8 @@ def rows(runs):
 
 def pictures(runs):
     waves = measured(runs)
-    last, free = waves[-1], waves[0].uncompressed_speed
+    last = waves[-1]
+    free = waves[0].uncompressed_speed
     force, speed = np.array([(wave.static, wave.speed) for wave in waves]).T
     line = np.geomspace(force.min(), force.max(), 50)
     axes = Figure((3.4, 2.6), layout="constrained").subplots()

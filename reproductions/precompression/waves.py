@@ -1,9 +1,10 @@
 """Precompressed chain: waves on 20 N.
 
-A chain under a static force of 20 N is struck at 1 mm/s to 100 m/s. F_m, with F0 in it, and the speed of its crest are
-taken three quarters of the way that the wave goes before the far end feels it. Theory: the travelling wave of the
-lattice, up to 1.2 % faster than that of equation 3, a continuum's. In the limits the equation is right: its last
-factors go to 1 for f_r = F_m/F0 to 1, and 0.9314 sqrt(8/15) = 0.6802 makes it equation 4 for large f_r.
+A chain under a static force of 20 N is struck at 1 mm/s to 100 m/s. F_m, with F0 in it, and the
+speed of its crest are taken three quarters of the way that the wave goes before the far end feels
+it. Theory: the travelling wave of the lattice, up to 1.2 % faster than that of equation 3, a
+continuum's. In the limits the equation is right: its last factors go to 1 for f_r = F_m/F0 to 1,
+and 0.9314 sqrt(8/15) = 0.6802 makes it equation 4 for large f_r.
 """
 
 import numpy as np
@@ -13,7 +14,9 @@ from struck_chain import SMALL, WHERE, Wave, solitary_speed
 import granwave as gw
 from granwave.theory import lattice_speed
 
-IMPULSE = 0.7176 * (9 / 16 * 1.5**3) ** 0.2  # thesis (4.5), of the lattice, in units of the static state
+IMPULSE = (
+    0.7176 * (9 / 16 * 1.5**3) ** 0.2
+)  # thesis (4.5), of the lattice, in units of the static state
 SPREADS = "The crest still spreads and falls: no solitary wave yet, and slower than one."
 
 
@@ -23,7 +26,8 @@ def measured(runs):
 
 def rows(runs):
     waves = measured(runs)
-    first, last = waves[0], waves[-1]
+    first = waves[0]
+    last = waves[-1]
     for wave in waves:
         remarks = [f"Equation 3 gives {wave.printed:.5g} m/s.", "" if wave.steady else SPREADS]
         small = wave.ratio < 1 + SMALL
@@ -44,23 +48,36 @@ def rows(runs):
 
 def pictures(runs):
     waves = measured(runs)
-    x, ratio, speed = np.array([(wave.reduced_velocity, wave.ratio, wave.speed / wave.c0) for wave in waves]).T
+    x, ratio, speed = np.array(
+        [(wave.reduced_velocity, wave.ratio, wave.speed / wave.c0) for wave in waves]
+    ).T
     steady = np.array([wave.steady for wave in waves])
     figure = Figure((6.6, 2.7), layout="constrained")
     left, right = figure.subplots(1, 2)
-    line, fine = np.geomspace(1, 1.5 * ratio.max(), 200), np.geomspace(x.min(), x.max(), 50)
+    line = np.geomspace(1, 1.5 * ratio.max(), 200)
+    fine = np.geomspace(x.min(), x.max(), 50)
     left.semilogx(line, solitary_speed(line), "0.5", label="composite (3)")
     left.semilogx(line, lattice_speed(line), ":k", label="lattice")
     right.loglog(fine, waves[0].linear_height(fine), "C2:", label="linear chain")
     right.loglog(fine, IMPULSE * fine**1.2, "C1--", label="uncompressed: power 6/5")
     for axes, places, values in ((left, ratio, speed), (right, x, ratio - 1)):
         axes.plot(places[steady], values[steady], "oC0", markersize=4, label="simulation")
-        axes.plot(places[~steady], values[~steady], "oC0", mfc="w", markersize=4, label="still spreading")
+        axes.plot(
+            places[~steady], values[~steady], "oC0", mfc="w", markersize=4, label="still spreading"
+        )
         axes.legend(loc="upper left")
     left.set(xlabel=r"$f_r = F_m/F_0$", ylabel=r"Speed over $c_0$")
     right.set(xlabel=r"Impact velocity over $\omega\alpha_0$", ylabel=r"Crest $F_m/F_0 - 1$")
-    data = {"static_force_N": [w.static for w in waves], "impact_velocity_m_s": [w.velocity for w in waves]}
-    data |= {"reduced_velocity": x, "force_ratio": ratio, "speed_over_c0": speed, "steady": steady.astype(int)}
+    data = {
+        "static_force_N": [w.static for w in waves],
+        "impact_velocity_m_s": [w.velocity for w in waves],
+    }
+    data |= {
+        "reduced_velocity": x,
+        "force_ratio": ratio,
+        "speed_over_c0": speed,
+        "steady": steady.astype(int),
+    }
     data |= {"solitary_over_c0": solitary_speed(ratio), "lattice_over_c0": lattice_speed(ratio)}
     caption = (
         "Speed against the wave's height, and height against impact velocity, precompressed chain. Steady waves (full "

@@ -1,10 +1,11 @@
 """Wave speed with defects.
 
-Power of the wave speed with the force. Of like spheres it is 1/6; the source quotes 1/4 for packings with defects and
-little precompression, from others' work on hexagonal ones, and gives neither tolerance nor load. Ours: small waves in
-precompressed packings (the force of a contact goes with the pressure), and waves of an impact in a square packing whose
-scattered spheres stay at their sites, with gaps (peak force of the contacts, sphere 6 to 10 of a central chain, means
-over seeds). Local powers are those of two neighbouring loads.
+Power of the wave speed with the force. Of like spheres it is 1/6; the source quotes 1/4 for
+packings with defects and little precompression, from others' work on hexagonal ones, and gives
+neither tolerance nor load. Ours: small waves in precompressed packings (the force of a contact goes
+with the pressure), and waves of an impact in a square packing whose scattered spheres stay at their
+sites, with gaps (peak force of the contacts, sphere 6 to 10 of a central chain, means over seeds).
+Local powers are those of two neighbouring loads.
 """
 
 import numpy as np
@@ -14,19 +15,25 @@ import granwave as gw
 from granwave.measures import power_law, pulse_peaks, speed_along_layers
 from granwave.theory import precompressed_line
 
-FIRST, LAST = 6, 10  # spheres between which the speed is measured, from the struck one as 1
+# spheres between which the speed is measured, from the struck one as 1
+FIRST = 6
+LAST = 10
 BACKGROUND = {"where": "square packing, 2-D Background"}
-FCC, SQUARE = "fcc under pressure", "square struck in its plane"
+FCC = "fcc under pressure"
+SQUARE = "square struck in its plane"
 
 
 def under_pressure(run):
     """Pressure (Pa), and speed of small waves (m/s)."""
-    return run.case.precompression.pressure, speed_along_layers(run.result, precompressed_line(run.case))
+    return run.case.precompression.pressure, speed_along_layers(
+        run.result, precompressed_line(run.case)
+    )
 
 
 def struck(run):
     """Peak force (N) and speed (m/s) of the wave in a central chain."""
-    case, first = run.case, run.case.striker[0].touches[0]
+    case = run.case
+    first = run.case.striker[0].touches[0]
     ids = np.arange(first, first + case.packing.size[0])
     velocity = run.fields.velocity.sel(id=ids, axis="x").to_numpy()
     when = pulse_peaks(run.fields.time.to_numpy(), velocity, case.packing.diameter).time
@@ -36,14 +43,22 @@ def struck(run):
 
 
 def measured(runs):
-    """Loads (Pa or N) and speeds (m/s) in rising order, by packing and tolerance (m), means over seeds."""
+    """Loads (Pa or N) and speeds (m/s) in rising order, by packing and tolerance (m), means over
+    seeds.
+    """
     found = {}
     for run in runs:
-        fcc, case = run.case.packing.kind == "fcc", run.case
+        fcc = run.case.packing.kind == "fcc"
+        case = run.case
         key = FCC if fcc else SQUARE, case.packing.diameter_scatter
         load = case.precompression.pressure if fcc else case.striker[1].velocity
-        found.setdefault(key, {}).setdefault(load, []).append(under_pressure(run) if fcc else struck(run))
-    means = {key: [np.mean(seeds, axis=0).tolist() for seeds in found[key].values()] for key in sorted(found)}
+        found.setdefault(key, {}).setdefault(load, []).append(
+            under_pressure(run) if fcc else struck(run)
+        )
+    means = {
+        key: [np.mean(seeds, axis=0).tolist() for seeds in found[key].values()]
+        for key in sorted(found)
+    }
     return {key: np.transpose(sorted(points)) for key, points in means.items()}
 
 
@@ -53,9 +68,11 @@ def label(packing, scatter):
 
 def rows(runs):
     for (packing, scatter), (load, speed) in measured(runs).items():
-        name, unit = label(packing, scatter), "Pa" if packing == FCC else "N"
+        name = label(packing, scatter)
+        unit = "Pa" if packing == FCC else "N"
         quantity = f"Power of the wave speed with the force, {name}, {load[0]:.3g} to {load[-1]:.3g} {unit}"
-        whole, local = power_law(load, speed).exponent, np.diff(np.log(speed)) / np.diff(np.log(load))
+        whole = power_law(load, speed).exponent
+        local = np.diff(np.log(speed)) / np.diff(np.log(load))
         # fmt: off
         if not scatter:
             yield gw.Row(quantity, ours=whole, theory=1 / 6, verification=packing == SQUARE, **BACKGROUND,
@@ -79,10 +96,14 @@ def pictures(runs):
         if not shown:
             continue
         figure = Figure((3.5, 3.2), layout="constrained")
-        axes, data = figure.subplots(), {}
+        axes = figure.subplots()
+        data = {}
         for (key, (load, speed)), mark in zip(shown.items(), "os", strict=False):
             axes.loglog(load, speed, f"{mark}-", markersize=3.5, label=label(*key))
-            data |= {f"scatter_{1e6 * key[1]:g}_um_load": load, f"scatter_{1e6 * key[1]:g}_um_speed_m_s": speed}
+            data |= {
+                f"scatter_{1e6 * key[1]:g}_um_load": load,
+                f"scatter_{1e6 * key[1]:g}_um_speed_m_s": speed,
+            }
         for power, line, text in ((1 / 6, ":k", "1/6"), (1 / 4, "--k", "1/4")):
             axes.loglog(load, speed[-1] * (load / load[-1]) ** power, line, label=text)
         axes.set(xlabel=unit, ylabel="Wave speed (m/s)")

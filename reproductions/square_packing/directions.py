@@ -1,8 +1,9 @@
 """Directions of the waves.
 
-Share of the energy of the spheres, before the wave reaches an end, and of all dissipation, within 15 degrees of the
-directions of contacts from the struck spheres. Theory: an even spread. Square packings: the fastest impact. Each run's
-own map is its figure `directions`."""
+Share of the energy of the spheres, before the wave reaches an end, and of all dissipation, within
+15 degrees of the directions of contacts from the struck spheres. Theory: an even spread. Square
+packings: the fastest impact. Each run's own map is its figure `directions`.
+"""
 
 import granwave as gw
 from granwave.measures import directional_spread, sphere_energies, travelling_frame
@@ -14,14 +15,19 @@ FASTEST = 5.0  # m/s
 def rows(runs):
     found = []
     for run in runs:
-        case, result, velocity = run.case, run.result, run.case.striker[1].velocity
+        case = run.case
+        result = run.result
+        velocity = run.case.striker[1].velocity
         label = f"{case.packing.kind}, {LAWS[case.contact.law]}, {max(velocity):g} m/s"
         if case.packing.kind == "square":
             if max(velocity) < FASTEST:
                 continue
             label += ", out-of-plane" if velocity[2] else ", in-plane"
         energy = sphere_energies(result, travelling_frame(result))
-        for what, values in (("Energy", energy), ("Dissipation", result["spheres/dissipated_energy"])):
+        for what, values in (
+            ("Energy", energy),
+            ("Dissipation", result["spheres/dissipated_energy"]),
+        ):
             if spread := directional_spread(result, values):
                 found.append(
                     gw.Row(

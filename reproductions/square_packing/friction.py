@@ -1,9 +1,11 @@
 """Square packing with friction.
 
-The spheres lie on the floor with their weight; friction between spheres, with walls and floor, and both. Loss of the
-peak velocity against the same impact without friction, at the places of sensors: spheres 6 and 15 of a central chain, 5
-and 8 of an edge chain, from the struck one as 1. The source finds more loss in the edge chains and suggests their
-second wall; it gives no number, and no coefficient of friction."""
+The spheres lie on the floor with their weight; friction between spheres, with walls and floor, and
+both. Loss of the peak velocity against the same impact without friction, at the places of sensors:
+spheres 6 and 15 of a central chain, 5 and 8 of an edge chain, from the struck one as 1. The source
+finds more loss in the edge chains and suggests their second wall; it gives no number, and no
+coefficient of friction.
+"""
 
 import numpy as np
 from matplotlib.figure import Figure
@@ -13,7 +15,9 @@ import granwave as gw
 
 WHERE = "square packing, Wave Propagation Path"
 PLACES = [("central chains", 6), ("central chains", 15), ("edge chains", 5), ("edge chains", 8)]
-AT_STRUCK = "The striker and the next spheres of the central chains hold them back when they part sideways."
+AT_STRUCK = (
+    "The striker and the next spheres of the central chains hold them back when they part sideways."
+)
 ROLLING = "Theory: weight times coefficient times the way of every sphere; less where a sphere begins to roll."
 
 
@@ -24,7 +28,9 @@ class Rubbing(Packing):
         super().__init__(run)
         self.frictions = self.case.contact.friction, self.case.boundary.friction
         own, walls = self.frictions
-        parts = [f"friction {own:g} between spheres"] * (own > 0) + [f"{walls:g} with walls"] * (walls > 0)
+        parts = [f"friction {own:g} between spheres"] * (own > 0) + [f"{walls:g} with walls"] * (
+            walls > 0
+        )
         self.label = " and ".join(parts)
         self.largest = np.array([self.peaks[group].velocity[place - 1] for group, place in PLACES])
 
@@ -43,7 +49,9 @@ class Rubbing(Packing):
 
 
 def measured(runs):
-    """Packings with friction in rising order of it, and the losses of their largest velocity, %: (n_runs, n_places)."""
+    """Packings with friction in rising order of it, and the losses of their largest velocity, %:
+    (n_runs, n_places).
+    """
     smooth, *found = sorted(map(Rubbing, runs), key=lambda one: one.frictions)
     return found, np.array([100 * (1 - one.largest / smooth.largest) for one in found])
 
@@ -70,15 +78,30 @@ def pictures(runs):
     axes = Figure((5.2, 2.6), layout="constrained").subplots()
     kinds = (("between spheres", walls == 0, "o-"), ("walls and floor", own == 0, "s--"))
     for (group, place), lost in zip(PLACES, losses.T, strict=True):
-        word, colour = group.split()[0], "C0" if group == "central chains" else "C1"
+        word = group.split()[0]
+        colour = "C0" if group == "central chains" else "C1"
         data[f"{word}_sphere_{place}_loss_percent"] = lost
         for kind, chosen, mark in kinds if place in (5, 6) else ():
             x = np.maximum(own, walls)[chosen]
-            axes.plot([0, *x], [0, *lost[chosen]], mark, color=colour, markersize=3, label=f"{word}, {kind}")
-    axes.set(xlabel="Coefficient of friction", ylabel="Loss of peak velocity (%)", xlim=(0, None), ylim=(0, None))
+            axes.plot(
+                [0, *x],
+                [0, *lost[chosen]],
+                mark,
+                color=colour,
+                markersize=3,
+                label=f"{word}, {kind}",
+            )
+    axes.set(
+        xlabel="Coefficient of friction",
+        ylabel="Loss of peak velocity (%)",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
     axes.figure.legend(loc="outside right upper")
     worst = losses[np.where(walls, 0, own).argmax()]
-    most = {group: lost for (group, place), lost in zip(PLACES, worst, strict=True) if place in (5, 6)}
+    most = {
+        group: lost for (group, place), lost in zip(PLACES, worst, strict=True) if place in (5, 6)
+    }
     caption = (
         "Loss of peak velocity, sphere 6 of a central and 5 of an edge chain, against the coefficient of friction. "
         f"Between spheres, {own.max():g} takes {' and '.join(f'{lost:.2g} % from {one}' for one, lost in most.items())}"

@@ -1,7 +1,8 @@
 """Square packing, elastic impacts.
 
-20 x 20 elastic spheres, struck through a sphere at rest: two at an edge in the plane at 0.29 m/s, or four in the middle
-from above at 0.65 m/s."""
+20 x 20 elastic spheres, struck through a sphere at rest: two at an edge in the plane at 0.29 m/s,
+or four in the middle from above at 0.65 m/s.
+"""
 
 import numpy as np
 from matplotlib.collections import EllipseCollection
@@ -11,7 +12,9 @@ from packing import COLOURS, MEASURES, source_impacts
 import granwave as gw
 from granwave.theory import discrete_width, solitary_lengths
 
-WAVES, SHOWN = {"in-plane": 4, "out-of-plane": 8}, (0.15e-3, 0.30e-3)  # chains with a wave; s, of the maps
+# chains with a wave; s, of the maps
+WAVES = {"in-plane": 4, "out-of-plane": 8}
+SHOWN = (0.15e-3, 0.30e-3)
 ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5},
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
@@ -49,9 +52,15 @@ def last_length(found):
 
 
 def rows(one):
-    way, percent, paths = one.way, "% of input", {"where": "square packing, Wave Propagation Path"}
+    way = one.way
+    percent = "% of input"
+    paths = {"where": "square packing, Wave Propagation Path"}
     ours = {region: 100 * share for region, share in one.settled.items()}
-    chains = {f"chain from {ids[0]} to {ids[-1]}": ids[1:] for group in one.chains.values() for ids in group}
+    chains = {
+        f"chain from {ids[0]} to {ids[-1]}": ids[1:]
+        for group in one.chains.values()
+        for ids in group
+    }
     shares = gw.measures.energy_by_region(one.run.result, chains)
     carrying = sum(shares[chain].max() > 0.01 for chain in chains)
     # fmt: off
@@ -65,17 +74,21 @@ def rows(one):
                  theory=0.0, remark="Theory: symmetry.", **paths)
     for time in SHOWN:
         speeds = one.velocity["central chains"][np.abs(one.time - time).argmin()]
-        crest, at = speeds[1:].argmax() + 2, f"at {1e3 * time:.2f} ms, {way}"
+        crest = speeds[1:].argmax() + 2
+        at = f"at {1e3 * time:.2f} ms, {way}"
         maps = {"where": "square packing, Figs 3 and 6"}
         yield gw.Row(f"Fastest sphere of a central chain {at}", ours=crest, **maps)
         yield gw.Row(f"Speed of it {at}", "m/s", ours=speeds[crest - 1], **maps)
     for group, found in one.lengths.items():
-        of, last, pulse = f"{group}, {way}", last_length(found), {"where": "square packing, Pulse Length"}
+        of = f"{group}, {way}"
+        last = last_length(found)
+        pulse = {"where": "square packing, Pulse Length"}
         for n, (measure, theory) in enumerate(solitary_lengths().items()):
             remark = "The source: about 5, which is Nesterenko's." if n < 2 else "Theory: Nesterenko's wave."
             yield gw.Row(f"Pulse length, {measure}, {of}", "diameters", 5.0 if n < 2 else None, found[measure][last],
                          theory=theory, remark=remark, **pulse)
-        half, theory = found[MEASURES[3]], solitary_lengths()[MEASURES[3]]
+        half = found[MEASURES[3]]
+        theory = solitary_lengths()[MEASURES[3]]
         unsettled = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > 0.02)
         yield gw.Row(f"Half-maximum length below Nesterenko's, {of}", "%", 13.0, 100 * (1 - half[last] / theory),
                      theory=100 * (1 - discrete_width() / theory), remark=ASYMPTOTIC, **pulse)
@@ -107,40 +120,77 @@ def energies(one):
     for region, share in one.energies.items():
         if share.max() > 1e-3:
             axes.plot(1e6 * one.time, 100 * share, color=COLOURS[region], label=region)
-    axes.set(xlabel="Time (µs)", ylabel="Energy (% of input)", xlim=(0, 1e6 * one.time[-1]), ylim=(0, 105))
+    axes.set(
+        xlabel="Time (µs)",
+        ylabel="Energy (% of input)",
+        xlim=(0, 1e6 * one.time[-1]),
+        ylim=(0, 105),
+    )
     axes.figure.legend(loc="outside right upper")
-    data = {f"{region.replace(' ', '_')}_over_input": share for region, share in one.energies.items()}
+    data = {
+        f"{region.replace(' ', '_')}_over_input": share for region, share in one.energies.items()
+    }
     return axes.figure, {"time_s": one.time} | data
 
 
 def speeds(one):
-    n, size = one.size[0] * one.size[1], 1e3 * one.diameter
+    n = one.size[0] * one.size[1]
+    size = 1e3 * one.diameter
     place = 1e3 * one.run.result["spheres/position"][:n, :2]  # mm
     frames = [int(np.abs(one.time - time).argmin()) for time in SHOWN]
-    speed = [np.linalg.norm(one.run.result.frame(frame, "velocity")[:n], axis=1) for frame in frames]
+    speed = [
+        np.linalg.norm(one.run.result.frame(frame, "velocity")[:n], axis=1) for frame in frames
+    ]
     figure = Figure((3.5, 2.6), layout="constrained")
     panels = figure.subplots(1, len(SHOWN), sharey=True)
     for axes, time, values in zip(panels, one.time[frames], speed, strict=True):
-        own = {"units": "xy", "offsets": place, "offset_transform": axes.transData, "cmap": "magma_r"}
-        discs = axes.add_collection(EllipseCollection([size] * n, [size] * n, [0.0] * n, array=values, **own))
+        own = {
+            "units": "xy",
+            "offsets": place,
+            "offset_transform": axes.transData,
+            "cmap": "magma_r",
+        }
+        discs = axes.add_collection(
+            EllipseCollection([size] * n, [size] * n, [0.0] * n, array=values, **own)
+        )
         discs.set_clim(0, max(part.max() for part in speed))
-        axes.set(xlim=(-size / 2, place[:, 0].max() + size / 2), ylim=(-size / 2, place[:, 1].max() + size / 2))
+        axes.set(
+            xlim=(-size / 2, place[:, 0].max() + size / 2),
+            ylim=(-size / 2, place[:, 1].max() + size / 2),
+        )
         axes.set(aspect="equal", xlabel="x (mm)", title=f"{1e3 * time:.2f} ms")
     panels[0].set_ylabel("y (mm)")
     figure.colorbar(discs, ax=list(panels), label="Speed (m/s)", location="bottom", shrink=0.8)
-    data = {f"speed_at_{1e6 * one.time[frame]:.0f}_us_m_s": part for frame, part in zip(frames, speed, strict=True)}
-    return figure, {"id": np.arange(1, n + 1), "x_m": 1e-3 * place[:, 0], "y_m": 1e-3 * place[:, 1]} | data
+    data = {
+        f"speed_at_{1e6 * one.time[frame]:.0f}_us_m_s": part
+        for frame, part in zip(frames, speed, strict=True)
+    }
+    return figure, {
+        "id": np.arange(1, n + 1),
+        "x_m": 1e-3 * place[:, 0],
+        "y_m": 1e-3 * place[:, 1],
+    } | data
 
 
 def lengths(one):
-    figure, data = Figure((4.4, 3.4), layout="constrained"), {}
+    figure = Figure((4.4, 3.4), layout="constrained")
+    data = {}
     panels = figure.subplots(2, 2, sharex=True)
     for group, found in one.lengths.items():
         chosen = np.arange(1, last_length(found) + 1)
         data[f"{group.split()[0]}_sphere"] = chosen + 1
         for axes, measure in zip(panels.flat, MEASURES, strict=True):
-            axes.plot(chosen + 1, found[measure][chosen], "o-", color=COLOURS[group], markersize=3, label=group)
-            data[f"{group.split()[0]}_{measure.replace(' ', '_')}_diameters"] = found[measure][chosen]
+            axes.plot(
+                chosen + 1,
+                found[measure][chosen],
+                "o-",
+                color=COLOURS[group],
+                markersize=3,
+                label=group,
+            )
+            data[f"{group.split()[0]}_{measure.replace(' ', '_')}_diameters"] = found[measure][
+                chosen
+            ]
     for axes, (measure, theory) in zip(panels.flat, solitary_lengths().items(), strict=True):
         axes.axhline(theory, color="black", linestyle=":", label="Nesterenko")
         axes.set(title=measure.capitalize(), ylim=(None, 1.04 * theory))

@@ -1,10 +1,11 @@
 """Spheres with sensors in a chain on a load cell.
 
-A struck chain with a load cell at its end: a plate on a spring, whose force is what the cell reads. Spheres 6, 11 and
-16, one by one and together, have the mass of a sphere with a sensor. Given are the change of the first peak that the
-cell reads and of its width at half maximum, against like spheres. The source sees no change of the wave length and no
-clear trend of the amplitude in ten impacts each; it tells neither mass nor stiffness of the cell, nor how well impacts
-repeat. Ours of the cell are assumed; a rigid wall in its place changes as much.
+A struck chain with a load cell at its end: a plate on a spring, whose force is what the cell reads.
+Spheres 6, 11 and 16, one by one and together, have the mass of a sphere with a sensor. Given are
+the change of the first peak that the cell reads and of its width at half maximum, against like
+spheres. The source sees no change of the wave length and no clear trend of the amplitude in ten
+impacts each; it tells neither mass nor stiffness of the cell, nor how well impacts repeat. Ours of
+the cell are assumed; a rigid wall in its place changes as much.
 """
 
 import numpy as np
@@ -24,7 +25,9 @@ class Reading:
         case = run.case
         self.end = ENDS[case.boundary.bottom_support is None]
         self.lighter = [number for one in case.replace for number in one.index]
-        self.mass_ratio = min((one.material.density for one in case.replace), default=0) / case.material.density
+        self.mass_ratio = (
+            min((one.material.density for one in case.replace), default=0) / case.material.density
+        )
         self.spheres = named(self.lighter)
         wall = run.walls[run.walls.wall == "bottom"]
         self.time = wall.time.to_numpy()
@@ -54,7 +57,8 @@ def rows(runs):
         yield gw.Row(f"First peak, like spheres, {end}", "N", ours=like.peak, **SETUP)
         for one in others:
             where = f"{end}, {one.mass_ratio:.3g} of the mass: {one.spheres}"
-            higher, longer = 100 * (one.peak / like.peak - 1), 100 * (one.width / like.width - 1)
+            higher = 100 * (one.peak / like.peak - 1)
+            longer = 100 * (one.width / like.width - 1)
             # fmt: off
             yield gw.Row(f"Change of the first peak, {where}", "%", ours=higher, **SETUP,
                          remark="The source: no clear trend.")
@@ -65,19 +69,28 @@ def rows(runs):
 
 def pictures(runs):
     figure = Figure((7, 3), layout="constrained")
-    panels, data = figure.subplots(1, 2, sharey=True), {}
+    panels = figure.subplots(1, 2, sharey=True)
+    data = {}
     for axes, (end, found) in zip(panels, by_end(runs).items(), strict=True):
-        first, last = (pick(one.when + s * one.width for one in found) for pick, s in ((min, -1.5), (max, 1.5)))
+        first, last = (
+            pick(one.when + s * one.width for one in found) for pick, s in ((min, -1.5), (max, 1.5))
+        )
         grid = np.linspace(first, last, 400)
         data[f"{end}_time_s".replace(" ", "_")] = grid
         for one in found:
             axes.plot(1e6 * one.time, one.force, linewidth=0.9, label=one.spheres)
-            name = "_".join([end, "spheres", *map(str, one.lighter)] if one.lighter else [end, "like_spheres"])
+            name = "_".join(
+                [end, "spheres", *map(str, one.lighter)] if one.lighter else [end, "like_spheres"]
+            )
             data[f"{name}_N".replace(" ", "_")] = np.interp(grid, one.time, one.force)
         axes.set(title=end, xlabel="Time (µs)", xlim=(1e6 * first, 1e6 * last), ylim=(0, None))
     panels[0].set_ylabel("Force (N)")
-    figure.legend(*axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=7)
-    most = max(abs(one.peak / found[0].peak - 1) for found in by_end(runs).values() for one in found)
+    figure.legend(
+        *axes.get_legend_handles_labels(), loc="outside upper center", ncols=3, fontsize=7
+    )
+    most = max(
+        abs(one.peak / found[0].peak - 1) for found in by_end(runs).values() for one in found
+    )
     caption = (
         "Force on a load cell, or a rigid wall, at the end of the chain against time, by which spheres are as light as "
         f"one with a sensor. These come a little earlier; the first peak changes by at most {100 * most:.2g} %"

@@ -1,7 +1,9 @@
-"""Square packing that a striker hits through a sphere at rest: chains from the struck spheres, pulses and energies.
+"""Square packing that a striker hits through a sphere at rest: chains from the struck spheres,
+pulses and energies.
 
-Sphere (X, Y) of the packing, from 1, has the id X + nx (Y - 1). A chain begins at a struck sphere, which is its sphere
-1, and holds no other struck one. Those along the impact are central chains, those across it edge chains.
+Sphere (X, Y) of the packing, from 1, has the id X + nx (Y - 1). A chain begins at a struck sphere,
+which is its sphere 1, and holds no other struck one. Those along the impact are central chains,
+those across it edge chains.
 """
 
 from functools import cached_property
@@ -28,12 +30,18 @@ def source_impacts(runs):
 
 
 class Packing:
-    """A struck packing; what is of a group of chains is of its first one, for all are alike by symmetry."""
+    """A struck packing; what is of a group of chains is of its first one, for all are alike by
+    symmetry.
+    """
 
     def __init__(self, run):
-        self.run, self.case, self.diameter = run, run.case, run.case.packing.diameter
+        self.run = run
+        self.case = run.case
+        self.diameter = run.case.packing.diameter
         at_rest, striker = run.case.striker
-        self.struck, self.speed = at_rest.touches, max(striker.velocity)  # m/s
+        # m/s
+        self.struck = at_rest.touches
+        self.speed = max(striker.velocity)
         self.way = "out-of-plane" if striker.velocity[2] else "in-plane"
         self.size = run.case.packing.size
 
@@ -59,26 +67,39 @@ class Packing:
     @cached_property
     def velocity(self):
         """Velocities along the first chain of each group, (n_times, n_spheres), m/s."""
-        return {group: line_velocity(self.run.result, chains[0]) for group, chains in self.chains.items()}
+        return {
+            group: line_velocity(self.run.result, chains[0])
+            for group, chains in self.chains.items()
+        }
 
     @cached_property
     def peaks(self):
-        return {group: pulse_peaks(self.time, found, self.diameter) for group, found in self.velocity.items()}
+        return {
+            group: pulse_peaks(self.time, found, self.diameter)
+            for group, found in self.velocity.items()
+        }
 
     @cached_property
     def lengths(self):
-        return {group: pulse_lengths(self.time, found, self.diameter) for group, found in self.velocity.items()}
+        return {
+            group: pulse_lengths(self.time, found, self.diameter)
+            for group, found in self.velocity.items()
+        }
 
     @cached_property
     def energies(self):
         """Shares of the input in time, the struck spheres apart from their chains."""
-        n, chains = self.size[0] * self.size[1], self.chains.items()
+        n = self.size[0] * self.size[1]
+        chains = self.chains.items()
         regions = {group: np.concatenate([ids[1:] for ids in members]) for group, members in chains}
-        return energy_by_region(self.run.result, regions | {"struck spheres": self.struck, "strikers": [n + 1, n + 2]})
+        return energy_by_region(
+            self.run.result, regions | {"struck spheres": self.struck, "strikers": [n + 1, n + 2]}
+        )
 
     @cached_property
     def settled(self):
-        """Shares of the input: chains at most, struck spheres and strikers when they have rebounded, losses at the end.
+        """Shares of the input: chains at most, struck spheres and strikers when they have
+        rebounded, losses at the end.
 
         They have rebounded when the struck spheres hold most after they held least.
         """

@@ -1,7 +1,8 @@
 """A lighter sphere in a chain.
 
-Largest contact force of what comes back, over that of the incident wave, four contacts before the sphere, until waves
-from the far end can arrive. The source does not say which amplitude it took, nor where.
+Largest contact force of what comes back, over that of the incident wave, four contacts before the
+sphere, until waves from the far end can arrive. The source does not say which amplitude it took,
+nor where.
 """
 
 import numpy as np
@@ -12,18 +13,30 @@ import granwave as gw
 from granwave.measures import Chain, reflection
 
 BEFORE = 4  # contacts between the lighter sphere and the one at which the reflection is measured
-SOLID, SENSOR, LIMIT = 28.79, 26.52, 1.2  # g, as the source weighed them; % of the incident wave
+# g, as the source weighed them; % of the incident wave
+SOLID = 28.79
+SENSOR = 26.52
+LIMIT = 1.2
 SETUP = {"where": "square packing, Experimental Setup"}
 
 
 def measured(runs):
-    """Mass of the sphere over the others', reflected share (%), record and force there, by rising mass."""
+    """Mass of the sphere over the others', reflected share (%), record and force there, by rising
+    mass.
+    """
     found = []
     for run in runs:
         chain, (sphere,) = Chain(run), run.case.replace
         place = sphere.index[0] - BEFORE  # the contact of the striker is number 0
         share = 100 * reflection(chain.time, chain.force, place, BEFORE + 2)
-        found.append((sphere.material.density / run.case.material.density, share, chain, chain.force[:, place]))
+        found.append(
+            (
+                sphere.material.density / run.case.material.density,
+                share,
+                chain,
+                chain.force[:, place],
+            )
+        )
     return sorted(found, key=lambda one: one[0])
 
 
@@ -50,14 +63,33 @@ def pictures(runs):
     left, right = figure.subplots(1, 2)
     left.plot(100 * ratios, shares, "o-", markersize=3, label="simulation")
     left.plot(100 * SENSOR / SOLID, LIMIT, "v", color="0.5", label="source: less than this")
-    left.set(xlabel="Mass of the sphere (% of the others')", ylabel="Reflection (% of the wave)", ylim=(0, None))
+    left.set(
+        xlabel="Mass of the sphere (% of the others')",
+        ylabel="Reflection (% of the wave)",
+        ylim=(0, None),
+    )
     left.legend()
     data = {"mass_ratio": ratios, "reflection_percent": shares}
     for n, (ratio, _, chain, force) in enumerate(found):
-        scaled, colour = force / force.max(), colormaps["viridis"](0.9 * n / len(found))
-        right.plot(1e6 * chain.time, 100 * scaled, color=colour, linewidth=0.9, label=f"{100 * ratio:.3g} %")
-        data |= {"time_s": chain.time, f"mass_{100 * ratio:.3g}_percent_force_over_incident": scaled}
-    right.set(xlabel="Time (µs)", ylabel="Force over the incident wave's (%)", ylim=(0, 25), xlim=(0, None))
+        scaled = force / force.max()
+        colour = colormaps["viridis"](0.9 * n / len(found))
+        right.plot(
+            1e6 * chain.time,
+            100 * scaled,
+            color=colour,
+            linewidth=0.9,
+            label=f"{100 * ratio:.3g} %",
+        )
+        data |= {
+            "time_s": chain.time,
+            f"mass_{100 * ratio:.3g}_percent_force_over_incident": scaled,
+        }
+    right.set(
+        xlabel="Time (µs)",
+        ylabel="Force over the incident wave's (%)",
+        ylim=(0, 25),
+        xlim=(0, None),
+    )
     right.legend(ncols=2, fontsize=7, title="mass")
     caption = (
         f"Largest reflection against the mass of the lighter sphere, and force {BEFORE} contacts before it against "

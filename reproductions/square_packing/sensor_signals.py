@@ -1,6 +1,8 @@
 """Signals of the sensors in a square packing, elastic impacts.
 
-Acceleration along the chains at the sensors, speed of the wave between two of them, and length of the pulse there."""
+Acceleration along the chains at the sensors, speed of the wave between two of them, and length of
+the pulse there.
+"""
 
 import math
 from itertools import pairwise
@@ -20,9 +22,14 @@ PLACES = {
     "out-of-plane": {"3A": ("central chains", 6), "3B": ("central chains", 6), "3C": ("central chains", 8)},
 }  # fmt: skip
 QUIET = {"in-plane": "2D", "out-of-plane": "3D"}
-BETWEEN = {"in-plane": (("1B", "1C"), ("2B", "2C")), "out-of-plane": (("3B", "3C"),)}  # for the speed, Figs 8 to 10
+BETWEEN = {
+    "in-plane": (("1B", "1C"), ("2B", "2C")),
+    "out-of-plane": (("3B", "3C"),),
+}  # for the speed, Figs 8 to 10
 DRAWN = {"in-plane": ("1C", "1D", "2B", "2C"), "out-of-plane": ("3B", "3C")}  # lengths of Fig. 11
-SAMPLING, TOLERANCE = 2e-6, 1e-5  # s between two samples of the source; m, of its diameters
+# s between two samples of the source; m, of its diameters
+SAMPLING = 2e-6
+TOLERANCE = 1e-5
 STEEPEST = 3 * math.sqrt(3) / 16  # of cos^3 sin
 DOTTED = "Theory: the dotted line, Nesterenko's wave."
 ERROR_BAR = "By the source's formula, of 2 µs and 0.01 mm; it leaves gaps out, which make far more."
@@ -41,8 +48,11 @@ def title(one):
 
 
 def signals(one):
-    """Acceleration of the sensors along their chains and across, in the plane: (n_times,), (n_times, 2), m/s^2."""
-    found, place = gw.measures.sensor_accelerations(one.run.result), one.run.result["spheres/position"]
+    """Acceleration of the sensors along their chains and across, in the plane: (n_times,),
+    (n_times, 2), m/s^2.
+    """
+    found = gw.measures.sensor_accelerations(one.run.result)
+    place = one.run.result["spheres/position"]
     struck = place[np.array(one.struck) - 1]
     for sensor in one.case.sensor:
         if sensor.name in PLACES[one.way]:
@@ -54,11 +64,16 @@ def signals(one):
 
 
 def rows(one):
-    run, diameter, material = one.run, one.diameter, one.case.material
-    time, found = run.result["probes/time"], gw.measures.sensor_accelerations(run.result)
-    across, largest = 0.0, max(np.linalg.norm(values, axis=1).max() for values in found.values())
+    run = one.run
+    diameter = one.diameter
+    material = one.case.material
+    time = run.result["probes/time"]
+    found = gw.measures.sensor_accelerations(run.result)
+    across = 0.0
+    largest = max(np.linalg.norm(values, axis=1).max() for values in found.values())
     paths, scaling = (
-        {"where": f"square packing, {part}"} for part in ("Wave Propagation Path", "Particle Velocity - Wave Speed")
+        {"where": f"square packing, {part}"}
+        for part in ("Wave Propagation Path", "Particle Velocity - Wave Speed")
     )
     # fmt: off
     for sensor, along, sideways in signals(one):
@@ -80,7 +95,8 @@ def rows(one):
     for pair in BETWEEN[one.way]:
         (group, first), (_, second) = (PLACES[one.way][sensor] for sensor in pair)
         _, speed = gw.measures.speed_between(one.peaks[group], first, second, diameter)
-        force, way = peak_force(run, one.chains[group][0][first - 1 : second + 1]), (second - first) * diameter
+        force = peak_force(run, one.chains[group][0][first - 1 : second + 1])
+        way = (second - first) * diameter
         yield gw.Row(f"Factor of the speed against the peak force (equation 3), {group}, {one.way}", "", 0.68,
                      speed / (scale ** (1 / 3) * force ** (1 / 6)), theory=0.6802 * discrete_speed(), **scaling,
                      remark="Theory: the wave of the chain of beads itself, not of the continuum.")
@@ -104,7 +120,13 @@ def peak_force(run, ids):
 def pictures(one):
     time = one.run.result["probes/time"]
     figure = Figure((4.2, 1.0 + 1.3 * len(BETWEEN[one.way])), layout="constrained")
-    panels = dict(zip(one.chains, figure.subplots(len(one.chains), sharex=True, squeeze=False).flat, strict=True))
+    panels = dict(
+        zip(
+            one.chains,
+            figure.subplots(len(one.chains), sharex=True, squeeze=False).flat,
+            strict=True,
+        )
+    )
     data = {"time_s": time}
     for n, (sensor, along, _) in enumerate(signals(one)):
         axes = panels[PLACES[one.way][sensor][0]]

@@ -1,12 +1,13 @@
 """Twin sensors in a square packing.
 
-Two sensors at places that symmetry makes equal, and impacts that are not ideal: the striker hits off the centre of the
-one at rest, the one at rest sits aside, the diameters scatter. On a tilted floor spheres lean on each other and all
-contacts are closed, without tilt they stay at the sites of the lattice, with gaps. Each setting has runs with seeds of
-their own; given are standard deviations from run to run of the time between the two peaks of acceleration, and of their
-ratio. The source had 15 impacts for each; it tells the tolerance of the diameters, 0.01 mm to either side, but no
-misalignment and no gap: the settings are ours. The delay for each per cent of the amplitude hardly depends on how large
-an imperfection is, and tells its kind.
+Two sensors at places that symmetry makes equal, and impacts that are not ideal: the striker hits
+off the centre of the one at rest, the one at rest sits aside, the diameters scatter. On a tilted
+floor spheres lean on each other and all contacts are closed, without tilt they stay at the sites of
+the lattice, with gaps. Each setting has runs with seeds of their own; given are standard deviations
+from run to run of the time between the two peaks of acceleration, and of their ratio. The source
+had 15 impacts for each; it tells the tolerance of the diameters, 0.01 mm to either side, but no
+misalignment and no gap: the settings are ours. The delay for each per cent of the amplitude hardly
+depends on how large an imperfection is, and tells its kind.
 """
 
 import math
@@ -17,7 +18,9 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import directions, estimate, first_peak, sensor_accelerations
 
-IMPACTS, FEWEST = 15, 4  # of the source at each place of sensors; runs for a standard deviation
+# of the source at each place of sensors; runs for a standard deviation
+IMPACTS = 15
+FEWEST = 4
 PATH = {"where": "square packing, Wave Propagation Path"}
 #: Of the source, mean and standard deviation: the second's delay, µs, and the first's excess in acceleration, %.
 TWINS = {
@@ -28,10 +31,14 @@ TWINS = {
 
 
 class Sample:
-    """All runs of a setting as two twin sensors see them: delay, µs, excess, %, and arrival, µs, of the peaks."""
+    """All runs of a setting as two twin sensors see them: delay, µs, excess, %, and arrival, µs, of
+    the peaks.
+    """
 
     def __init__(self, twins, setting, runs):
-        self.twins, self.setting, self.n = twins, setting, len(runs)
+        self.twins = twins
+        self.setting = setting
+        self.n = len(runs)
         first, _, second, *_ = twins.split()
         found = [one for one in (differences(run, first, second) for run in runs) if one]
         self.lost = self.n - len(found)
@@ -44,22 +51,32 @@ class Sample:
         """Cause of the scatter, and runs that do not count."""
         parts = []
         if "striker off centre" in self.setting:
-            parts.append("The one at rest leaves to the side; the source does not tell by how much strikes miss.")
+            parts.append(
+                "The one at rest leaves to the side; the source does not tell by how much strikes miss."
+            )
         if "resting striker aside" in self.setting:
             parts.append("It touches one of two spheres first; the source does not tell the gap.")
         if "leaning" in self.setting:
-            four = "; the one at rest sits on three of its four spheres and leaves a gap to the last"
+            four = (
+                "; the one at rest sits on three of its four spheres and leaves a gap to the last"
+            )
             parts.append(f"Contacts are closed{four if 'out-of-plane' in self.twins else ''}.")
         if "at the sites" in self.setting:
             parts.append(f"Gaps delay the wave, which arrives after {short(self.arrival.mean)} µs.")
         if self.lost:
-            parts.append(f"In {self.lost} of {self.n} runs the wave misses one of both; they do not count.")
+            parts.append(
+                f"In {self.lost} of {self.n} runs the wave misses one of both; they do not count."
+            )
         return " ".join(parts)
 
 
 def differences(run, first, second):
-    """Delay, excess and arrival of two sensors; None if the wave has reached one of them alone, or neither."""
-    found, ways, time = sensor_accelerations(run.result), directions(run.result), run.result["probes/time"]
+    """Delay, excess and arrival of two sensors; None if the wave has reached one of them alone, or
+    neither.
+    """
+    found = sensor_accelerations(run.result)
+    ways = directions(run.result)
+    time = run.result["probes/time"]
     ids = {sensor.name: sensor.id for sensor in run.case.sensor}
     along = [found[name] @ ways[ids[name] - 1] for name in (first, second)]
     times, peaks = np.transpose([first_peak(time, one, floor=0.5) for one in along])
@@ -70,14 +87,17 @@ def differences(run, first, second):
 
 def setting(case):
     """Imperfection of a case."""
-    parts, packing = [], case.packing
+    parts = []
+    packing = case.packing
     if packing.diameter_scatter:
         place = "leaning to +x, +y" if packing.tilt else "at the sites"
         parts.append(f"diameters ± {5e5 * packing.diameter_scatter:g} µm, {place}")
     for striker in case.striker:
         if size := max(striker.misalignment):
             what = "striker off centre" if any(striker.velocity) else "resting striker aside"
-            parts.append(f"{what} within " + (f"{1e3 * size:g} mm" if size >= 1e-4 else f"{1e6 * size:g} µm"))
+            parts.append(
+                f"{what} within " + (f"{1e3 * size:g} mm" if size >= 1e-4 else f"{1e6 * size:g} µm")
+            )
     return "; ".join(parts) or "ideal"
 
 
@@ -107,17 +127,25 @@ def by_twins(samples):
 def rows(samples):
     for one in samples:
         if one.scattered:
-            scatters = ("delay", "µs", one.delay.deviation), ("peak acceleration", "%", one.excess.deviation)
+            scatters = (
+                ("delay", "µs", one.delay.deviation),
+                ("peak acceleration", "%", one.excess.deviation),
+            )
             for (name, unit, ours), (_, theirs) in zip(scatters, TWINS[one.twins], strict=True):
                 remark = f"The source: {theirs:g} {unit}, by what is not known. {one.remark}"
                 quantity = f"Scatter of the {name}, {one.twins}: {one.setting}"
                 yield gw.Row(quantity, unit, ours=ours, remark=remark, **PATH)
     for twins, source, _ in by_twins(samples):
-        names = (f"Mean delay, {twins}", "µs"), (f"Mean difference of the peak acceleration, {twins}", "%")
+        names = (
+            (f"Mean delay, {twins}", "µs"),
+            (f"Mean difference of the peak acceleration, {twins}", "%"),
+        )
         for (name, unit), (mean, scatter) in zip(names, source, strict=True):
             errors = abs(mean) / (scatter / math.sqrt(IMPACTS))
             remark = f"the source's is {errors:.1f} standard errors of its {IMPACTS} impacts from it: chance."
-            yield gw.Row(name, unit, mean, theory=0.0, remark=f"Symmetry makes it 0; {remark}", **PATH)
+            yield gw.Row(
+                name, unit, mean, theory=0.0, remark=f"Symmetry makes it 0; {remark}", **PATH
+            )
 
 
 def verdict(samples):
@@ -137,13 +165,17 @@ def pictures(samples):
     for n, name in enumerate(settings):
         for k, one in enumerate(one for one in samples if one.setting == name):
             scatter = one.excess.deviation, one.delay.deviation
-            axes.loglog(*scatter, marks[one.twins], color=f"C{n}", markersize=4, label="" if k else name)
+            axes.loglog(
+                *scatter, marks[one.twins], color=f"C{n}", markersize=4, label="" if k else name
+            )
     for twins, ((_, delay), (_, excess)), _ in by_twins(samples):
         name = f"source, {twins.partition(' (')[0]}"
         axes.loglog(excess, delay, f"{marks[twins]}k", markersize=8, fillstyle="none", label=name)
     axes.set(xlabel="Scatter of the peak acceleration (%)", ylabel="Scatter of the delay (µs)")
     axes.figure.legend(loc="outside upper center", ncols=2, fontsize=6)
-    data = {name: [getattr(one, name) for one in samples] for name in ("twins", "setting", "n", "lost")}
+    data = {
+        name: [getattr(one, name) for one in samples] for name in ("twins", "setting", "n", "lost")
+    }
     for name, unit in (("delay", "us"), ("excess", "percent"), ("arrival", "us")):
         values = [getattr(one, name) for one in samples]
         data |= {f"{name}_{unit}": [one.mean for one in values]}

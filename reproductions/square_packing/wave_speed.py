@@ -1,7 +1,8 @@
 """Square packing: wave speed.
 
-Between the places of two sensors in a chain: wave speed from the times of the velocity peaks, against the mean of the
-peaks, for a scan of the striker's velocity."""
+Between the places of two sensors in a chain: wave speed from the times of the velocity peaks,
+against the mean of the peaks, for a scan of the striker's velocity.
+"""
 
 import math
 
@@ -11,19 +12,28 @@ from packing import Packing
 
 import granwave as gw
 
-SENSORS = {"in-plane": {"central chains": (6, 10), "edge chains": (5, 8)}, "out-of-plane": {"central chains": (6, 8)}}
+SENSORS = {
+    "in-plane": {"central chains": (6, 10), "edge chains": (5, 8)},
+    "out-of-plane": {"central chains": (6, 8)},
+}
 SIMILAR = "Similarity forces it on any correct elastic code."
 WHERE = "square packing, equation 3, Figs 8 to 10"
 
 
 def measured(runs):
-    """Largest velocities and speeds, m/s, by chain: (n_runs,) each, by rising velocity of the striker."""
-    packings = sorted((Packing(run) for run in runs if run.case.contact.law == "hertz"), key=lambda one: one.speed)
+    """Largest velocities and speeds, m/s, by chain: (n_runs,) each, by rising velocity of the
+    striker.
+    """
+    packings = sorted(
+        (Packing(run) for run in runs if run.case.contact.law == "hertz"), key=lambda one: one.speed
+    )
     found = {}
     for way, places in SENSORS.items():
         for group, ends in places.items():
             chosen = [one for one in packings if one.way == way]
-            points = [gw.measures.speed_between(one.peaks[group], *ends, one.diameter) for one in chosen]
+            points = [
+                gw.measures.speed_between(one.peaks[group], *ends, one.diameter) for one in chosen
+            ]
             if points:
                 found[f"{group}, {way}"] = np.array(points).T
     return found
@@ -31,13 +41,16 @@ def measured(runs):
 
 def nesterenko(material, velocity):
     """Speed of the solitary wave of a largest particle velocity, m/s (equation 3)."""
-    c2 = 2 * material.youngs_modulus / (math.pi * material.density * (1 - material.poisson_ratio**2))
+    c2 = (
+        2 * material.youngs_modulus / (math.pi * material.density * (1 - material.poisson_ratio**2))
+    )
     return (16 / 25) ** 0.2 * c2**0.4 * velocity**0.2
 
 
 def rows(runs):
     for chain, (velocity, speed) in measured(runs).items():
-        fit, middle = gw.measures.power_law(velocity, speed), len(speed) // 2
+        fit = gw.measures.power_law(velocity, speed)
+        middle = len(speed) // 2
         # fmt: off
         yield gw.Row(f"Exponent of wave speed against particle velocity, {chain}", ours=fit.exponent, theory=0.2,
                      where=WHERE, verification=True, remark=f"95 % confidence: {fit.margin:.1g} either side. {SIMILAR}")
@@ -47,12 +60,19 @@ def rows(runs):
 
 
 def pictures(runs):
-    found, data = measured(runs), {}
+    found = measured(runs)
+    data = {}
     axes = Figure((3.5, 2.8), layout="constrained").subplots()
     for n, (chain, (velocity, speed)) in enumerate(found.items()):
-        fit, word = gw.measures.power_law(velocity, speed), chain.replace(", ", "_").replace(" ", "_").replace("-", "_")
+        fit = gw.measures.power_law(velocity, speed)
+        word = chain.replace(", ", "_").replace(" ", "_").replace("-", "_")
         axes.loglog(
-            velocity, speed, "osd"[n] + f"C{n}", markersize=4, fillstyle="none", label=f"{chain}: {fit.exponent:.4f}"
+            velocity,
+            speed,
+            "osd"[n] + f"C{n}",
+            markersize=4,
+            fillstyle="none",
+            label=f"{chain}: {fit.exponent:.4f}",
         )
         axes.loglog(velocity, fit(velocity), f"C{n}", linewidth=0.8)
         data |= {f"{word}_peak_velocity_m_s": velocity, f"{word}_speed_m_s": speed}

@@ -8,14 +8,17 @@ from packing import COLOURS, Packing
 
 import granwave as gw
 
-FIRST, SECOND = 2, 6  # spheres of a central chain
+# spheres of a central chain
+FIRST = 2
+SECOND = 6
 COLOURS = COLOURS | {"edge chains": "black"}
 
 
 def select(runs):
     """Select the runs by way of impact, in rising order of the striker's velocity."""
     packings = sorted(
-        (Packing(run) for run in runs if run.case.contact.law == "elastoplastic"), key=lambda one: one.speed
+        (Packing(run) for run in runs if run.case.contact.law == "elastoplastic"),
+        key=lambda one: one.speed,
     )
     series = [[one for one in packings if one.way == way] for way in ("in-plane", "out-of-plane")]
     return [one for one in series if one]
@@ -40,7 +43,8 @@ def text(series):
 
 def rows(series):
     for one in series:
-        at, largest = f"{one.speed:g} m/s, {one.way}", one.velocity["central chains"].max(axis=0)
+        at = f"{one.speed:g} m/s, {one.way}"
+        largest = one.velocity["central chains"].max(axis=0)
         # fmt: off
         for what, region in (("Dissipated", "dissipated"), ("Most in central chains", "central chains")):
             yield gw.Row(f"{what} at {at}", "% of input", ours=100 * one.settled[region], where="ours alone")

@@ -58,10 +58,17 @@ def test_interval_is_students(n: int, confidence: float) -> None:
 
 def test_closed_forms() -> None:
     two = estimate([1.0, 3.0])  # t with one degree of freedom is Cauchy's: tan(0.475 pi)
-    assert two.half_width == pytest.approx(math.tan(0.475 * math.pi) * math.sqrt(2) / math.sqrt(2), rel=1e-12)
+    assert two.half_width == pytest.approx(
+        math.tan(0.475 * math.pi) * math.sqrt(2) / math.sqrt(2), rel=1e-12
+    )
     assert half_width(1.0, 10**6) == pytest.approx(1.959964e-3, rel=1e-5)
     one = estimate([4.0])
-    assert one.mean == 4.0 and math.isnan(one.deviation) and math.isnan(one.half_width) and not one.exact
+    assert (
+        one.mean == 4.0
+        and math.isnan(one.deviation)
+        and math.isnan(one.half_width)
+        and not one.exact
+    )
     assert exactly(4.0).exact and exactly(4.0).low == exactly(4.0).high == 4.0
     alike = estimate([0.1 + 0.2, 0.3, 0.3])  # values that differ by rounding only
     assert alike.deviation == alike.half_width == 0 and not alike.exact
@@ -73,7 +80,8 @@ def test_closed_forms() -> None:
 
 @pytest.mark.parametrize("n", [3, 5, 10])
 def test_interval_covers_the_mean_as_often_as_it_says(n: int) -> None:
-    rng, width = np.random.default_rng(8), half_width(1.0, n)
+    rng = np.random.default_rng(8)
+    width = half_width(1.0, n)
 
     def coverage(values: np.ndarray, mean: float) -> float:
         off = np.abs(values.mean(axis=1) - mean)
@@ -98,10 +106,13 @@ def test_seeds_needed_is_the_least_that_suffices() -> None:
 def test_means_that_differ_by_welch() -> None:
     rng = np.random.default_rng(3)
     for _ in range(50):
-        a, b = rng.normal(0.0, 1.0, 4), rng.normal(1.5, 3.0, 9)
+        a = rng.normal(0.0, 1.0, 4)
+        b = rng.normal(1.5, 3.0, 9)
         expected = stats.ttest_ind(a, b, equal_var=False).pvalue < 0.05
         assert differ_significantly(estimate(a), estimate(b)) == expected
-        assert differ_significantly(estimate(a), exactly(1.0)) == (stats.ttest_1samp(a, 1.0).pvalue < 0.05)
+        assert differ_significantly(estimate(a), exactly(1.0)) == (
+            stats.ttest_1samp(a, 1.0).pvalue < 0.05
+        )
     same = [differ_significantly(*map(estimate, rng.normal(0.0, 1.0, (2, 5)))) for _ in range(4000)]
     assert np.mean(same) == pytest.approx(0.05, abs=0.012)  # by chance only
     assert differ_significantly(exactly(1.0), exactly(1.1)) is True and not differ_significantly(
@@ -112,9 +123,13 @@ def test_means_that_differ_by_welch() -> None:
 
 def test_confidence_converges_with_the_root_of_the_seeds() -> None:
     """Mean over many sets of seeds: 1/sqrt(n) times Student's factor, which tends to 1.96."""
-    rng, counts = np.random.default_rng(5), np.array([8, 32, 128, 512])
+    rng = np.random.default_rng(5)
+    counts = np.array([8, 32, 128, 512])
     widths = np.array(
-        [np.mean([estimate(values).half_width for values in rng.normal(100, 20, (300, n))]) for n in counts]
+        [
+            np.mean([estimate(values).half_width for values in rng.normal(100, 20, (300, n))])
+            for n in counts
+        ]
     )
     bias = np.sqrt(2 / (counts - 1)) * np.exp(
         gammaln(counts / 2) - gammaln((counts - 1) / 2)
@@ -129,7 +144,12 @@ def test_confidence_converges_with_the_root_of_the_seeds() -> None:
 
 @pytest.mark.parametrize(
     ("y", "expected"),
-    [([1.0, 0.95, 0.85], 1.5), ([1.0, 0.8, 1.2], 0.5), ([1.0, 1.2, 0.9], None), ([0.5, 1.0, 1.0], 0.0)],
+    [
+        ([1.0, 0.95, 0.85], 1.5),
+        ([1.0, 0.8, 1.2], 0.5),
+        ([1.0, 1.2, 0.9], None),
+        ([0.5, 1.0, 1.0], 0.0),
+    ],
 )
 def test_crossing_is_the_first(y: list[float], expected: float | None) -> None:
     found = crossing([0.0, 1.0, 2.0], y, 0.9)
@@ -140,7 +160,10 @@ SHORT = {"run.end_time": 1e-6}
 BARS_AND_SENSORS = ("split-hopkinson", "composite-chain", "square-in-plane")
 RESISTANCE = {"contact.friction": 0.2, "contact.rolling": 0.01, "contact.twisting": "marshall"}
 COHESION = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy": 0.1}}
-CONTACT = {"sphere": {"radius": 0.005}, "run": {"elements": 500, "unloadings": 1, "max_overlap": 0.005}}
+CONTACT = {
+    "sphere": {"radius": 0.005},
+    "run": {"elements": 500, "unloadings": 1, "max_overlap": 0.005},
+}
 
 
 @pytest.fixture(scope="module")
@@ -149,9 +172,13 @@ def summaries(tmp_path_factory):
     place = tmp_path_factory.mktemp("runs")
     common = {"name": "small", "material": "brass"}
     found = list(json.loads((FOLDER / SUMMARIES).read_text()).values())
-    found += [run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS]
+    found += [
+        run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS
+    ]
     crystal = {"packing.size": [3, 4], "run.end_time": 1e-4}
-    found.append(run_case(load_case("lateral-square", crystal), place / "crystal", figures=False).summary)
+    found.append(
+        run_case(load_case("lateral-square", crystal), place / "crystal", figures=False).summary
+    )
     resisting = load_case("fcc-small", SHORT | RESISTANCE | COHESION | {"packing.size": [4, 4, 3]})
     found.append(run_case(resisting, place / "resisting", figures=False).summary)
     punch = ContinuumCase.from_dict(common | {"run": {"elements": 500}})
@@ -163,14 +190,20 @@ def summaries(tmp_path_factory):
 
 def test_every_value_has_an_entry_and_every_entry_a_value(summaries):
     keys = {key for summary in summaries for key in summary}
-    assert sorted(key for key in keys if not any(fnmatchcase(key, name) for name in QUANTITIES)) == []
-    assert sorted(name for name in QUANTITIES if not any(fnmatchcase(key, name) for key in keys)) == []
+    assert (
+        sorted(key for key in keys if not any(fnmatchcase(key, name) for name in QUANTITIES)) == []
+    )
+    assert (
+        sorted(name for name in QUANTITIES if not any(fnmatchcase(key, name) for key in keys)) == []
+    )
 
 
 def test_values_are_shown_with_their_digits(summaries):
     """A number with decimals has a format where it is shown at the terminal."""
     for entry in (*RUN_ROWS, *CONTINUUM_ROWS, *SCAN_COLUMNS):
-        assert entry.digits or not any(isinstance(summary.get(entry.name), float) for summary in summaries), entry.name
+        assert entry.digits or not any(
+            isinstance(summary.get(entry.name), float) for summary in summaries
+        ), entry.name
 
 
 def test_what_is_shown_has_one_entry():
@@ -182,7 +215,13 @@ def test_what_is_shown_has_one_entry():
 def test_names_end_in_units():
     capitals = [entry for entry in ENTRIES if not entry.name.rpartition("_")[2].islower()]
     assert len(capitals) > 20 and [entry.name for entry in capitals if not entry.unit] == []
-    names = ("wave_speed_m_s", "sensor_A_peak_acceleration_m_s2", "peak_reduction_per_kg", "packing_mass_kg", "n_steps")
+    names = (
+        "wave_speed_m_s",
+        "sensor_A_peak_acceleration_m_s2",
+        "peak_reduction_per_kg",
+        "packing_mass_kg",
+        "n_steps",
+    )
     assert [quantity(name).unit for name in names] == ["m/s", "m/s^2", "1/kg", "kg", ""]
 
 
@@ -195,7 +234,8 @@ def test_value_without_an_entry_is_called_by_its_name():
 @pytest.fixture
 def ipython(monkeypatch):
     """Stand-in for IPython, whose configuration tells what runs in it."""
-    module, shell = types.ModuleType("IPython"), types.SimpleNamespace(config={})
+    module = types.ModuleType("IPython")
+    shell = types.SimpleNamespace(config={})
     module.get_ipython = lambda: shell
     monkeypatch.setitem(sys.modules, "IPython", module)
     return shell
@@ -243,7 +283,9 @@ def test_a_mean_has_the_digits_that_its_interval_allows(mean, half_width, text):
 
 
 def test_intervals_of_estimates():
-    assert with_interval(estimate([0.6, 0.7, 0.8]), unit="N") == "0.70 ± 0.25 N"  # 4.303 x 0.1 / sqrt 3
+    assert (
+        with_interval(estimate([0.6, 0.7, 0.8]), unit="N") == "0.70 ± 0.25 N"
+    )  # 4.303 x 0.1 / sqrt 3
     assert with_interval(exactly(1234.5)) == "1230"
 
 
@@ -267,8 +309,14 @@ def test_ticks(value, text):
     ("value", "words"),
     [
         ({"plate": {"mass": 5, "stiffness": 5e9}}, "plate mass=5 stiffness=5e9"),
-        ('{"half_space": {}, "material": {"name": "concrete", "density": 2447}}', "half_space, concrete"),
-        ('{"bar": {"length": 0.5, "area": 0.0125}, "material": "steel"}', "bar length=0.5 area=0.0125, steel"),
+        (
+            '{"half_space": {}, "material": {"name": "concrete", "density": 2447}}',
+            "half_space, concrete",
+        ),
+        (
+            '{"bar": {"length": 0.5, "area": 0.0125}, "material": "steel"}',
+            "bar length=0.5 area=0.0125, steel",
+        ),
         ({"material": {"name": "steel"}}, "wall, steel"),
         ('{"preset": "steel", "yield_strength": 21000000.0}', "steel yield_strength=2.1e7"),
         ('[{"index": 2, "material": "steel"}, {"index": 3}]', "index=2, steel; index=3"),
@@ -284,8 +332,15 @@ def test_tables_of_cases_in_words(value, words):
 
 
 def test_different_tables_have_different_words():
-    first, second = '{"name": "a", "density": 1}', '{"name": "a", "density": 2}'
-    assert unique_labels([first, second, first, "", "a (2)"]) == ["a", "a (2)", "a", "none", "a (2) (2)"]
+    first = '{"name": "a", "density": 1}'
+    second = '{"name": "a", "density": 2}'
+    assert unique_labels([first, second, first, "", "a (2)"]) == [
+        "a",
+        "a (2)",
+        "a",
+        "none",
+        "a (2) (2)",
+    ]
 
 
 def test_units_within_a_bottom():

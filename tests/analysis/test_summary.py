@@ -66,11 +66,15 @@ def test_input_is_normalised_by_first_yield(tmp_path):
     summary, case = summary_of(tmp_path)
     law = sphere_contact(case)
     unit = law.yield_force * law.yield_overlap
-    assert summary["energy_input_normalised"] == pytest.approx(summary["energy_input_J"] / unit, rel=1e-12)
+    assert summary["energy_input_normalised"] == pytest.approx(
+        summary["energy_input_J"] / unit, rel=1e-12
+    )
 
 
 def test_plastic_zone_counted_by_hand(tmp_path):
-    """Dents decay as exp(-(d/D - 1/2)/1.2) from 40 alpha_y: they reach alpha_y at (1/2 + 1.2 ln 40) D."""
+    """Dents decay as exp(-(d/D - 1/2)/1.2) from 40 alpha_y: they reach alpha_y at (1/2 + 1.2 ln 40)
+    D.
+    """
     summary, case = summary_of(tmp_path, size=(12, 12, 8))
     lattice = assemble(case).lattice
     positions = lattice.positions(1, lattice.n_spheres)
@@ -82,9 +86,13 @@ def test_plastic_zone_counted_by_hand(tmp_path):
     offset = positions[spheres] - centre
     assert summary["n_plastic_contacts"] == np.count_nonzero(near)
     assert summary["n_plastic_spheres"] == len(spheres)
-    assert summary["plastic_zone_volume_m3"] == pytest.approx(len(spheres) * math.pi * 1e-6 / 6, rel=1e-12)
+    assert summary["plastic_zone_volume_m3"] == pytest.approx(
+        len(spheres) * math.pi * 1e-6 / 6, rel=1e-12
+    )
     assert summary["plastic_zone_depth_m"] == pytest.approx(offset[:, 2].max(), rel=1e-12)
-    assert summary["plastic_zone_radius_m"] == pytest.approx(np.hypot(*offset[:, :2].T).max(), rel=1e-12)
+    assert summary["plastic_zone_radius_m"] == pytest.approx(
+        np.hypot(*offset[:, :2].T).max(), rel=1e-12
+    )
 
 
 def _struck(case):
@@ -112,16 +120,21 @@ def test_loaded_contacts_are_those_that_bore_a_force(tmp_path):
     dents = assemble(synthetic.make_case()).lattice.n_contacts
     synthetic.write_run(tmp_path / "loaded", synthetic.make_case())
     path = tmp_path / "loaded" / "dumps" / "contacts.dump"
-    head, rows = path.read_text().splitlines()[:9], np.loadtxt(path, skiprows=9)
+    head = path.read_text().splitlines()[:9]
+    rows = np.loadtxt(path, skiprows=9)
     law = sphere_contact(case)
     rows[:10, 4:6] = 0.0  # touched, without a force
     rows[10:14, 4] = 1e-7 * law.yield_overlap  # rounding
-    path.write_text("\n".join([*head, *(" ".join(f"{v:.17g}" for v in row) for row in rows)]) + "\n")
+    path.write_text(
+        "\n".join([*head, *(" ".join(f"{v:.17g}" for v in row) for row in rows)]) + "\n"
+    )
     write_result(tmp_path / "loaded")
     summary = summarise(tmp_path / "loaded")
     assert summary["n_contacts"] == dents and summary["n_loaded_contacts"] == dents - 14
     text = summary_table(summary)
-    assert re.search(rf"contacts at the start +{dents}\ncontacts that bore a force +{dents - 14}\n", text)
+    assert re.search(
+        rf"contacts at the start +{dents}\ncontacts that bore a force +{dents - 14}\n", text
+    )
     labels = [quantity(name).label for name in ("n_contacts", "n_loaded_contacts")]
     assert labels == ["Contacts at the start", "Contacts that bore a force"]
 
@@ -143,7 +156,10 @@ def test_run_without_a_bottom(tmp_path):
 
 def test_shares_of_yielding_and_friction(tmp_path):
     plain, _ = summary_of(tmp_path / "plain")
-    assert plain["plastic_fraction"] == plain["dissipated_fraction"] and plain["friction_fraction"] == 0
+    assert (
+        plain["plastic_fraction"] == plain["dissipated_fraction"]
+        and plain["friction_fraction"] == 0
+    )
     rubbing, _ = summary_of(tmp_path / "rubbing", contact={"friction": 0.1})
     assert rubbing["dissipated_fraction"] == pytest.approx(0.75, rel=1e-13)
     ratio = rubbing["friction_fraction"] / rubbing["plastic_fraction"]
@@ -155,24 +171,37 @@ def test_shares_of_yielding_and_friction(tmp_path):
 
 def test_what_a_damper_took_is_no_yielding(tmp_path):
     """Columns of a bottom that moves, and of the static stage."""
-    case = synthetic.make_case(boundary={"bottom": {"plate": {"mass": 1.0, "stiffness": 1e6, "damping": 5.0}}})
+    case = synthetic.make_case(
+        boundary={"bottom": {"plate": {"mass": 1.0, "stiffness": 1e6, "damping": 5.0}}}
+    )
     synthetic.write_run(tmp_path, case)
     dumps = tmp_path / "dumps"
     table = time_series.read_energy(tmp_path)
     share = table["time"] / table["time"][-1]
     lost = 0.1 * table["dissipated"]
     table |= {"support": 1e-3 * share, "support_lost": lost, "target": 1e-3 * share + lost}
-    synthetic.write_table(dumps / "energy.txt", " ".join(table), np.stack(list(table.values()), axis=1))
+    synthetic.write_table(
+        dumps / "energy.txt", " ".join(table), np.stack(list(table.values()), axis=1)
+    )
     table = time_series.read_table(tmp_path, "walls.txt")
-    table |= {"bottom_displacement": 1e-6 * (1 + share_of(table)), "bottom_velocity": share_of(table)}
+    table |= {
+        "bottom_displacement": 1e-6 * (1 + share_of(table)),
+        "bottom_velocity": share_of(table),
+    }
     table["bottom_ground_force"] = 0.5 * table["bottom"]
-    synthetic.write_table(dumps / "walls.txt", " ".join(table), np.stack(list(table.values()), axis=1))
+    synthetic.write_table(
+        dumps / "walls.txt", " ".join(table), np.stack(list(table.values()), axis=1)
+    )
     (dumps / "prestage.txt").write_text("# residual largest_force stored\n1e-9 2.0 3e-4\n")
     write_result(tmp_path)
     summary = summarise(tmp_path)
     assert summary["support_lost_J"] == pytest.approx(0.1 * summary["energy_dissipated_J"])
-    assert summary["energy_dissipated_plastic_J"] == pytest.approx(0.9 * summary["energy_dissipated_J"])
-    assert summary["energy_target_J"] == pytest.approx(summary["support_energy_J"] + summary["support_lost_J"])
+    assert summary["energy_dissipated_plastic_J"] == pytest.approx(
+        0.9 * summary["energy_dissipated_J"]
+    )
+    assert summary["energy_target_J"] == pytest.approx(
+        summary["support_energy_J"] + summary["support_lost_J"]
+    )
     assert summary["target_peak_displacement_m"] == pytest.approx(1e-6)
     assert summary["ground_peak_force_N"] == pytest.approx(0.5 * summary["wall_peak_force_N"])
     assert (summary["precompression_residual"], summary["energy_stored_J"]) == (1e-9, 3e-4)

@@ -23,10 +23,11 @@ class Block:
     Attributes
     ----------
     language
-        ``shell``: commands that `make validate` runs; ``bash``: commands that it does not, as they take long or need
-        another machine; ``python``, ``toml``, ``text``.
+        ``shell``: commands that `make validate` runs; ``bash``: commands that it does not, as they
+        take long or need another machine; ``python``, ``toml``, ``text``.
     caption
-        Name of the file that it is to be saved as, by the option ``caption`` or a first comment; empty for none.
+        Name of the file that it is to be saved as, by the option ``caption`` or a first comment;
+        empty for none.
     output
         True if it shows lines of what the commands before it print.
     """
@@ -48,7 +49,10 @@ def pages() -> list[Path]:
     """Return the README and the pages that are written by hand."""
     generated = ("docs/reference/styles", "docs/gallery/studies")
     found = sorted((ROOT / "docs").rglob("*.md"))
-    return [README, *(page for page in found if page.parent.relative_to(ROOT).as_posix() not in generated)]
+    return [
+        README,
+        *(page for page in found if page.parent.relative_to(ROOT).as_posix() not in generated),
+    ]
 
 
 def blocks(page: Path) -> list[Block]:
@@ -58,7 +62,9 @@ def blocks(page: Path) -> list[Block]:
         head = _OPTION.match(body)
         options = dict(re.findall(r"^:(\w+): (.*)$", head[0], re.MULTILINE)) if head else {}
         text = body[head.end() :] if options and head else body
-        caption = options.get("caption", "") or next(iter(re.findall(r"\A# (\S+\.toml)$", text, re.MULTILINE)), "")
+        caption = options.get("caption", "") or next(
+            iter(re.findall(r"\A# (\S+\.toml)$", text, re.MULTILINE)), ""
+        )
         found.append(Block(language, text, caption, options.get("class") == "output"))
     return found
 
@@ -77,7 +83,9 @@ def write_files(page: Path, folder: Path) -> None:
 
 def extension(name: str) -> ModuleType:
     """Load a module of the site's extensions."""
-    specification = importlib.util.spec_from_file_location(name, ROOT / "docs" / "_ext" / f"{name}.py")
+    specification = importlib.util.spec_from_file_location(
+        name, ROOT / "docs" / "_ext" / f"{name}.py"
+    )
     assert specification and specification.loader
     module = sys.modules[name] = importlib.util.module_from_spec(specification)
     specification.loader.exec_module(module)

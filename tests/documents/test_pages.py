@@ -30,12 +30,25 @@ from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, w
 
 PAGES = pages()
 WITH_PYTHON = [
-    page for page in PAGES if any(block.language == "python" and not block.caption for block in blocks(page))
+    page
+    for page in PAGES
+    if any(block.language == "python" and not block.caption for block in blocks(page))
 ]
 WITH_FILES = [page for page in PAGES if any(block.language == "toml" for block in blocks(page))]
 WITH_COMMANDS = [page for page in PAGES if any(block.commands for block in blocks(page))]
-BASE = {"name": "base", "material": "brass", "packing": {"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}}
-SELECTED = {"run": "case", "check": "case", "write": "case", "continuum": "case", "scan": "scan", "show": "name"}
+BASE = {
+    "name": "base",
+    "material": "brass",
+    "packing": {"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01},
+}
+SELECTED = {
+    "run": "case",
+    "check": "case",
+    "write": "case",
+    "continuum": "case",
+    "scan": "scan",
+    "show": "name",
+}
 
 
 def test_pages_are_found():
@@ -52,7 +65,9 @@ def test_python(page, tmp_path, monkeypatch, capsys):
     monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
     (tmp_path / "page.py").write_text(
-        "\n".join(block.text for block in blocks(page) if block.language == "python" and not block.caption)
+        "\n".join(
+            block.text for block in blocks(page) if block.language == "python" and not block.caption
+        )
     )
     with matplotlib.rc_context({"backend": "agg"}):
         runpy.run_path("page.py", run_name="__main__")
@@ -62,12 +77,16 @@ def test_python(page, tmp_path, monkeypatch, capsys):
 
 def test_names_of_python():
     """Functions of the package on the page on Python exist."""
-    (page,) = [page for page in WITH_PYTHON if page.name == "python.md" and page.parent.name == "howto"]
+    (page,) = [
+        page for page in WITH_PYTHON if page.name == "python.md" and page.parent.name == "howto"
+    ]
     assert set(re.findall(r"\bgw\.(\w+)", page.read_text(encoding="utf-8"))) <= set(PYTHON_NAMES)
 
 
 def load(block: Block, folder: Path) -> None:
-    """Load a file of a page by the function that reads its kind; parts of a case are put into a small one."""
+    """Load a file of a page by the function that reads its kind; parts of a case are put into a
+    small one.
+    """
     data = tomllib.loads(block.text)
     path = folder / (block.caption or "unnamed.toml")
     path.write_text(block.text, encoding="utf-8")
@@ -86,7 +105,9 @@ def load(block: Block, folder: Path) -> None:
         read_infer_case(path)
     elif "packing" in data and "material" in data:
         load_case(path)
-    elif "material" not in data and all("youngs_modulus" in one for one in data.values() if isinstance(one, dict)):
+    elif "material" not in data and all(
+        "youngs_modulus" in one for one in data.values() if isinstance(one, dict)
+    ):
         load_materials(path)
     else:
         case_from_dict({**BASE, **data}, path)
@@ -106,18 +127,27 @@ def test_commands(page, tmp_path, monkeypatch):
     """Every command is read by the parser, names what there is, and sets keys that its case has."""
     monkeypatch.chdir(tmp_path)
     write_files(page, tmp_path)
-    made = known_directories(page) | {"fit", "grains.csv"}  # directories and files that commands of the page leave
+    made = known_directories(page) | {
+        "fit",
+        "grains.csv",
+    }  # directories and files that commands of the page leave
     for words in (words for block in blocks(page) for words in block.commands):
         if words[-1] in ("--version", "--help"):
             continue
         words, files = (words[:-2], words[-1:]) if ">" in words else (words, [])
         options = make_parser().parse_args(words)
-        made |= {*files, str(getattr(options, "directory", None) or Path(words[-1]).stem), Path([*words, "x"][1]).stem}
+        made |= {
+            *files,
+            str(getattr(options, "directory", None) or Path(words[-1]).stem),
+            Path([*words, "x"][1]).stem,
+        }
         check_command(words[0], options, made)
 
 
 def check_command(verb: str, options: argparse.Namespace, made: Collection[str]) -> None:
-    """Check what a command names; ``made`` are directories and files that commands of its page leave."""
+    """Check what a command names; ``made`` are directories and files that commands of its page
+    leave.
+    """
 
     def is_there(name: object) -> bool:
         in_checkout = str(name).startswith("reproductions/") and (ROOT / str(name)).is_file()
@@ -133,22 +163,35 @@ def check_command(verb: str, options: argparse.Namespace, made: Collection[str])
         there = built_in or Path(name).is_file()
         granular = there and library.verb_of(library.find(name, kind)) == "run"
         if verb in ("run", "check", "write") and granular:
-            library.load_case(name, [change for change in options.overrides if "initial_overlap" not in change])
-    for name in [*getattr(options, "directories", []), *filter(None, [getattr(options, "profile", None)])]:
+            library.load_case(
+                name, [change for change in options.overrides if "initial_overlap" not in change]
+            )
+    for name in [
+        *getattr(options, "directories", []),
+        *filter(None, [getattr(options, "profile", None)]),
+    ]:
         assert is_there(name), f"{name}: no command of the page makes it"
 
 
 def known_directories(page: Path) -> set[str]:
     """Return the directories that the cases of a page run into if no other is named."""
-    return {str(tomllib.loads(block.text).get("name")) for block in blocks(page) if block.language == "toml"}
+    return {
+        str(tomllib.loads(block.text).get("name"))
+        for block in blocks(page)
+        if block.language == "toml"
+    }
 
 
 def test_targets_of_make_exist():
-    targets = set(re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE))
+    targets = set(
+        re.findall(r"^([\w-]+):", (ROOT / "Makefile").read_text(encoding="utf-8"), re.MULTILINE)
+    )
     named = {
         target
         for page in PAGES
-        for target in re.findall(r"(?:^ {4}|`)make ([\w-]+)", page.read_text(encoding="utf-8"), re.MULTILINE)
+        for target in re.findall(
+            r"(?:^ {4}|`)make ([\w-]+)", page.read_text(encoding="utf-8"), re.MULTILINE
+        )
     }
     assert {"demo", "test"} <= named <= targets
 
@@ -173,7 +216,9 @@ def test_values_of_a_summary_that_tables_name_exist():
     named = set()
     for page in PAGES:
         for table in re.findall(
-            r"^\| value \| what \|\n\|.*\n((?:\|.*\n)+)", page.read_text(encoding="utf-8"), re.MULTILINE
+            r"^\| value \| what \|\n\|.*\n((?:\|.*\n)+)",
+            page.read_text(encoding="utf-8"),
+            re.MULTILINE,
         ):
             named |= set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE))
     assert len(named) > 10 and named <= known
@@ -208,7 +253,16 @@ def test_overrides_in_text_are_keys():
         ):  # there `run.` is a run
             for key in re.findall(r"`([a-z_]+\.[a-z_]+)`", page.read_text(encoding="utf-8")):
                 head, _, end = key.partition(".")
-                if head in heads and end not in ("toml", "csv", "h", "json", "html", "md", "png", "txt"):
+                if head in heads and end not in (
+                    "toml",
+                    "csv",
+                    "h",
+                    "json",
+                    "html",
+                    "md",
+                    "png",
+                    "txt",
+                ):
                     assert key in known, (name_of(page), key)
 
 
@@ -244,7 +298,9 @@ QUESTIONS = {
 @pytest.mark.parametrize(("name", "most"), [("questions.md", 200), ("more-questions.md", 260)])
 def test_questions_are_answered(name, most):
     """Each answer can be read in two minutes, code included."""
-    parts = re.split(r"^## (.*)$", (HOWTO / name).read_text(encoding="utf-8"), flags=re.MULTILINE)[1:]
+    parts = re.split(r"^## (.*)$", (HOWTO / name).read_text(encoding="utf-8"), flags=re.MULTILINE)[
+        1:
+    ]
     answers = dict(zip(parts[::2], parts[1::2], strict=True))
     assert len(answers) == len(QUESTIONS[name])
     for words, (fragments, more) in QUESTIONS[name].items():
@@ -252,12 +308,19 @@ def test_questions_are_answered(name, most):
         assert [fragment for fragment in fragments if fragment not in answer] == [], words
         assert len(answer.split()) < most, words
         if more:
-            links = [(HOWTO / link.partition("#")[0]).resolve() for link in re.findall(r"\]\(([^)]+)\)", answer)]
-            assert (ROOT / "docs" / more).resolve() in links and all(link.is_file() for link in links), words
+            links = [
+                (HOWTO / link.partition("#")[0]).resolve()
+                for link in re.findall(r"\]\(([^)]+)\)", answer)
+            ]
+            assert (ROOT / "docs" / more).resolve() in links and all(
+                link.is_file() for link in links
+            ), words
 
 
 def test_questions_stand_on_the_first_page():
-    assert len([block for block in blocks(HOWTO / "questions.md") if block.commands]) >= 9  # how to cite needs none
+    assert (
+        len([block for block in blocks(HOWTO / "questions.md") if block.commands]) >= 9
+    )  # how to cite needs none
     for name, words in (("index.md", "howto/questions"), ("start.md", "questions.md")):
         assert words in (ROOT / "docs" / name).read_text(encoding="utf-8")
     for name in ("questions.md", "index.md"):
@@ -269,4 +332,6 @@ def test_all_recipes_are_in_the_list():
     text = (HOWTO / "index.md").read_text(encoding="utf-8")
     for page in HOWTO.glob("*.md"):
         if page.stem != "index":
-            assert re.search(rf"^{page.stem}$", text, re.MULTILINE) and f"]({page.name})" in text, page.name
+            assert re.search(rf"^{page.stem}$", text, re.MULTILINE) and f"]({page.name})" in text, (
+                page.name
+            )

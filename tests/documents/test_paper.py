@@ -24,7 +24,9 @@ def test_the_front_matter():
     citation = yaml.safe_load((ROOT / "CITATION.cff").read_text(encoding="utf-8"))
     assert {"title", "tags", "authors", "affiliations", "date", "bibliography"} <= set(head)
     assert head["title"] == citation["title"] and (FOLDER / head["bibliography"]).is_file()
-    assert [author["name"] for author in head["authors"]] == [author["name"] for author in citation["authors"]]
+    assert [author["name"] for author in head["authors"]] == [
+        author["name"] for author in citation["authors"]
+    ]
     indices = {one["index"] for one in head["affiliations"]}
     assert {author["affiliation"] for author in head["authors"]} <= indices
     assert re.fullmatch(r"\d{1,2} [A-Z][a-z]+ \d{4}", str(head["date"]))
@@ -52,7 +54,8 @@ def test_its_pictures_are_there():
     """The picture's digest, and the block of rows, are tested with the results."""
     pictures = re.findall(r"!\[.*?\]\((\S+)\)", BODY, re.DOTALL)
     assert pictures and all((FOLDER / name).is_file() for name in pictures)
-    labels, named = re.findall(r"\\label\{(\w+)\}", BODY), re.findall(r"\\autoref\{(\w+)\}", BODY)
+    labels = re.findall(r"\\label\{(\w+)\}", BODY)
+    named = re.findall(r"\\autoref\{(\w+)\}", BODY)
     assert set(named) == set(labels)
 
 

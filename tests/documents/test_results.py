@@ -15,7 +15,8 @@ from granwave.analysis.studies.study import make_studies
 from granwave.workflows import load_scan
 from tests.documents.pages import ROOT, extension
 
-SAME = 1e-6  # relative: runs of these cases give the same bits; libraries of other versions round otherwise
+# relative: runs of these cases give the same bits; libraries of other versions round otherwise
+SAME = 1e-6
 HOMOGENEOUS = str(ROOT / "reproductions" / "composite_chains" / "homogeneous_chain.py")
 SENSOR_CHAIN = str(ROOT / "reproductions" / "square_packing" / "sensor_chain.py")
 #: Quick cases and their study.
@@ -38,7 +39,11 @@ ROWS = [
 @pytest.mark.parametrize(("name", "study"), QUICK)
 def test_a_fresh_run_gives_the_stored_rows(tmp_path, name, study):
     run = gw.run(name, directory=tmp_path, progress=False)
-    runs = [run] if study.endswith(".py") else [FinishedRun(name, run.directory, run.case, run.summary)]
+    runs = (
+        [run]
+        if study.endswith(".py")
+        else [FinishedRun(name, run.directory, run.case, run.summary)]
+    )
     (made,) = make_studies({study: runs})
     word = Path(study).stem.replace("_", "-")
     stored = {row.quantity: row for _, key, _, row in ROWS if key.replace("_", "-") == word}
@@ -46,8 +51,14 @@ def test_a_fresh_run_gives_the_stored_rows(tmp_path, name, study):
     for row in made.rows:
         before = stored[row.quantity]
         assert row.kind == before.kind, row.quantity
-        for ours, theirs in ((row.ours, before.ours), (row.source, before.source), (row.theory, before.theory)):
-            assert ours == (None if theirs is None else pytest.approx(theirs, rel=SAME)), row.quantity
+        for ours, theirs in (
+            (row.ours, before.ours),
+            (row.source, before.source),
+            (row.theory, before.theory),
+        ):
+            assert ours == (None if theirs is None else pytest.approx(theirs, rel=SAME)), (
+                row.quantity
+            )
 
 
 AGAIN = "run .venv/bin/python docs/_ext/results_table.py"
@@ -68,14 +79,24 @@ def test_the_picture_is_of_the_stored_rows():
         assert PICTURE.digest_of(picture) == PICTURE.digest(STORED, TABLE.LABELS), AGAIN
         assert picture.stat().st_size < 300_000
     changed = copy.deepcopy(STORED)
-    row = next(row for row in changed["suites"]["thesis-4"]["studies"]["long_load"]["rows"] if row["source"])
+    row = next(
+        row
+        for row in changed["suites"]["thesis-4"]["studies"]["long_load"]["rows"]
+        if row["source"]
+    )
     row["granwave"] *= 1.01
     assert PICTURE.digest(changed, TABLE.LABELS) != PICTURE.digest(STORED, TABLE.LABELS)
 
 
 def test_what_is_far_off_is_named():
-    """Deviations of the list and the picture are those of the rows; each has a mark of its own, and a reason."""
-    compared = [(name, key, row.kind, row.deviation) for name, key, _, row in ROWS if row.deviation is not None]
+    """Deviations of the list and the picture are those of the rows; each has a mark of its own, and
+    a reason.
+    """
+    compared = [
+        (name, key, row.kind, row.deviation)
+        for name, key, _, row in ROWS
+        if row.deviation is not None
+    ]
     assert sorted(PICTURE.points(STORED)) == sorted(compared)
     far = PICTURE.far_off(STORED)
     assert sum(one.number for one in far) == sum(abs(off) > PICTURE.FAR for *_, off in compared)
@@ -112,7 +133,10 @@ def test_the_stored_rows_are_those_of_the_code():
         (lambda one: one.update(versions={"granwave": ["0.0.1"]}), "run by granwave 0.0.1"),
         (lambda one: one.update(versions={"granwave": ["99.0"]}), "run by granwave 99.0"),
         (lambda one: one.update(complete=False), "not all of its runs are done; run make results"),
-        (lambda one: one["digests"].update(runs="0"), "its scans or cases have changed since; run make results"),
+        (
+            lambda one: one["digests"].update(runs="0"),
+            "its scans or cases have changed since; run make results",
+        ),
         (lambda one: one["digests"].update(studies="0"), "results.py --no-run sphere-contacts"),
     ],
 )
@@ -124,7 +148,12 @@ def test_what_makes_a_table_stale(change, says):
     }
     assert RESULTS.stale({"suites": {"sphere-contacts": fresh}}, ["sphere-contacts"]) == {}
     change(fresh)
-    assert says in RESULTS.stale({"suites": {"sphere-contacts": fresh}}, ["sphere-contacts"])["sphere-contacts"]
+    assert (
+        says
+        in RESULTS.stale({"suites": {"sphere-contacts": fresh}}, ["sphere-contacts"])[
+            "sphere-contacts"
+        ]
+    )
     assert RESULTS.stale({"suites": {}}, ["sphere-contacts"]) == {
         "sphere-contacts": "no rows are stored; run make results"
     }
@@ -145,7 +174,11 @@ def test_a_suite_is_complete_only_if_every_present_point_is_done():
 
 
 def test_a_digest_sees_code_and_no_words(tmp_path):
-    texts = '"""Doc."""\nx = 1  \n', '"""Other\nwords."""\n# a remark\nx = 1\n', '"""Doc."""\nx = 2\n'
+    texts = (
+        '"""Doc."""\nx = 1  \n',
+        '"""Other\nwords."""\n# a remark\nx = 1\n',
+        '"""Doc."""\nx = 2\n',
+    )
     files = [tmp_path / f"{n}.py" for n in range(3)]
     for file, text in zip(files, texts, strict=True):
         file.write_text(text)
@@ -170,4 +203,8 @@ def test_every_row_compares_something():
 
 def test_every_suite_says_when_and_with_what_it_was_run():
     for name, suite in STORED["suites"].items():
-        assert suite["date"] and suite["versions"].get("granwave") and suite["command"].startswith("granwave"), name
+        assert (
+            suite["date"]
+            and suite["versions"].get("granwave")
+            and suite["command"].startswith("granwave")
+        ), name

@@ -1,4 +1,6 @@
-"""The check of the site's search, which `make docs` runs: the ranking of the browser on a small index, and its words."""
+"""The check of the site's search, which `make docs` runs: the ranking of the browser on a small
+index, and its words.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,10 @@ INDEX = {
     },
     "indexentries": {"drop test": [[0, "index-0", True]], "bead": [[2, "index-1", False]]},
     "objects": {"gw": [[3, 0, 1, "", "chain"], [3, 1, 0, "-", "measures"]]},
-    "objnames": {"0": ["py", "function", "Python function"], "1": ["py", "module", "Python module"]},
+    "objnames": {
+        "0": ["py", "function", "Python function"],
+        "1": ["py", "module", "Python module"],
+    },
     "terms": {"plate": 0, "bead": [1, 2], "chain": [1, 3], "drop": 1, "test": [1, 3]},
     "titleterms": {"target": 0, "chain": [1, 2], "dent": 2},
 }
@@ -34,12 +39,21 @@ def found(query: str) -> list[str]:
 @pytest.mark.parametrize(
     ("query", "results"),
     [
-        ("drop test", ["armour#index-0 100", "chain 5"]),  # an entry of the index before words of texts
+        (
+            "drop test",
+            ["armour#index-0 100", "chain 5"],
+        ),  # an entry of the index before words of texts
         ("the plates", ["armour 5"]),  # a stem, and a word that is not looked for
         ("dents", ["dents 16"]),  # a title, once
-        ("chain", ["python#gw.chain 16", "chain 15", "dents 15", "python 5"]),  # an object, titles, a text
+        (
+            "chain",
+            ["python#gw.chain 16", "chain 15", "dents 15", "python 5"],
+        ),  # an object, titles, a text
         ("beads", ["chain 5", "dents 5"]),
-        ("bead", ["chain 5", "dents 5", "dents#index-1 100"]),  # an entry that is not the main one comes last
+        (
+            "bead",
+            ["chain 5", "dents 5", "dents#index-1 100"],
+        ),  # an entry that is not the main one comes last
         ("targ", ["armour 7"]),  # a part of a word of a title
         ("measures", ["python#module-gw.measures 26"]),
         ("plate bead", []),  # all words are asked for

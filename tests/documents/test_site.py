@@ -30,14 +30,21 @@ def test_pages_to_run_are_found():
 @pytest.mark.validation
 @pytest.mark.parametrize("page", RUN, ids=name_of)
 def test_commands_run(page, tmp_path):
-    """Commands in blocks of ``shell`` run one after the other, and print the lines that the page shows."""
+    """Commands in blocks of ``shell`` run one after the other, and print the lines that the page
+    shows.
+    """
     write_files(page, tmp_path)
     environment = PLAIN | {"PATH": f"{BIN}:{PLAIN['PATH']}"}
     printed = ""
     for block in blocks(page):
         if block.language == "shell":
             done = subprocess.run(
-                ["bash", "-euc", block.text], cwd=tmp_path, env=environment, capture_output=True, text=True, timeout=900
+                ["bash", "-euc", block.text],
+                cwd=tmp_path,
+                env=environment,
+                capture_output=True,
+                text=True,
+                timeout=900,
             )
             assert done.returncode == 0, f"{block.text}{done.stderr}"
             printed = done.stdout
@@ -61,7 +68,10 @@ def test_twelve_scripts_stand_on_the_first_page_with_few_lines_each():
     for name in STUDIES.FIRST:
         lines = STUDIES.lines_of(STUDIES.SCRIPTS / f"{name}.py")
         ast.parse(lines)
-        assert "gw." in lines and 1 <= len(list(filter(None, lines.splitlines()))) <= STUDIES.MOST_LINES, name
+        assert (
+            "gw." in lines
+            and 1 <= len(list(filter(None, lines.splitlines()))) <= STUDIES.MOST_LINES
+        ), name
     text = (ROOT / "docs" / "index.md").read_text(encoding="utf-8")
     assert "<!-- gallery -->" in text
 
@@ -72,10 +82,21 @@ def test_the_lammps_script_of_the_first_page_runs(tmp_path):
     write_files(page, tmp_path)
     (script,) = (block.text for block in blocks(page) if block.language == "LAMMPS")
     (tmp_path / "in.mine").write_text(script, encoding="utf-8")
-    for command in (["granwave", "write", "mine.toml", "-o", "."], ["lmp", "-in", "in.mine", "-log", "log.mine"]):
-        done = subprocess.run([BIN / command[0], *command[1:]], cwd=tmp_path, env=PLAIN, capture_output=True, text=True)
+    for command in (
+        ["granwave", "write", "mine.toml", "-o", "."],
+        ["lmp", "-in", "in.mine", "-log", "log.mine"],
+    ):
+        done = subprocess.run(
+            [BIN / command[0], *command[1:]],
+            cwd=tmp_path,
+            env=PLAIN,
+            capture_output=True,
+            text=True,
+        )
         assert done.returncode == 0, done.stdout + done.stderr
-    table = re.findall(r"^ +\d+ +(\S+) +(\S+) +(\S+) *$", (tmp_path / "log.mine").read_text(), re.MULTILINE)
+    table = re.findall(
+        r"^ +\d+ +(\S+) +(\S+) +(\S+) *$", (tmp_path / "log.mine").read_text(), re.MULTILINE
+    )
     first, last = ([float(value) for value in row] for row in table)
     assert sum(last) == pytest.approx(first[0], rel=1e-5) and last[2] > 0.8 * first[0]
 
@@ -98,12 +119,18 @@ def test_every_script_of_the_gallery_takes_less_than_a_minute(tmp_path, monkeypa
 def test_no_description_begins_with_an_accepted_value():
     """The page makes a sentence of it: a word that must be typed would get a capital."""
     accepted = {*FORMATS, *QUANTITIES, *VIEWS}
-    (verbs,) = (action for action in make_parser()._actions if isinstance(action, argparse._SubParsersAction))
+    (verbs,) = (
+        action
+        for action in make_parser()._actions
+        if isinstance(action, argparse._SubParsersAction)
+    )
     for name, verb in verbs.choices.items():
         for action in verb._actions:
             first = re.split(r"[ ,;:(]", action.help or "")[0]
             words = accepted | set(map(str, action.choices or ()))
-            assert first and first not in words and not first.startswith((".", "-")), f"granwave {name}: {action.help}"
+            assert first and first not in words and not first.startswith((".", "-")), (
+                f"granwave {name}: {action.help}"
+            )
 
 
 NOTEBOOKS = sorted((ROOT / "docs" / "notebooks").glob("*.ipynb"))
@@ -121,7 +148,9 @@ def test_notebooks_have_no_outputs():
     for notebook in NOTEBOOKS:
         first, *rest = cells(notebook)
         assert first["cell_type"] == "markdown" and "".join(first["source"]).startswith("# ")
-        assert not any(cell.get("outputs") or cell.get("execution_count") for cell in rest), notebook.name
+        assert not any(cell.get("outputs") or cell.get("execution_count") for cell in rest), (
+            notebook.name
+        )
 
 
 def test_notebooks_are_on_the_page_on_python():
@@ -135,13 +164,20 @@ def test_notebooks_are_on_the_page_on_python():
 ])  # fmt: skip
 def test_notebooks_run(name, tmp_path):
     if name != IN_EVERY_TEST:
-        pytest.importorskip("IPython", reason="a notebook shows a picture with it; make docs installs it")
+        pytest.importorskip(
+            "IPython", reason="a notebook shows a picture with it; make docs installs it"
+        )
     code = ["".join(cell["source"]) for cell in cells(ROOT / "docs" / "notebooks" / f"{name}.ipynb")
             if cell["cell_type"] == "code"]  # fmt: skip
     (tmp_path / "notebook.py").write_text("\n".join(code), encoding="utf-8")
-    start, environment = time.monotonic(), PLAIN | {"MPLBACKEND": "agg"}
+    start = time.monotonic()
+    environment = PLAIN | {"MPLBACKEND": "agg"}
     done = subprocess.run(
-        [sys.executable, "notebook.py"], cwd=tmp_path, env=environment, capture_output=True, text=True
+        [sys.executable, "notebook.py"],
+        cwd=tmp_path,
+        env=environment,
+        capture_output=True,
+        text=True,
     )
     assert done.returncode == 0, done.stderr
     assert time.monotonic() - start < LONGEST
@@ -167,7 +203,9 @@ def test_bibtex_has_all_works_and_authors():
 def test_bibtex_escapes_and_refuses():
     module = extension("bibtex")
     work = 'type: article\ntitle: "A & B, 5 %"\nauthors: [{family-names: "O_x", given-names: A.}]\nyear: 2000\n'
-    assert r"title  = {{A \& B, 5 \%}}" in module.bibtex(work) and r"O\_x, A." in module.bibtex(work)
+    assert r"title  = {{A \& B, 5 \%}}" in module.bibtex(work) and r"O\_x, A." in module.bibtex(
+        work
+    )
     with pytest.raises(ValueError, match="found type map, expected one of"):
         module.bibtex(work.replace("article", "map"))
 
@@ -182,7 +220,11 @@ def test_dead_links_are_told_from_those_that_cannot_be_checked():
         link("https://b", "redirected", "https://c"),
         link("https://d", "broken", "404 Client Error: Not Found for url: https://d"),
         link("https://d", "broken", "404 Client Error: Not Found for url: https://d"),
-        link("https://e", "broken", "HTTPSConnectionPool: Max retries exceeded (Failed to resolve 'e')"),
+        link(
+            "https://e",
+            "broken",
+            "HTTPSConnectionPool: Max retries exceeded (Failed to resolve 'e')",
+        ),
         link("https://f", "timeout"),
         link("page", "local"),
     ]

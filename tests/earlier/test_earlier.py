@@ -1,7 +1,9 @@
-"""Promises that stay: results of 0.1, 0.2 and 0.3 are read, names of 0.3 are there, results of later formats are refused.
+"""Promises that stay: results of 0.1, 0.2 and 0.3 are read, names of 0.3 are there, results of
+later formats are refused.
 
-The archives hold small runs that these versions made: fcc spheres, a chain, a scan of two points; without dumps, decks and figures.
-`promised.json` has the names of 0.3: commands and options, keys, values of summary.json, data sets, columns, styles.
+The archives hold small runs that these versions made: fcc spheres, a chain, a scan of two points;
+without dumps, decks and figures. `promised.json` has the names of 0.3: commands and options, keys,
+values of summary.json, data sets, columns, styles.
 """
 
 from __future__ import annotations
@@ -48,7 +50,9 @@ def test_runs_are_loaded(earlier):
         assert run["versions"]["granwave"] == summary["versions"]["granwave"] in VERSIONS
         assert run.contacts["peak_force"].max() == pytest.approx(summary["peak_force_N"], rel=1e-9)
         with Result(earlier / name) as result:
-            assert result["energy/dissipated"][-1] == pytest.approx(summary["energy_dissipated_J"], rel=1e-9)
+            assert result["energy/dissipated"][-1] == pytest.approx(
+                summary["energy_dissipated_J"], rel=1e-9
+            )
 
 
 def test_scans_are_loaded(earlier):
@@ -61,7 +65,10 @@ def test_scans_are_loaded(earlier):
 
 def test_report_of_all(earlier):
     report = earlier / "report.html"
-    assert main(["report", *(str(earlier / name) for name in (*KNOWN, "scan")), "-o", str(report)]) == 0
+    assert (
+        main(["report", *(str(earlier / name) for name in (*KNOWN, "scan")), "-o", str(report)])
+        == 0
+    )
     page = report.read_text(encoding="utf-8")
     assert "impact velocity" in page and "chain of 6" in page and "could not be" not in page
 
@@ -79,7 +86,9 @@ def test_figures_film_page_and_tables(earlier):
 
 
 def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
-    """Their files are known as granwave's own: refused without --force, a finished run is not computed again."""
+    """Their files are known as granwave's own: refused without --force, a finished run is not
+    computed again.
+    """
     case = str(earlier / "run" / "case.toml")
     before = (earlier / "run" / "summary.json").read_bytes()
     assert main(["run", case, "-o", str(earlier / "run"), "--no-figures"]) == 2
@@ -92,10 +101,16 @@ def test_they_are_kept_and_replaced_as_results_are(earlier, capsys):
 
 
 def test_commands_and_options_of_0_3():
-    (verbs,) = (one for one in make_parser()._actions if isinstance(one, argparse._SubParsersAction))
+    (verbs,) = (
+        one for one in make_parser()._actions if isinstance(one, argparse._SubParsersAction)
+    )
     for name, promised in PROMISED["commands"].items():
         actions = verbs.choices[name]._actions
-        found = {word for one in actions for word in (one.option_strings or [str(one.metavar or one.dest)])}
+        found = {
+            word
+            for one in actions
+            for word in (one.option_strings or [str(one.metavar or one.dest)])
+        }
         assert set(promised) <= found, name
 
 
@@ -116,7 +131,15 @@ def now(tmp_path_factory) -> Path:
     """A run and a scan of today, as those of the archives."""
     place = tmp_path_factory.mktemp("now")
     assert main(["run", "fcc-small", "-o", str(place / "run"), *SMALL, "--no-figures"]) == 0
-    chain = ["--set", "packing.size=6", "--set", "run.end_time=2e-5", "--set", "run.frames=2", "--no-figures"]
+    chain = [
+        "--set",
+        "packing.size=6",
+        "--set",
+        "run.end_time=2e-5",
+        "--set",
+        "run.frames=2",
+        "--no-figures",
+    ]
     assert main(["run", "homogeneous-chain", "-o", str(place / "chain"), *chain]) == 0
     (place / "pair.toml").write_text(
         'case = "two-spheres"\nset = {run.end_time = 4e-5}\ngrid = {load.velocity = [0.1]}\n'
@@ -128,7 +151,9 @@ def now(tmp_path_factory) -> Path:
 
 
 def test_values_data_sets_and_columns_of_0_3(now):
-    assert set(PROMISED["summary"]) <= set(json.loads((now / "run" / "summary.json").read_text(encoding="utf-8")))
+    assert set(PROMISED["summary"]) <= set(
+        json.loads((now / "run" / "summary.json").read_text(encoding="utf-8"))
+    )
     found: dict[str, str] = {}
     for name in KNOWN:
         with h5py.File(now / name / "result.h5") as file:
@@ -147,7 +172,9 @@ def test_every_file_tells_its_version(now):
         scan / "scan.json",
         now / "suite" / "suite.json",
     ):
-        assert expected.items() <= json.loads(path.read_text(encoding="utf-8"))["versions"].items(), path
+        assert (
+            expected.items() <= json.loads(path.read_text(encoding="utf-8"))["versions"].items()
+        ), path
     for path in (now / "run" / "result.h5", scan / "scan.h5", now / "bands" / "spectra.h5"):
         with h5py.File(path) as file:
             assert expected.items() <= json.loads(file.attrs["versions"]).items(), path
@@ -167,7 +194,9 @@ def test_results_of_a_later_format_are_refused(now, tmp_path, monkeypatch, capsy
     before = {path: path.read_bytes() for path in place.rglob("*") if path.is_file()}
     assert main(command.format(place).split()) == 2
     said = capsys.readouterr().err
-    assert f"found results of format {FORMAT + 1}, of granwave 9.0, expected at most {FORMAT}" in said
+    assert (
+        f"found results of format {FORMAT + 1}, of granwave 9.0, expected at most {FORMAT}" in said
+    )
     assert {path: path.read_bytes() for path in place.rglob("*") if path.is_file()} == before
 
 
@@ -180,11 +209,15 @@ def test_a_result_alone_of_a_later_format_is_refused(now, tmp_path):
         Result(path)
 
 
-@pytest.mark.parametrize(("version", "named"), [(None, "of a version before 0.3"), ("0.2.9", "of granwave 0.2.9")])
+@pytest.mark.parametrize(
+    ("version", "named"), [(None, "of a version before 0.3"), ("0.2.9", "of granwave 0.2.9")]
+)
 def test_a_checkpoint_of_another_minor_version_is_not_used(tmp_path, version, named):
     checkpoint = {"file": "checkpoint-1.restart", "whole": {}, "sizes": {}}
     assert record.checkpoint_fault(tmp_path, checkpoint | {"version": gw.__version__}) == ""
-    assert named in record.checkpoint_fault(tmp_path, checkpoint | ({"version": version} if version else {}))
+    assert named in record.checkpoint_fault(
+        tmp_path, checkpoint | ({"version": version} if version else {})
+    )
 
 
 def test_a_deprecated_name_warns():

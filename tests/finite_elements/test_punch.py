@@ -1,4 +1,6 @@
-"""Continuum solver against theory: waves, yield, patch tests, contact, energy; then its input and output."""
+"""Continuum solver against theory: waves, yield, patch tests, contact, energy; then its input and
+output.
+"""
 
 from __future__ import annotations
 
@@ -34,14 +36,19 @@ def values_of(changes=None, **run):
 
 def graded(n_r=7, n_z=9):
     rng = np.random.default_rng(5)
-    lines = [np.concatenate([[0.0], np.cumsum(rng.uniform(0.5, 1.5, n))]) * 1e-3 for n in (n_r, n_z)]
+    lines = [
+        np.concatenate([[0.0], np.cumsum(rng.uniform(0.5, 1.5, n))]) * 1e-3 for n in (n_r, n_z)
+    ]
     return Mesh(*lines)
 
 
 def move(solver, radial, axial):
     """One step of a displacement field, from rest."""
     r, z = solver.mesh.nodes.T.reshape(2, *solver.motion.shape[1:])
-    solver.motion[2], solver.motion[3] = radial(r, z) / solver.timestep, axial(r, z) / solver.timestep
+    solver.motion[2], solver.motion[3] = (
+        radial(r, z) / solver.timestep,
+        axial(r, z) / solver.timestep,
+    )
     solver._mobility[:] = 0.0  # as prescribed
     solver.advance(1)
 
@@ -49,7 +56,9 @@ def move(solver, radial, axial):
 def column(material, velocity, *, sides, radius, length, n_r, n_z):
     """Cylinder whose whole top is driven at constant velocity."""
     mesh = Mesh(np.linspace(0, radius, n_r + 1), np.linspace(0, length, n_z + 1))
-    return Solver(mesh, material, gap=np.zeros(n_r + 1), punch_mass=1e9, punch_velocity=velocity, sides=sides)
+    return Solver(
+        mesh, material, gap=np.zeros(n_r + 1), punch_mass=1e9, punch_velocity=velocity, sides=sides
+    )
 
 
 def go(solver, end):
@@ -70,9 +79,15 @@ def test_nodal_forces_are_those_that_scikit_fem_assembles():
     u, w = (basis.interpolate(part.ravel()) for part in field)
     radius = np.asarray(basis.global_coordinates())[0]
     strain = np.stack([u.grad[0], w.grad[1], np.asarray(u) / radius, u.grad[1] + w.grad[0]])
-    assert np.allclose(np.einsum("kl,leq->keq", BRASS.stiffness, strain), [rr, zz, tt, rz], rtol=1e-9, atol=1e-2)
-    f_r = LinearForm(lambda v, x: 2 * np.pi * (x.x[0] * (v.grad[0] * rr + v.grad[1] * rz) + v * tt)).assemble(basis)
-    f_z = LinearForm(lambda v, x: 2 * np.pi * x.x[0] * (v.grad[0] * rz + v.grad[1] * zz)).assemble(basis)
+    assert np.allclose(
+        np.einsum("kl,leq->keq", BRASS.stiffness, strain), [rr, zz, tt, rz], rtol=1e-9, atol=1e-2
+    )
+    f_r = LinearForm(
+        lambda v, x: 2 * np.pi * (x.x[0] * (v.grad[0] * rr + v.grad[1] * rz) + v * tt)
+    ).assemble(basis)
+    f_z = LinearForm(lambda v, x: 2 * np.pi * x.x[0] * (v.grad[0] * rz + v.grad[1] * zz)).assemble(
+        basis
+    )
     for found, expected in zip(solver.motion[4:], (f_r, f_z), strict=True):
         assert np.allclose(found.ravel(), expected, rtol=1e-9, atol=1e-9 * np.abs(expected).max())
 
@@ -95,20 +110,28 @@ def test_rigid_motion_gives_no_stress():
 
 @pytest.mark.parametrize(("radial", "axial"), [(1e-4, 0.0), (0.0, 1e-4), (2e-4, -1e-4)])
 def test_patch(radial, axial):
-    """A homogeneous strain on a graded mesh that includes the axis gives uniform stress and no force on any inner node."""
+    """A homogeneous strain on a graded mesh that includes the axis gives uniform stress and no
+    force on any inner node.
+    """
     solver = Solver(graded(), ELASTIC, bottom="free")
     solver._constants = (*solver._constants[:3], 0.0, 0.0)
     move(solver, lambda r, z: radial * r, lambda r, z: axial * z)
     expected = ELASTIC.stiffness @ [radial, axial, radial, 0.0]
-    assert solver.state[:, :, :4] == pytest.approx(np.broadcast_to(expected, (9, 7, 4)), rel=1e-9, abs=1e-2)
+    assert solver.state[:, :, :4] == pytest.approx(
+        np.broadcast_to(expected, (9, 7, 4)), rel=1e-9, abs=1e-2
+    )
     scale = np.abs(solver.motion[4:]).max()
-    assert np.abs(solver.motion[4, 1:-1, :-1]).max() < 1e-9 * scale  # nodes on the axis are inner nodes
+    assert (
+        np.abs(solver.motion[4, 1:-1, :-1]).max() < 1e-9 * scale
+    )  # nodes on the axis are inner nodes
     assert np.abs(solver.motion[5, 1:-1]).max() < 1e-9 * scale
 
 
 @pytest.mark.parametrize("elements", [400, 4000])
 def test_timestep_is_just_below_the_limit(elements):
-    """Random motion of an elastic block conserves energy at the chosen timestep, and is unstable at 1.4 times that."""
+    """Random motion of an elastic block conserves energy at the chosen timestep, and is unstable at
+    1.4 times that.
+    """
     for factor, stable in ((1.0, True), (1.4, False)):
         solver = Solver(block_mesh(0.05, 0.1, 0.005, elements), ELASTIC)
         solver.timestep *= factor
@@ -150,34 +173,47 @@ def test_slender_bar_carries_the_bar_wave():
 
 
 def test_plane_impact_has_an_elastic_precursor():
-    """Uniaxial strain beyond yield: precursor of sigma_y (1-nu)/(1-2 nu) at c_L, plastic wave at sqrt(K/rho)."""
-    velocity, length = 60.0, 0.05
+    """Uniaxial strain beyond yield: precursor of sigma_y (1-nu)/(1-2 nu) at c_L, plastic wave at
+    sqrt(K/rho).
+    """
+    velocity = 60.0
+    length = 0.05
     solver = column(BRASS, velocity, sides="roller", radius=5e-4, length=length, n_r=2, n_z=800)
-    speed, plastic_speed = BRASS.longitudinal_speed, math.sqrt(115e9 / (3 * 0.4) / 8500)
+    speed = BRASS.longitudinal_speed
+    plastic_speed = math.sqrt(115e9 / (3 * 0.4) / 8500)
     limit = 550e6 * 0.7 / 0.4
     step = limit / (8500 * speed)  # particle velocity behind the precursor
     top = limit + 8500 * plastic_speed * (velocity - step)
     go(solver, 0.9 * length / speed)
-    depth, stress = solver.mesh.centres[1], -solver.state[:, 1, ZZ]
+    depth = solver.mesh.centres[1]
+    stress = -solver.state[:, 1, ZZ]
     between = (depth > 1.05 * plastic_speed * solver.time) & (depth < 0.96 * speed * solver.time)
     assert stress[between].mean() == pytest.approx(limit, rel=0.01)
     behind = (depth > 0.1 * length) & (depth < 0.9 * plastic_speed * solver.time)
     assert stress[behind] == pytest.approx(top, rel=0.01)
-    assert np.interp(-(limit + top) / 2, -stress, depth) == pytest.approx(plastic_speed * solver.time, rel=0.01)
+    assert np.interp(-(limit + top) / 2, -stress, depth) == pytest.approx(
+        plastic_speed * solver.time, rel=0.01
+    )
     assert np.interp(-limit / 2, -stress, depth) == pytest.approx(speed * solver.time, rel=0.01)
     assert solver.von_mises.max() <= 550e6 * (1 + 1e-12)
 
 
 def test_plastic_flow_does_not_lock():
-    """A punch pressed in at constant velocity reaches the limit load; with a locking mesh the load continues to grow.
+    """A punch pressed in at constant velocity reaches the limit load; with a locking mesh the load
+    continues to grow.
 
-    Smooth circular punch on Tresca's material: 5.69 k (Shield 1955). Von Mises' surface lies between Tresca's with
-    k = sigma_y/2 and with k = sigma_y/sqrt 3, and so does, by the limit theorems, its load.
+    Smooth circular punch on Tresca's material: 5.69 k (Shield 1955). Von Mises' surface lies
+    between Tresca's with k = sigma_y/2 and with k = sigma_y/sqrt 3, and so does, by the limit
+    theorems, its load.
     """
     soft = Elastoplastic(115e9, 0.30, 8500.0, 50e6)
     mesh = block_mesh(0.02, 0.02, 0.005, 2500)
-    solver = Solver(mesh, soft, gap=punch_gap(mesh, 0.005, 1e-4), punch_mass=1e6, punch_velocity=1.0)
-    pressures = [solver.advance(20)["contact_force"] / (math.pi * 0.005**2) / 50e6 for _ in range(200)]
+    solver = Solver(
+        mesh, soft, gap=punch_gap(mesh, 0.005, 1e-4), punch_mass=1e6, punch_velocity=1.0
+    )
+    pressures = [
+        solver.advance(20)["contact_force"] / (math.pi * 0.005**2) / 50e6 for _ in range(200)
+    ]
     late = np.array(pressures[-60:])
     print(f"mean pressure {late.mean():.3f} sigma_y")
     assert 5.69 / 2 < late.mean() < 5.69 / math.sqrt(3)
@@ -193,7 +229,9 @@ def test_contact_keeps_momentum_and_never_pulls():
         assert instant["contact_force"] >= 0
         gap = solver._gap + solver.motion[1, 0, : len(solver._gap)] - solver._tally[kernels.PUNCH_Z]
         assert gap.min() > -1e-15
-    momentum = np.sum(solver.operators.mass * solver.motion[3]) + 0.1 * solver._tally[kernels.PUNCH_V]
+    momentum = (
+        np.sum(solver.operators.mass * solver.motion[3]) + 0.1 * solver._tally[kernels.PUNCH_V]
+    )
     assert momentum == pytest.approx(0.1 * 10.0, rel=1e-9)
     assert instant["contact_force"] == 0.0  # the punch has left
 
@@ -234,23 +272,38 @@ def test_energy_closes(mass, velocity):
 
 @pytest.mark.parametrize("taper", [0.0, 5e-5])
 def test_materials_collapse(taper):
-    """The thesis' materials (Fig. 5.10) at one normalised energy, time and mass (thesis 5.20 to 5.30).
+    """The thesis' materials (Fig. 5.10) at one normalised energy, time and mass (thesis 5.20 to
+    5.30).
 
-    Displacements scale with sigma_y/E, the punch does not. With a sharp punch the dimensionless problem is the same, except
-    for the quadratic bulk viscosity; a rounded edge requires a radius proportional to E/sigma_y, with the same flat part.
+    Displacements scale with sigma_y/E, the punch does not. With a sharp punch the dimensionless
+    problem is the same, except for the quadratic bulk viscosity; a rounded edge requires a radius
+    proportional to E/sigma_y, with the same flat part.
     """
     found = []
-    for modulus, limit in ((115e9, 550e6), (230e9, 550e6), (115e9, 1100e6), (230e9, 1100e6), (460e9, 1100e6)):
+    for modulus, limit in (
+        (115e9, 550e6),
+        (230e9, 550e6),
+        (115e9, 1100e6),
+        (230e9, 1100e6),
+        (460e9, 1100e6),
+    ):
         velocity = 10.0 * (limit / 550e6) * math.sqrt(115e9 / modulus)
         radius = taper * (1100e6 / limit) * (modulus / 115e9)  # of the edge
-        material = {"youngs_modulus": modulus, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": limit}
+        material = {
+            "youngs_modulus": modulus,
+            "poisson_ratio": 0.3,
+            "density": 8500.0,
+            "yield_strength": limit,
+        }
         punch = {"velocity": velocity, "taper": radius, "diameter": 9.8e-3 + 2 * radius}
         found.append(values_of({"material": material, "punch": punch}, elements=4000))
     base = found[0]
     for values in found[1:]:
         fraction = pytest.approx(base["dissipated_fraction"], rel=0.01 if taper else 1e-4)
         assert values["dissipated_fraction"] == fraction
-        assert values["plastic_zone_volume_m3"] == pytest.approx(base["plastic_zone_volume_m3"], rel=0.02)
+        assert values["plastic_zone_volume_m3"] == pytest.approx(
+            base["plastic_zone_volume_m3"], rel=0.02
+        )
 
 
 SMALL = {"name": "small", "material": "brass", "run": {"elements": 1500}}
@@ -259,7 +312,12 @@ SMALL = {"name": "small", "material": "brass", "run": {"elements": 1500}}
 def test_defaults_are_those_of_the_interface():
     case = ContinuumCase.from_dict({"material": "brass"}, "half-space.toml")
     assert (case.name, case.block.diameter, case.block.height) == ("half-space", 0.1, 0.1)
-    assert (case.punch.diameter, case.punch.mass, case.punch.velocity, case.punch.taper) == (0.01, 0.1, 10.0, 1e-4)
+    assert (case.punch.diameter, case.punch.mass, case.punch.velocity, case.punch.taper) == (
+        0.01,
+        0.1,
+        10.0,
+        1e-4,
+    )
     assert (case.run.end_time, case.run.elements) == ("auto", 62_500)
     assert case.energy_unit == pytest.approx(2.630, abs=5e-4)
     assert ContinuumCase.from_dict(case.to_dict()) == case
@@ -284,7 +342,9 @@ def test_every_fault_is_named(tmp_path, tables, words):
     with pytest.raises(InputError) as caught:
         ContinuumCase.load(path, ["run.end_time=soon"] if len(words) > 3 else [])
     assert len(caught.value.errors) == len(words)
-    assert all(any(word in line for line in caught.value.errors) for word in words), caught.value.errors
+    assert all(any(word in line for line in caught.value.errors) for word in words), (
+        caught.value.errors
+    )
 
 
 def test_mesh_beyond_memory_is_refused(tmp_path):
@@ -304,9 +364,13 @@ def test_run_leaves_its_results(tmp_path):
     assert summary["dissipated_fraction"] == pytest.approx(summary["energy_dissipated_J"] / 5.0)
     with h5py.File(tmp_path / "r" / "result.h5") as file:
         sets = []
-        file.visititems(lambda name, item: sets.append((name, item)) if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: sets.append((name, item)) if isinstance(item, h5py.Dataset) else None
+        )
         assert all("unit" in item.attrs for _, item in sets)
-        assert {"nodes", "elements", "fields/von_mises", "energy/plastic"} <= {name for name, _ in sets}
+        assert {"nodes", "elements", "fields/von_mises", "energy/plastic"} <= {
+            name for name, _ in sets
+        }
         assert np.diff(file["energy/time"][:]).max() <= 2e-7
         assert file["energy/time"][-1] == pytest.approx(file["fields/time"][-1])
         assert file["fields/von_mises"].shape[1] == len(file["elements"]) == summary["n_elements"]
@@ -315,7 +379,13 @@ def test_run_leaves_its_results(tmp_path):
         assert "brass" in file.attrs["case"] and "numba" in json.loads(file.attrs["versions"])
     assert summary["zone_volume_99_m3"] < summary["plastic_zone_volume_ever_m3"]
     assert (summary["zone_cut"], summary["wave_returned"]) == ([], ["sides"])
-    for name in ("energies", "plastic_zone", "plastic_zone_volume", "plastic_zone_size", "von_mises"):
+    for name in (
+        "energies",
+        "plastic_zone",
+        "plastic_zone_volume",
+        "plastic_zone_size",
+        "von_mises",
+    ):
         for suffix in ("png", "pdf", "csv"):
             assert (tmp_path / "r" / "figures" / f"{name}.{suffix}").stat().st_size > 0
     # and further commands in that directory
@@ -337,7 +407,9 @@ def test_given_end_time_is_met():
 
 
 def test_unstable_run_stops_and_keeps_what_it_has(tmp_path):
-    case = ContinuumCase.from_dict({"name": "u", "material": "brass", "run": {"elements": 500, "timestep": 5e-7}})
+    case = ContinuumCase.from_dict(
+        {"name": "u", "material": "brass", "run": {"elements": 500, "timestep": 5e-7}}
+    )
     with pytest.raises(RunError, match="energy balance is off"):
         run_continuum(case, tmp_path, figures=False)
     assert json.loads((tmp_path / "summary.json").read_text())["end_reason"] == "refused"
@@ -345,17 +417,24 @@ def test_unstable_run_stops_and_keeps_what_it_has(tmp_path):
 
 
 def test_large_strains_are_named(tmp_path, caplog):
-    case = ContinuumCase.from_dict({"material": "brass", "run": {"elements": 500}, "punch": {"velocity": 100.0}})
+    case = ContinuumCase.from_dict(
+        {"material": "brass", "run": {"elements": 500}, "punch": {"velocity": 100.0}}
+    )
     summary = run_continuum(case, tmp_path, figures=False)
-    assert "strains are not small" in caplog.text and f"{summary['largest_strain']:.2f}" in caplog.text
+    assert (
+        "strains are not small" in caplog.text and f"{summary['largest_strain']:.2f}" in caplog.text
+    )
 
 
 @pytest.mark.validation
-@pytest.mark.parametrize("punch", [{"velocity": 6.0}, {"velocity": 16.0}, {"mass": 0.01, "velocity": 40.0}])
+@pytest.mark.parametrize(
+    "punch", [{"velocity": 6.0}, {"velocity": 16.0}, {"mass": 0.01, "velocity": 40.0}]
+)
 def test_results_converge_with_the_mesh(punch):
     found = [values_of({"punch": punch}, elements=elements) for elements in (4000, 16_000, 62_500)]
     fractions, volumes = (
-        [values[name] for values in found] for name in ("dissipated_fraction", "plastic_zone_volume_m3")
+        [values[name] for values in found]
+        for name in ("dissipated_fraction", "plastic_zone_volume_m3")
     )
     print(f"\n{punch}: fraction {fractions}, volume {volumes}")
     assert fractions[1] == pytest.approx(fractions[2], rel=0.02)
@@ -373,7 +452,9 @@ def test_taper_does_not_matter():
     """Two elements across each taper, well above the onset of yield."""
     tapers = (5e-5, 1e-4, 2e-4)
     found = [
-        values_of({"punch": {"velocity": 16.0, "taper": taper}}, elements=16_000, edge_size=taper / 2)
+        values_of(
+            {"punch": {"velocity": 16.0, "taper": taper}}, elements=16_000, edge_size=taper / 2
+        )
         for taper in tapers
     ]
     fractions = [values["dissipated_fraction"] for values in found]
@@ -393,14 +474,23 @@ def test_command_line(granwave, tmp_path, monkeypatch, capfd):
         assert main(refused) == 2
     assert main([*words, "--resume"]) == main(["report", "out", "-o", "page.md"]) == 0
     capfd.readouterr()
-    assert main(["check", "half-space", "--set", "run.elements=500"]) == 0 and "elements" in capfd.readouterr().out
-    assert sorted(path.name for path in tmp_path.iterdir()) == ["out", "page.md"] or (tmp_path / "page_files").is_dir()
+    assert (
+        main(["check", "half-space", "--set", "run.elements=500"]) == 0
+        and "elements" in capfd.readouterr().out
+    )
+    assert (
+        sorted(path.name for path in tmp_path.iterdir()) == ["out", "page.md"]
+        or (tmp_path / "page_files").is_dir()
+    )
 
 
 @pytest.mark.parametrize("total", [6.5, 0.8, 0.0123, 2e-5, None])
 def test_a_bar_ends_at_its_total(total):
-    """Whatever the size of the total, and where the last place lies beyond it; without a total it goes on."""
-    digits, shown = digits_of(total), 0.0
+    """Whatever the size of the total, and where the last place lies beyond it; without a total it
+    goes on.
+    """
+    digits = digits_of(total)
+    shown = 0.0
     end = None if total is None else round(total, digits)
     for place in (total or 1.0) * np.array([0.1, 0.5, 0.4, 1.0, 1.4]):
         step = advance(shown, place, end, digits)

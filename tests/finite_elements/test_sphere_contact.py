@@ -1,4 +1,6 @@
-"""Static contact of two spheres: patch tests, Hertz, energy, the contact law; then its input and output."""
+"""Static contact of two spheres: patch tests, Hertz, energy, the contact law; then its input and
+output.
+"""
 
 from __future__ import annotations
 
@@ -15,11 +17,24 @@ import pytest
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import law_table
 from granwave.lammps_inputs import InputError, RunError
-from granwave.workflows.finite_elements.material import N_STATE, RR, RZ, STRAIN, TT, ZZ, Elastoplastic, von_mises
+from granwave.workflows.finite_elements.material import (
+    N_STATE,
+    RR,
+    RZ,
+    STRAIN,
+    TT,
+    ZZ,
+    Elastoplastic,
+    von_mises,
+)
 from granwave.workflows.finite_elements.punch.mesh import Mesh
 from granwave.workflows.finite_elements.sphere_contact import SphereContactCase, kernels
 from granwave.workflows.finite_elements.sphere_contact import run as run_module
-from granwave.workflows.finite_elements.sphere_contact.deviations import compare_cycles, compare_loading, worst
+from granwave.workflows.finite_elements.sphere_contact.deviations import (
+    compare_cycles,
+    compare_loading,
+    worst,
+)
 from granwave.workflows.finite_elements.sphere_contact.figures import FIGURES
 from granwave.workflows.finite_elements.sphere_contact.mesh import core_size, half_sphere
 from granwave.workflows.finite_elements.sphere_contact.run import ContactRun, run_sphere_contact
@@ -53,9 +68,13 @@ def values_of(case):
 def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC, pace=0.0):
     """State and nodal forces after ``displacement(positions)``, in equal parts, from no stress."""
     rate = material.rate_sensitivity, material.reference_rate
-    constants = np.array([[*material.lame, material.yield_strength, 0.0, material.hardening_modulus, *rate]])
-    kind, state = np.zeros(len(elements), dtype=np.int64), np.zeros((len(elements), N_STATE))
-    x, force = nodes.copy(), np.zeros_like(nodes)
+    constants = np.array(
+        [[*material.lame, material.yield_strength, 0.0, material.hardening_modulus, *rate]]
+    )
+    kind = np.zeros(len(elements), dtype=np.int64)
+    state = np.zeros((len(elements), N_STATE))
+    x = nodes.copy()
+    force = np.zeros_like(nodes)
     stiffness = np.full(len(elements), 1e9)
     move = displacement(nodes) / steps
     for _ in range(steps):
@@ -66,14 +85,19 @@ def strain(nodes, elements, displacement, *, steps=1, material=ELASTIC, pace=0.0
 
 @pytest.mark.parametrize("rate", [0.2, 1.0, 50.0, 1e5])
 def test_flow_stress_is_that_of_johnson_and_cook(rate):
-    """Uniform deviatoric straining at an equivalent rate; below the reference rate the strength is the slow one."""
+    """Uniform deviatoric straining at an equivalent rate; below the reference rate the strength is
+    the slow one.
+    """
     metal = Elastoplastic(200e9, 0.3, 7830.0, 400e6, 0.01, 0.02, 1.0)
     mesh = Mesh(np.linspace(0, 1, 3), np.linspace(0, 1, 3))
-    stretch, steps = 0.02, 400
+    stretch = 0.02
+    steps = 400
     _, state, _ = strain(mesh.nodes.copy(), mesh.elements, lambda x: x * np.array([-0.5, 1.0]) * stretch, steps=steps,
                          material=metal, pace=rate * steps / stretch)  # fmt: skip
     plastic = state[:, STRAIN]
-    expected = (metal.yield_strength + metal.hardening_modulus * plastic) * (1 + 0.02 * max(0.0, math.log(rate)))
+    expected = (metal.yield_strength + metal.hardening_modulus * plastic) * (
+        1 + 0.02 * max(0.0, math.log(rate))
+    )
     np.testing.assert_allclose(von_mises(state), expected, rtol=1e-3)
     assert plastic.min() > 0.8 * stretch
 
@@ -83,12 +107,19 @@ def test_flow_stress_is_that_of_johnson_and_cook(rate):
 
 def test_linear_motion_gives_uniform_stress_on_any_mesh():
     mesh = half_sphere(1.0, 0.2, 5)
-    eps_r, eps_z, shear = 1e-8, -3e-8, 2e-8
+    eps_r = 1e-8
+    eps_z = -3e-8
+    shear = 2e-8
     move = lambda x: np.column_stack([eps_r * x[:, 0], eps_z * x[:, 1] + shear * x[:, 0]])  # noqa: E731
     _, state, _ = strain(mesh.nodes, mesh.elements, move)
     lam, mu = ELASTIC.lame
     volume = lam * (2 * eps_r + eps_z)
-    expected = {RR: volume + 2 * mu * eps_r, TT: volume + 2 * mu * eps_r, ZZ: volume + 2 * mu * eps_z, RZ: mu * shear}
+    expected = {
+        RR: volume + 2 * mu * eps_r,
+        TT: volume + 2 * mu * eps_r,
+        ZZ: volume + 2 * mu * eps_z,
+        RZ: mu * shear,
+    }
     for component, value in expected.items():
         np.testing.assert_allclose(state[:, component], value, rtol=1e-6)
 
@@ -102,22 +133,37 @@ def test_uniform_stress_is_in_equilibrium():
 
 
 def test_rotation_leaves_the_stress_of_an_element_alone():
-    """Far from the axis a rotation in the plane causes no strain; the stress rotates with the element."""
+    """Far from the axis a rotation in the plane causes no strain; the stress rotates with the
+    element.
+    """
     rng = np.random.default_rng(3)
     mesh = Mesh(np.linspace(0, 1, 4), np.linspace(0, 1, 4))
     away = np.array([1e7, 0.0])
     nodes = mesh.nodes + 0.1 * rng.uniform(-1, 1, mesh.nodes.shape) + away
     constants = np.array([[*ELASTIC.lame, math.inf, 0.0, 0.0, 0.0, 1.0]])
-    kind, state = np.zeros(9, dtype=np.int64), np.zeros((9, N_STATE))
-    force, stiffness = np.zeros_like(nodes), np.full(9, 1e9)
+    kind = np.zeros(9, dtype=np.int64)
+    state = np.zeros((9, N_STATE))
+    force = np.zeros_like(nodes)
+    stiffness = np.full(9, 1e9)
     state[:, [RR, ZZ, TT, RZ]] = [3e8, -1e8, 2e8, 1.5e8]
     before = von_mises(state)
     steps = 90
     for step in range(steps):
         angles = math.pi / 2 * np.array([step, step + 1]) / steps
-        places = [(nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]]) for a in angles]
+        places = [
+            (nodes - away) @ np.array([[math.cos(a), math.sin(a)], [-math.sin(a), math.cos(a)]])
+            for a in angles
+        ]
         kernels.stress(
-            places[1] + away, places[1] - places[0], mesh.elements, kind, constants, stiffness, state, force, 0.0
+            places[1] + away,
+            places[1] - places[0],
+            mesh.elements,
+            kind,
+            constants,
+            stiffness,
+            state,
+            force,
+            0.0,
         )
     np.testing.assert_allclose(von_mises(state), before, rtol=1e-3)
     np.testing.assert_allclose(state[:, RR], -1e8, rtol=2e-3)
@@ -136,7 +182,9 @@ def test_yield_limits_the_mises_stress():
 def test_mesh_is_that_of_a_half_sphere():
     mesh = half_sphere(2.0, 0.05, 12)
     r, z = mesh.nodes[mesh.elements].transpose(2, 0, 1)
-    area = 0.5 * ((r[:, 0] - r[:, 2]) * (z[:, 1] - z[:, 3]) - (r[:, 1] - r[:, 3]) * (z[:, 0] - z[:, 2]))
+    area = 0.5 * (
+        (r[:, 0] - r[:, 2]) * (z[:, 1] - z[:, 3]) - (r[:, 1] - r[:, 3]) * (z[:, 0] - z[:, 2])
+    )
     assert area.min() > 0
     volume = (2 * math.pi * r.mean(axis=1) * area).sum()
     assert volume == pytest.approx(2 / 3 * math.pi * 8, rel=0.01)
@@ -151,9 +199,13 @@ def test_mesh_is_that_of_a_half_sphere():
 
 
 def test_elastic_spheres_are_hertzian():
-    """Agreement from half the largest overlap on; half-spheres are up to 1 % stiffer at this contact radius, 0.02 R."""
+    """Agreement from half the largest overlap on; half-spheres are up to 1 % stiffer at this
+    contact radius, 0.02 R.
+    """
     partner = {"radius": 2.5 * RADIUS, "material": {**BRASS, "youngs_modulus": 210e9}}
-    case = case_of({"material": BRASS, "partner": partner}, elements=2000, max_overlap=2e-3, unloadings=1)
+    case = case_of(
+        {"material": BRASS, "partner": partner}, elements=2000, max_overlap=2e-3, unloadings=1
+    )
     history, summary = values_of(case)
     loading = compare_loading(case, history)
     late = loading.overlap > 0.5 * case.max_overlap
@@ -185,7 +237,9 @@ def test_energy_is_balanced_and_nothing_moves(brass):
 
 
 def test_law_is_met(brass):
-    """Beyond the transition from Hertz; within it the law is up to 16 % low, and so it is on fine meshes."""
+    """Beyond the transition from Hertz; within it the law is up to 16 % low, and so it is on fine
+    meshes.
+    """
     _, summary = brass
     assert abs(summary["force_deviation_elastic_rms_percent"]) < 2.5
     assert 10 < summary["force_deviation_1_to_10_max_percent"] < 20
@@ -214,7 +268,9 @@ def test_files(brass):
     cycles = [f"{name}_{n}" for n in (1, 2, 3) for name in ("unloading", "reloading")]
     assert list(branches) == ["loading", *cycles]
     with h5py.File(directory / "result.h5") as file:
-        file.visititems(lambda _, item: item.attrs["unit"] if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda _, item: item.attrs["unit"] if isinstance(item, h5py.Dataset) else None
+        )
         assert file.attrs["kind"] == "sphere-contact"
         assert len(file["cycles/exponent"]) == 3
         yielded = file["fields/von_mises"][()]
@@ -225,20 +281,27 @@ def test_files(brass):
 
 def test_two_bodies_are_as_one_on_the_plane_of_symmetry():
     run = {"max_overlap": 0.03, "unloadings": 1}
-    one, two = case_of(elements=600, **run), case_of({"partner": {"radius": RADIUS * (1 + 1e-6)}}, elements=1200, **run)
+    one = case_of(elements=600, **run)
+    two = case_of({"partner": {"radius": RADIUS * (1 + 1e-6)}}, elements=1200, **run)
     assert one.identical and not two.identical
     found = []
     for case in (one, two):
         history, summary = values_of(case)
         assert summary["n_bodies"] == len(found) + 1
         loading = compare_loading(case, history)
-        found.append(np.interp(np.linspace(2e-3, 0.029, 50) * 0.5 * RADIUS, loading.overlap, loading.force))
+        found.append(
+            np.interp(np.linspace(2e-3, 0.029, 50) * 0.5 * RADIUS, loading.overlap, loading.force)
+        )
     assert np.sqrt(np.mean((found[1] / found[0] - 1) ** 2)) < 0.015
     assert found[1].mean() == pytest.approx(found[0].mean(), rel=0.01)
 
 
 def test_softer_sphere_takes_the_deformation():
-    case = case_of({"partner": {"material": {**BRASS, "youngs_modulus": 210e9}}}, max_overlap=0.02, unloadings=1)
+    case = case_of(
+        {"partner": {"material": {**BRASS, "youngs_modulus": 210e9}}},
+        max_overlap=0.02,
+        unloadings=1,
+    )
     run = ContactRun(case)
     run.integrate()
     solver = run.solver
@@ -248,7 +311,10 @@ def test_softer_sphere_takes_the_deformation():
     ring = 2 * math.pi * contact.radius * contact.pressure
     found = np.sum(0.5 * (ring[1:] + ring[:-1]) * np.diff(contact.radius))
     assert found == pytest.approx(solver.force, rel=0.05)
-    assert abs(worst(case, compare_loading(case, run.history))["force_deviation_10_to_50_rms_percent"]) < 8
+    assert (
+        abs(worst(case, compare_loading(case, run.history))["force_deviation_10_to_50_rms_percent"])
+        < 8
+    )
 
 
 def test_speed_does_not_matter():
@@ -256,17 +322,25 @@ def test_speed_does_not_matter():
     for speed in (1.0, 0.5):
         case = case_of(elements=500, max_overlap=0.01, unloadings=0, speed=speed)
         loading = compare_loading(case, values_of(case)[0])
-        found.append(np.interp(np.geomspace(5e-4, 9.5e-3, 60) * 0.5 * RADIUS, loading.overlap, loading.force))
+        found.append(
+            np.interp(np.geomspace(5e-4, 9.5e-3, 60) * 0.5 * RADIUS, loading.overlap, loading.force)
+        )
     assert np.abs(found[0] / found[1] - 1).max() < 0.005
 
 
-NO_CALCULIX = pytest.mark.skipif(shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed")
+NO_CALCULIX = pytest.mark.skipif(
+    shutil.which("ccx") is None, reason="CalculiX (ccx) is not installed"
+)
 
 
 @NO_CALCULIX
 def test_calculix_finds_the_same_force(tmp_path):
-    """An implicit solver with fully integrated elements and its own contact, on the same kind of mesh."""
-    case = case_of(elements=800, max_overlap=4.8e-3, unloadings=0)  # 10 alpha_y, across the transition from Hertz
+    """An implicit solver with fully integrated elements and its own contact, on the same kind of
+    mesh.
+    """
+    case = case_of(
+        elements=800, max_overlap=4.8e-3, unloadings=0
+    )  # 10 alpha_y, across the transition from Hertz
     overlap, force = calculix_curve(tmp_path, case)
     loading = compare_loading(case, values_of(case)[0])
     late = overlap > case.law.yield_overlap
@@ -278,14 +352,27 @@ def test_calculix_finds_the_same_force(tmp_path):
 
 @NO_CALCULIX
 @pytest.mark.validation
-@pytest.mark.parametrize("material", [(70e9, 0.4, 150e6, 0.05), (200e9, 0.2, 800e6, 0.0), (50e9, 0.45, 100e6, 0.02)])
+@pytest.mark.parametrize(
+    "material", [(70e9, 0.4, 150e6, 0.05), (200e9, 0.2, 800e6, 0.0), (50e9, 0.45, 100e6, 0.02)]
+)
 def test_fitted_law_holds_for_materials_in_calculix(tmp_path, material):
-    """Materials that took no part in the fit, by another program; `elastoplastic` is up to 31 % off."""
+    """Materials that took no part in the fit, by another program; `elastoplastic` is up to 31 %
+    off.
+    """
     modulus, ratio, strength, hardening = material
     case = case_of(elements=1500, max_overlap=0.05, unloadings=0)
     overlap, force = calculix_curve(tmp_path, case, material, fineness=12)
-    twice = {"youngs_modulus": modulus, "poisson_ratio": ratio, "yield_strength": strength, "hardening": hardening}
-    law = ContactLaw("elastoplastic-fe", radius=(RADIUS, RADIUS), **{key: (one, one) for key, one in twice.items()})
+    twice = {
+        "youngs_modulus": modulus,
+        "poisson_ratio": ratio,
+        "yield_strength": strength,
+        "hardening": hardening,
+    }
+    law = ContactLaw(
+        "elastoplastic-fe",
+        radius=(RADIUS, RADIUS),
+        **{key: (one, one) for key, one in twice.items()},
+    )
     late = overlap > law.yield_overlap
     error = law.loading_force(overlap[late]) / force[late] - 1
     assert len(error) > 15
@@ -294,9 +381,11 @@ def test_fitted_law_holds_for_materials_in_calculix(tmp_path, material):
 
 
 def calculix_curve(folder, case, material=(115e9, 0.3, 550e6, 0.0), fineness=6):
-    """Overlap and force of CalculiX, m and N, of a material: modulus and yield strength in Pa, hardening over the modulus.
+    """Overlap and force of CalculiX, m and N, of a material: modulus and yield strength in Pa,
+    hardening over the modulus.
 
-    With 6 elements on the finest length, nearly incompressible ones are too stiff: 12 lower their force by 6 %, 20 by 7 %.
+    With 6 elements on the finest length, nearly incompressible ones are too stiff: 12 lower their
+    force by 6 %, 20 by 7 %.
     """
     mesh = half_sphere(1e3 * RADIUS, 1e3 * core_size(case), fineness)  # mm, N, MPa
     (folder / "job.inp").write_text(calculix_deck(mesh, 1e3 * case.max_overlap / 2, *material))
@@ -304,25 +393,37 @@ def calculix_curve(folder, case, material=(115e9, 0.3, 550e6, 0.0), fineness=6):
     lines = (folder / "job.dat").read_text().splitlines()
     heads = [n for n, line in enumerate(lines) if "total force" in line]
     overlap = np.array([float(lines[n].split()[-1]) for n in heads]) * case.max_overlap
-    return overlap, np.array([-180 * float(lines[n + 2].split()[1]) for n in heads])  # of a wedge of 2 degrees
+    return overlap, np.array(
+        [-180 * float(lines[n + 2].split()[1]) for n in heads]
+    )  # of a wedge of 2 degrees
 
 
 def calculix_deck(mesh, displacement, modulus, ratio, strength, hardening):
     """Half of the overlap, with a fixed block as the rigid plane; modulus and strength in Pa."""
-    young, limit = 1e-6 * modulus, 1e-6 * strength
+    young = 1e-6 * modulus
+    limit = 1e-6 * strength
     slope = young * hardening / (1 - hardening) or 1e-3  # of stress with plastic strain, MPa
     nodes = [*mesh.nodes.tolist(), [0, -1], [2, -1], [2, 0], [0, 0]]
-    n, last = len(mesh.nodes), len(mesh.elements) + 1
+    n = len(mesh.nodes)
+    last = len(mesh.elements) + 1
     starts = set(mesh.surface[:-1][mesh.nodes[mesh.surface[1:], 0] < 1.5].tolist())
     slaves = [f"{e},S1" for e, corners in enumerate(mesh.elements, 1) if corners[0] in starts]
     rows = lambda ids: [f"{node + 1}," for node in ids]  # noqa: E731
     lines = ["*NODE,NSET=ALL", *(f"{i},{r:.12g},{z:.12g},0" for i, (r, z) in enumerate(nodes, 1))]
     lines += ["*ELEMENT,TYPE=CAX4,ELSET=BODY"]
-    lines += [f"{e}," + ",".join(str(node + 1) for node in corners) for e, corners in enumerate(mesh.elements, 1)]
+    lines += [
+        f"{e}," + ",".join(str(node + 1) for node in corners)
+        for e, corners in enumerate(mesh.elements, 1)
+    ]
     lines += ["*ELEMENT,TYPE=CAX4,ELSET=PLANE", f"{last},{n + 1},{n + 2},{n + 3},{n + 4}"]
     lines += ["*NSET,NSET=AXIS", *rows(mesh.axis), "*NSET,NSET=FACE", *rows(mesh.face)]
     lines += ["*NSET,NSET=HELD", *rows(range(n, n + 4))]
-    lines += ["*SURFACE,NAME=SLAVE,TYPE=ELEMENT", *slaves, "*SURFACE,NAME=MASTER,TYPE=ELEMENT", f"{last},S3"]
+    lines += [
+        "*SURFACE,NAME=SLAVE,TYPE=ELEMENT",
+        *slaves,
+        "*SURFACE,NAME=MASTER,TYPE=ELEMENT",
+        f"{last},S3",
+    ]
     lines += [
         "*MATERIAL,NAME=BRASS",
         "*ELASTIC",
@@ -332,26 +433,51 @@ def calculix_deck(mesh, displacement, modulus, ratio, strength, hardening):
         f"{limit + 10 * slope:g},10.",
     ]
     lines += ["*MATERIAL,NAME=RIGID", "*ELASTIC", "1e6,0.3"]
-    lines += [f"*SOLID SECTION,ELSET={part},MATERIAL={of}" for part, of in (("BODY", "BRASS"), ("PLANE", "RIGID"))]
-    lines += ["*SURFACE INTERACTION,NAME=C", "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR", "2.4e7,1.0"]
+    lines += [
+        f"*SOLID SECTION,ELSET={part},MATERIAL={of}"
+        for part, of in (("BODY", "BRASS"), ("PLANE", "RIGID"))
+    ]
+    lines += [
+        "*SURFACE INTERACTION,NAME=C",
+        "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
+        "2.4e7,1.0",
+    ]
     lines += ["*CONTACT PAIR,INTERACTION=C,TYPE=NODE TO SURFACE", "SLAVE,MASTER"]
-    lines += ["*BOUNDARY", "HELD,1,2", "AXIS,1,1", "*STEP,NLGEOM,INC=1000", "*STATIC", "0.02,1.,1e-6,0.05"]
-    lines += ["*BOUNDARY", f"FACE,2,2,{-displacement:.10g}", "*NODE PRINT,NSET=FACE,TOTALS=ONLY", "RF", "*END STEP"]
+    lines += [
+        "*BOUNDARY",
+        "HELD,1,2",
+        "AXIS,1,1",
+        "*STEP,NLGEOM,INC=1000",
+        "*STATIC",
+        "0.02,1.,1e-6,0.05",
+    ]
+    lines += [
+        "*BOUNDARY",
+        f"FACE,2,2,{-displacement:.10g}",
+        "*NODE PRINT,NSET=FACE,TOTALS=ONLY",
+        "RF",
+        "*END STEP",
+    ]
     return "\n".join(lines) + "\n"
 
 
 def rate_errors(metal, velocity, **run):
-    """Force of law elastoplastic-fe over finite elements, minus 1, at a velocity and slowly: overlaps over that at first yield."""
+    """Force of law elastoplastic-fe over finite elements, minus 1, at a velocity and slowly:
+    overlaps over that at first yield.
+    """
     found = []
     for speed in (velocity, 0.0):
         case = case_of({"material": metal}, velocity=speed, unloadings=0, **run)
-        law, loading = case.contact_law("elastoplastic-fe"), compare_loading(case, values_of(case)[0])
+        law = case.contact_law("elastoplastic-fe")
+        loading = compare_loading(case, values_of(case)[0])
         at = np.geomspace(2 * law.yield_overlap, 0.9 * case.max_overlap, 12)
         path = np.linspace(0.0, case.max_overlap, 20001)
         force = law.follow(path, path / speed)["force"] if speed else law.loading_force(path)
         ratio = np.interp(loading["overlap"], path, force) / loading["force"]
         width = 0.1  # in the logarithm of the overlap: the contact grows from node to node
-        near = np.exp(-(((np.log(at)[:, None] - np.log(loading["overlap"].to_numpy()[None])) / width) ** 2))
+        near = np.exp(
+            -(((np.log(at)[:, None] - np.log(loading["overlap"].to_numpy()[None])) / width) ** 2)
+        )
         found.append((near * ratio.to_numpy()).sum(axis=1) / near.sum(axis=1) - 1)
     return np.array(found)
 
@@ -370,7 +496,9 @@ def test_law_and_finite_elements_depend_on_the_rate_alike():
 
 @pytest.mark.validation
 @pytest.mark.parametrize("velocity", [1.0, 10.0, 100.0])
-@pytest.mark.parametrize("metal", [STEEL_4340, BRASS | {"yield_strength": YIELD, "rate_sensitivity": 0.009}])
+@pytest.mark.parametrize(
+    "metal", [STEEL_4340, BRASS | {"yield_strength": YIELD, "rate_sensitivity": 0.009}]
+)
 def test_law_at_a_velocity_is_near_finite_elements(metal, velocity):
     fast, slow = rate_errors(metal, velocity, elements=2000, max_overlap=0.17)
     assert np.abs(fast - slow).max() < 0.015
@@ -383,7 +511,9 @@ def test_law_at_a_velocity_is_near_finite_elements(metal, velocity):
 def test_peaks_cover_small_overlaps():
     case = case_of(unloadings=5)
     found = case.peaks / case.law.yield_overlap
-    assert found[0] == pytest.approx(4) and found[-1] == pytest.approx(case.max_overlap / case.law.yield_overlap)
+    assert found[0] == pytest.approx(4) and found[-1] == pytest.approx(
+        case.max_overlap / case.law.yield_overlap
+    )
     assert len(case_of(unloadings=0).peaks) == 0
 
 
@@ -398,14 +528,19 @@ def test_peaks_cover_small_overlaps():
         ({"run": {"unloading": 3}}, "did you mean unloadings"),
         ({"partner": {"radius": "big"}}, "partner.radius"),
         ({"partner": {"material": "bras"}}, 'partner.material: found "bras"'),
-        ({"partner": {"material": {"preset": "brass", "yield_strength": -1.0}}}, "partner.material.yield_strength"),
+        (
+            {"partner": {"material": {"preset": "brass", "yield_strength": -1.0}}},
+            "partner.material.yield_strength",
+        ),
         ({"partner": 3}, "partner"),
         ({"punch": {}}, "punch: unknown key"),
     ],
 )
 def test_faults_are_named(changes, words):
     with pytest.raises(InputError) as error:
-        SphereContactCase.from_dict({key: table for key, table in (SMALL | changes).items() if table is not None})
+        SphereContactCase.from_dict(
+            {key: table for key, table in (SMALL | changes).items() if table is not None}
+        )
     assert words in str(error.value)
 
 

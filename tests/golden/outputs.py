@@ -1,11 +1,13 @@
-"""Golden outputs: decks of all built-in cases, summaries and report of small runs, kept in this folder.
+"""Golden outputs: decks of all built-in cases, summaries and report of small runs, kept in this
+folder.
 
 They show how a change of the code affects users. After an intended change of outputs:
 
     .venv/bin/python -m tests.golden.outputs        # regenerates them; git diff tests/golden shows the changes
 
-Input scripts are kept as they are; of data files and tables, which are large, the words and sums of the numbers.
-Numbers are compared to 1e-6, as processors and libraries differ in the last bits, and words to the letter.
+Input scripts are kept as they are; of data files and tables, which are large, the words and sums of
+the numbers. Numbers are compared to 1e-6, as processors and libraries differ in the last bits, and
+words to the letter.
 """
 
 from __future__ import annotations
@@ -27,7 +29,9 @@ from granwave.workflows.solvers import GRANULAR, solver_of
 
 FOLDER = Path(__file__).parent
 RENEW = "if that is meant: python -m tests.golden.outputs"
-DIGESTS, SUMMARIES, REPORT = "digests.json", "summaries.json", "report.md"
+DIGESTS = "digests.json"
+SUMMARIES = "summaries.json"
+REPORT = "report.md"
 _NUMBER = re.compile(r"(?<![\w.])[-+]?\d+(?:\.\d*)?(?:[eE][-+]?\d+)?(?![\w.])")
 
 SMALL = {"packing.size": [8, 8, 5], "run.end_time": 1e-4}
@@ -56,7 +60,9 @@ _OF_THE_MACHINE = {"wall_time_s": 1.0, "sphere_steps_per_s": 1.0, "versions": {}
 
 def granular_cases() -> list[str]:
     """Names of the built-in cases that LAMMPS runs."""
-    return [name for name in library.names() if solver_of(read_toml(library.find(name))) is GRANULAR]
+    return [
+        name for name in library.names() if solver_of(read_toml(library.find(name))) is GRANULAR
+    ]
 
 
 def split(text: str) -> tuple[str, list[float]]:
@@ -68,23 +74,35 @@ def digest(text: str) -> dict[str, Any]:
     """Digest of a large file of numbers that does not depend on the last bits."""
     words, numbers = split(text)
     weighted = sum(abs(number) * (1 + n % 97) for n, number in enumerate(numbers))
-    return {"words": hashlib.sha256(words.encode()).hexdigest()[:16], "numbers": len(numbers), "sum": weighted}
+    return {
+        "words": hashlib.sha256(words.encode()).hexdigest()[:16],
+        "numbers": len(numbers),
+        "sum": weighted,
+    }
 
 
 def write_decks(place: Path) -> dict[str, dict[str, Any]]:
-    """Write the decks of all built-in cases below ``place``; returns digests of all files except the scripts."""
+    """Write the decks of all built-in cases below ``place``; returns digests of all files except
+    the scripts.
+    """
     digests: dict[str, dict[str, Any]] = {}
     for name in granular_cases():
         deck = write_deck(load_case(name), place / name)
-        files = sorted(path for path in deck.directory.iterdir() if path.is_file() and path.name != SCRIPT_FILE)
+        files = sorted(
+            path for path in deck.directory.iterdir() if path.is_file() and path.name != SCRIPT_FILE
+        )
         digests[name] = {
-            path.name: digest(path.read_text(encoding="utf-8")) for path in files if not path.name.startswith(".")
+            path.name: digest(path.read_text(encoding="utf-8"))
+            for path in files
+            if not path.name.startswith(".")
         }
     return digests
 
 
 def run_small(place: Path) -> dict[str, Any]:
-    """Run the small cases below ``place`` and write a report; returns their summaries without machine-dependent values."""
+    """Run the small cases below ``place`` and write a report; returns their summaries without
+    machine-dependent values.
+    """
     summaries = {}
     for name, (case, settings) in RUNS.items():
         outcome = run_case(load_case(case, settings), place / name, figures=False)
@@ -103,9 +121,13 @@ def main() -> None:
         place = Path(scratch)
         digests = write_decks(place / "decks")
         for name in digests:
-            (FOLDER / f"{name}.in").write_text((place / "decks" / name / SCRIPT_FILE).read_text(encoding="utf-8"))
+            (FOLDER / f"{name}.in").write_text(
+                (place / "decks" / name / SCRIPT_FILE).read_text(encoding="utf-8")
+            )
         summaries = run_small(place / "runs")
-        (FOLDER / REPORT).write_text((place / "runs" / REPORT).read_text(encoding="utf-8"), encoding="utf-8")
+        (FOLDER / REPORT).write_text(
+            (place / "runs" / REPORT).read_text(encoding="utf-8"), encoding="utf-8"
+        )
     (FOLDER / DIGESTS).write_text(json.dumps(digests, indent=1) + "\n")
     (FOLDER / SUMMARIES).write_text(json.dumps(summaries, indent=1) + "\n")
 

@@ -1,4 +1,6 @@
-"""Golden outputs, by which changes for users are detected. See `outputs` for how to regenerate them."""
+"""Golden outputs, by which changes for users are detected. See `outputs` for how to regenerate
+them.
+"""
 
 from __future__ import annotations
 
@@ -33,7 +35,9 @@ def test_decks_of_built_in_cases(tmp_path: Path) -> None:
     digests = outputs.write_decks(tmp_path)
     kept = json.loads((outputs.FOLDER / outputs.DIGESTS).read_text())
     changed = [name for name in digests if not close(digests[name], kept.get(name))]
-    assert changed == [] and digests.keys() == kept.keys(), f"data of decks changed; {outputs.RENEW}"
+    assert changed == [] and digests.keys() == kept.keys(), (
+        f"data of decks changed; {outputs.RENEW}"
+    )
     for name in digests:
         script = (tmp_path / name / SCRIPT_FILE).read_text(encoding="utf-8")
         before = (outputs.FOLDER / f"{name}.in").read_text(encoding="utf-8")
@@ -44,11 +48,20 @@ def test_summaries_and_report_of_small_runs(tmp_path: Path) -> None:
     summaries = json.loads(json.dumps(outputs.run_small(tmp_path)))
     kept = json.loads((outputs.FOLDER / outputs.SUMMARIES).read_text())
     for name in kept:
-        changed = [key for key in kept[name] if not close(summaries[name].get(key), kept[name][key])]
-        assert changed == [] and summaries[name].keys() == kept[name].keys(), f"{name}; {outputs.RENEW}"
+        changed = [
+            key for key in kept[name] if not close(summaries[name].get(key), kept[name][key])
+        ]
+        assert changed == [] and summaries[name].keys() == kept[name].keys(), (
+            f"{name}; {outputs.RENEW}"
+        )
     report, before = (
-        (place / outputs.REPORT).read_text(encoding="utf-8").splitlines() for place in (tmp_path, outputs.FOLDER)
+        (place / outputs.REPORT).read_text(encoding="utf-8").splitlines()
+        for place in (tmp_path, outputs.FOLDER)
     )
     # a line is the same if its words are, and numbers to a unit of the last digit shown
-    changed = [(new, old) for new, old in zip(report, before, strict=False) if not same(new, old, 2e-3, 1e-9)]
+    changed = [
+        (new, old)
+        for new, old in zip(report, before, strict=False)
+        if not same(new, old, 2e-3, 1e-9)
+    ]
     assert changed == [] and len(report) == len(before), outputs.RENEW

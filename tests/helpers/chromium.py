@@ -1,4 +1,6 @@
-"""Headless Chromium controlled by the DevTools protocol over a pair of pipes, without a port or further packages."""
+"""Headless Chromium controlled by the DevTools protocol over a pair of pipes, without a port or
+further packages.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,9 @@ class Browser:
         All events reported by the page so far: (method, parameters).
     """
 
-    def __init__(self, program: str, profile: Path, timeout: float = 30, flags: Sequence[str] = ()) -> None:
+    def __init__(
+        self, program: str, profile: Path, timeout: float = 30, flags: Sequence[str] = ()
+    ) -> None:
         self.events: list[tuple[str, dict[str, Any]]] = []
         self._timeout = timeout
         self._buffer = b""
@@ -60,7 +64,9 @@ class Browser:
     def __enter__(self) -> Browser:
         try:
             target = self.send("Target.createTarget", url="about:blank")["targetId"]
-            self._session = self.send("Target.attachToTarget", targetId=target, flatten=True)["sessionId"]
+            self._session = self.send("Target.attachToTarget", targetId=target, flatten=True)[
+                "sessionId"
+            ]
             for domain in ("Page", "Runtime", "Log", "Network"):
                 self.send(f"{domain}.enable")
         except BaseException:
@@ -101,11 +107,19 @@ class Browser:
     def open(self, url: str, width: int, height: int = 900) -> None:
         """Open a page at a width, in CSS pixels, and wait until it is loaded."""
         mobile = width < 600
-        self.send("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=1, mobile=mobile)
+        self.send(
+            "Emulation.setDeviceMetricsOverride",
+            width=width,
+            height=height,
+            deviceScaleFactor=1,
+            mobile=mobile,
+        )
         self.send("Page.navigate", url=url)
         end = time.monotonic() + self._timeout
         while self.evaluate("document.readyState + ' ' + location.href") != f"complete {url}":
-            if time.monotonic() > end:  # an event would not do: that of the empty page may come late
+            if (
+                time.monotonic() > end
+            ):  # an event would not do: that of the empty page may come late
                 raise TimeoutError(f"{url} is not loaded within {self._timeout} s")
             time.sleep(0.02)
 
@@ -119,8 +133,17 @@ class Browser:
     def press(self, key: str, code: int) -> None:
         """Press and release a key."""
         text = {"text": "\r"} if key == "Enter" else {}
-        self.send("Input.dispatchKeyEvent", type="keyDown", key=key, code=key, windowsVirtualKeyCode=code, **text)
-        self.send("Input.dispatchKeyEvent", type="keyUp", key=key, code=key, windowsVirtualKeyCode=code)
+        self.send(
+            "Input.dispatchKeyEvent",
+            type="keyDown",
+            key=key,
+            code=key,
+            windowsVirtualKeyCode=code,
+            **text,
+        )
+        self.send(
+            "Input.dispatchKeyEvent", type="keyUp", key=key, code=key, windowsVirtualKeyCode=code
+        )
 
     def screenshot(self, path: Path, whole: bool = True) -> None:
         """Save a picture of the page."""
@@ -141,7 +164,11 @@ class Browser:
 
     def requests(self) -> list[str]:
         """URLs requested by the page."""
-        return [p["request"]["url"] for method, p in self.events if method == "Network.requestWillBeSent"]
+        return [
+            p["request"]["url"]
+            for method, p in self.events
+            if method == "Network.requestWillBeSent"
+        ]
 
     def _read(self) -> dict[str, Any]:
         """Next message; events are stored."""

@@ -16,8 +16,12 @@ import pytest
 from granwave.workflows.cli.main import main
 
 
-def command(words: Sequence[str], folder: Path, capfd: pytest.CaptureFixture[str]) -> subprocess.CompletedProcess[str]:
-    """Run ``granwave`` with these words in a folder, as a process of its own would, but a second sooner."""
+def command(
+    words: Sequence[str], folder: Path, capfd: pytest.CaptureFixture[str]
+) -> subprocess.CompletedProcess[str]:
+    """Run ``granwave`` with these words in a folder, as a process of its own would, but a second
+    sooner.
+    """
     capfd.readouterr()
     with pytest.MonkeyPatch.context() as patch, _started_anew():
         patch.chdir(folder)
@@ -32,8 +36,11 @@ def command(words: Sequence[str], folder: Path, capfd: pytest.CaptureFixture[str
 @contextlib.contextmanager
 def _started_anew() -> Iterator[None]:
     """Send log messages and warnings to standard error, as in a separate process."""
-    root, ours = logging.getLogger(), logging.getLogger("granwave")
-    handlers, level, own_level = root.handlers[:], root.level, ours.level
+    root = logging.getLogger()
+    ours = logging.getLogger("granwave")
+    handlers = root.handlers[:]
+    level = root.level
+    own_level = ours.level
     root.handlers[:] = []
     try:
         with warnings.catch_warnings():
@@ -49,5 +56,7 @@ def _started_anew() -> Iterator[None]:
         ours.setLevel(own_level)
 
 
-def _print_warning(message: Warning | str, category: type[Warning], name: str, line: int, *_: Any) -> None:
+def _print_warning(
+    message: Warning | str, category: type[Warning], name: str, line: int, *_: Any
+) -> None:
     print(warnings.formatwarning(message, category, name, line), file=sys.stderr)

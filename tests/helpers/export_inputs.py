@@ -18,7 +18,9 @@ def write_walled_run(directory: Path) -> Path:
     """Synthetic run with one contact with the wall."""
     synthetic.write_run(directory, synthetic.make_case())
     row = np.array([[144, 0, 0, 1e-5, 50.0, 2e-4, 1e-5, 2e-5, 1.5e-5]])
-    synthetic.write_custom(directory / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS)
+    synthetic.write_custom(
+        directory / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS
+    )
     write_result(directory)
     return directory
 
@@ -37,13 +39,18 @@ def write_periodic_run(directory: Path) -> Path:
 def write_chain_run(directory: Path) -> Path:
     """Run of LAMMPS of a chain in front of a bar, with output over time."""
     bar = {"length": 0.1, "area": 1e-4, "elements": 20, "material": "steel"}
-    return _run(synthetic.make_case("chain", 6, run={"end_time": 1e-4, "frames": 2}, output={}, bar=bar), directory)
+    return _run(
+        synthetic.make_case("chain", 6, run={"end_time": 1e-4, "frames": 2}, output={}, bar=bar),
+        directory,
+    )
 
 
 def _run(case: Case, directory: Path) -> Path:
     script = write_deck(case, directory).script
     command = [str(BIN / "lmp"), "-in", script.name, "-screen", "none"]
-    done = subprocess.run(command, cwd=script.parent, capture_output=True, text=True, timeout=60, env=PLAIN)
+    done = subprocess.run(
+        command, cwd=script.parent, capture_output=True, text=True, timeout=60, env=PLAIN
+    )
     assert done.returncode == 0, done.stdout + done.stderr
     write_result(directory)
     return directory

@@ -1,8 +1,10 @@
-"""Checks that LAMMPS's unit tests make of pair styles, fixes and computes, on the YAML files of `plugins/unittest`.
+"""Checks that LAMMPS's unit tests make of pair styles, fixes and computes, on the YAML files of
+`plugins/unittest`.
 
-The files are in the format of LAMMPS's testers (its manual, "Developer/Unit tests"): `*-pair-*.yaml` of test_pair_style,
-`fix-timestep-*.yaml` of test_fix_timestep, `compute-*.yaml` of test_compute_style. `python -m tests.helpers.force_styles --update
-[FILE ...]` runs them and writes anew those whose values have changed.
+The files are in the format of LAMMPS's testers (its manual, "Developer/Unit tests"):
+`*-pair-*.yaml` of test_pair_style, `fix-timestep-*.yaml` of test_fix_timestep, `compute-*.yaml` of
+test_compute_style. `python -m tests.helpers.force_styles --update [FILE ...]` runs them and writes
+anew those whose values have changed.
 """
 
 from __future__ import annotations
@@ -19,9 +21,18 @@ import yaml
 FOLDER = Path(__file__).parents[2] / "plugins" / "unittest"
 HEADER = ("lammps_version", "tags", "date_generated", "epsilon", "skip_tests")
 SETUP = ("prerequisites", "pre_commands", "post_commands")
-PER_ATOM = {"init_forces": "f", "run_forces": "f", "run_pos": "x", "run_vel": "v", "run_torque": "torque"}
+PER_ATOM = {
+    "init_forces": "f",
+    "run_forces": "f",
+    "run_pos": "x",
+    "run_vel": "v",
+    "run_torque": "torque",
+}
 SIX = ("init_stress", "run_stress")
-TABLES = {"peratom_array": 1, "local_array": 0}  # number of IDs before the values of a row; the first line has the size
+TABLES = {
+    "peratom_array": 1,
+    "local_array": 0,
+}  # number of IDs before the values of a row; the first line has the size
 SPHERES = "fix 1 all nve\nthermo 2"  # of LAMMPS's tester of pair styles
 # forces of LAMMPS's testers of fixes and computes, replaced by those of the files' post_commands
 MOLECULES = """pair_style lj/cut 8.0
@@ -63,7 +74,9 @@ class StyleTester:
     """LAMMPS instance that follows the steps of LAMMPS's testers for one file."""
 
     def __init__(self, lmp, path: Path, folder: Path) -> None:
-        self.lmp, self.kind, self.folder = lmp, kind(path), folder
+        self.lmp = lmp
+        self.kind = kind(path)
+        self.folder = folder
         self.config = load(path)
         self.fresh(f"variable input_dir index {FOLDER}")
 
@@ -85,7 +98,9 @@ class StyleTester:
         self.commands(self.config["post_commands"])
 
     def coefficients(self) -> None:
-        self.commands("\n".join(f"pair_coeff {line}" for line in self.config["pair_coeff"].splitlines()))
+        self.commands(
+            "\n".join(f"pair_coeff {line}" for line in self.config["pair_coeff"].splitlines())
+        )
 
     def start(self) -> None:
         """Compute the first forces; of fixes and computes also run 4 steps."""
@@ -106,14 +121,20 @@ class StyleTester:
             self.commands("run 4 post no start 0 stop 8")
 
     def restart(
-        self, file: str = "restart", steps: str = "run 0 post no", coefficients: bool = True, dents: bool = True
+        self,
+        file: str = "restart",
+        steps: str = "run 0 post no",
+        coefficients: bool = True,
+        dents: bool = True,
     ) -> None:
         """Read the restart file in a cleared instance, and give the commands that it lacks."""
         self.commands(f"clear\nnewton on\nread_restart {self.folder}/{file}")
         if self.kind == "pair" and coefficients:
             self.coefficients()
         after = self.config["post_commands"].splitlines()
-        self.commands("\n".join(line for line in after if dents or not line.startswith("gran/dents")))
+        self.commands(
+            "\n".join(line for line in after if dents or not line.startswith("gran/dents"))
+        )
         if self.kind != "pair":
             self.commands("timestep 0.25")
         self.commands(f"{OUTPUT}thermo_style custom step temp pe evdwl press\n{steps}")
@@ -123,7 +144,9 @@ class StyleTester:
         self.commands("clear\nvariable newton_bond delete\nvariable newton_bond index off")
         self.commands("variable pair_style delete\nvariable data_file delete")
         style = self.config["pair_style"]
-        self.fresh(f"variable pair_style index '{style}'\nvariable data_file index {self.folder}/data")
+        self.fresh(
+            f"variable pair_style index '{style}'\nvariable data_file index {self.folder}/data"
+        )
         self.coefficients()
         self.commands(
             f"{self.config['post_commands']}{OUTPUT}thermo_style custom step temp pe evdwl press\nrun 0 post no"
@@ -132,7 +155,9 @@ class StyleTester:
     def atoms(self, name: str) -> np.ndarray:
         """Per-atom array in the order of IDs."""
         n = self.lmp.get_natoms()
-        return self.lmp.numpy.extract_atom(name)[:n][np.argsort(self.lmp.numpy.extract_atom("id")[:n])].copy()
+        return self.lmp.numpy.extract_atom(name)[:n][
+            np.argsort(self.lmp.numpy.extract_atom("id")[:n])
+        ].copy()
 
     def compute(self, name: str) -> np.ndarray:
         """Global vector of a compute."""
@@ -146,7 +171,12 @@ class StyleTester:
         """Values that a file stores of the first forces ("init") or of the end of the run ("run")."""
         if self.kind != "pair":
             return self.reported() | ({} if self.kind == "compute" else self.motion())
-        values = {"vdwl": self.lmp.get_thermo("evdwl"), "coul": 0.0, "stress": self.virial(), "forces": self.atoms("f")}
+        values = {
+            "vdwl": self.lmp.get_thermo("evdwl"),
+            "coul": 0.0,
+            "stress": self.virial(),
+            "forces": self.atoms("f"),
+        }
         return {f"{when}_{name}": np.array(value) for name, value in values.items()}
 
     def motion(self) -> dict[str, np.ndarray]:
@@ -177,8 +207,11 @@ class StyleTester:
 
 
 def differ(found: np.ndarray, stored: np.ndarray) -> float:
-    """Largest relative difference as LAMMPS's testers measure it: absolute where one of the two is 0."""
-    gap, least = np.abs(found - stored), np.minimum(np.abs(found), np.abs(stored))
+    """Largest relative difference as LAMMPS's testers measure it: absolute where one of the two is
+    0.
+    """
+    gap = np.abs(found - stored)
+    least = np.minimum(np.abs(found), np.abs(stored))
     return float((gap / np.where(least == 0.0, 1.0, least)).max(initial=0.0))
 
 
@@ -204,10 +237,18 @@ def block(lines: list[str], end: str = "\n") -> str:
 def text_of(name: str, value: np.ndarray) -> str:
     """Value of a key as LAMMPS's testers write it."""
     if name in PER_ATOM:
-        return block([f"{k:3d} " + " ".join(f"{x:23.16e}" for x in row) for k, row in enumerate(value, start=1)])
+        return block(
+            [
+                f"{k:3d} " + " ".join(f"{x:23.16e}" for x in row)
+                for k, row in enumerate(value, start=1)
+            ]
+        )
     if name in TABLES:
         ids = TABLES[name]
-        rows = [" ".join(["", *[str(k)] * ids, *map(repr, row)]) for k, row in enumerate(value.tolist(), start=1)]
+        rows = [
+            " ".join(["", *[str(k)] * ids, *map(repr, row)])
+            for k, row in enumerate(value.tolist(), start=1)
+        ]
         return block([" ".join(map(str, value.shape[ids:])), *rows])
     if name in SIX:
         return block([" ".join(f"{x:23.16e}" for x in value)], end="")
@@ -219,19 +260,25 @@ def text_of(name: str, value: np.ndarray) -> str:
 def update(lmp, path: Path, folder: Path) -> None:
     """Run a file and write its stored values."""
     tester = StyleTester(lmp, path, folder)
-    config, measured = tester.config, {}
+    config = tester.config
+    measured = {}
     tester.start()
     if tester.kind == "pair":
         measured |= tester.measured("init")
     tester.go_on()
     measured |= tester.measured("run")
-    config["lammps_version"] = time.strftime("%d %b %Y", time.strptime(str(lmp.version()), "%Y%m%d")).lstrip("0")
+    config["lammps_version"] = time.strftime(
+        "%d %b %Y", time.strptime(str(lmp.version()), "%Y%m%d")
+    ).lstrip("0")
     config["date_generated"] = time.ctime()
     rows = [f"{name}: {config.get(name, '')}".rstrip() for name in HEADER]
     rows += [f"{name}: {block(config.get(name, '').splitlines())}" for name in SETUP]
     rows += [f"input_file: {config['input_file']}"]
     if "pair_style" in config:
-        rows += [f"pair_style: {config['pair_style']}", f"pair_coeff: {block(config['pair_coeff'].splitlines())}"]
+        rows += [
+            f"pair_style: {config['pair_style']}",
+            f"pair_coeff: {block(config['pair_coeff'].splitlines())}",
+        ]
     if tester.kind == "pair":
         rows += [f"extract: {block(config.get('extract', '').splitlines())}"]
     rows += [f"natoms: {lmp.get_natoms()}"]

@@ -20,7 +20,8 @@ class Log:
         for line in lines:
             if line.split()[:2] != ["Step", "Time"]:
                 continue
-            columns, rows = line.split(), []
+            columns = line.split()
+            rows = []
             for row in lines:
                 if row.startswith("Loop time"):
                     break

@@ -1,4 +1,5 @@
-"""States of a plane crystal of soft cylinders under a falling plate, with known contact forces, of the solver in `plane_twin`.
+"""States of a plane crystal of soft cylinders under a falling plate, with known contact forces, of
+the solver in `plane_twin`.
 
 Across and down, as in that solver; SI units, all per metre of length.
 """
@@ -13,8 +14,14 @@ from numpy.typing import NDArray
 from tests.helpers.twins.plane_twin import Discs, crystal
 
 Array = NDArray[np.float64]
-RADIUS, DENSITY, MODULUS, POISSON, FRICTION, LOSS = 6.35e-3, 1130.0, 70e6, 0.48, 0.3, 12e-6
-PLATE_MASS, PLATE_SPEED = 20.0, 6.0
+RADIUS = 6.35e-3
+DENSITY = 1130.0
+MODULUS = 70e6
+POISSON = 0.48
+FRICTION = 0.3
+LOSS = 12e-6
+PLATE_MASS = 20.0
+PLATE_SPEED = 6.0
 MASS = np.pi * DENSITY * RADIUS**2
 CRYSTALS = {
     "centred-square": crystal("centred-square", 6, 16, short_first=False),
@@ -47,7 +54,9 @@ class Snapshot:
     def stress(self) -> Array:
         """Average stresses, tension positive, as symmetric matrices: (n, 2, 2), Pa."""
         total = np.zeros((len(self.position), 2, 2))
-        for i, j, force, normal in zip(self.first, self.second, self.force, self.normal, strict=True):
+        for i, j, force, normal in zip(
+            self.first, self.second, self.force, self.normal, strict=True
+        ):
             if j >= 0:
                 half = 0.5 * np.linalg.norm(self.position[i] - self.position[j])
                 total[j] += np.outer(half * normal, -force)
@@ -64,7 +73,9 @@ def snapshots(name: str, times: tuple[float, ...]) -> list[Snapshot]:
     """Drop the plate on a crystal, and return its state at these times, s."""
     discs = Discs(CRYSTALS[name], RADIUS, MODULUS, POISSON, DENSITY, FRICTION, LOSS, PLATE_MASS, PLATE_SPEED,
                   constant_spring=True, reach=3.0)  # fmt: skip
-    return [_snapshot(discs, time - before) for before, time in zip((0.0, *times), times, strict=False)]
+    return [
+        _snapshot(discs, time - before) for before, time in zip((0.0, *times), times, strict=False)
+    ]
 
 
 def _snapshot(discs: Discs, later: float) -> Snapshot:

@@ -11,7 +11,10 @@ from typing import Any
 
 
 def wait_for(
-    condition: Callable[[], Any], patience: float = 120, *, beside: subprocess.Popen[str] | None = None
+    condition: Callable[[], Any],
+    patience: float = 120,
+    *,
+    beside: subprocess.Popen[str] | None = None,
 ) -> Any:
     """Wait until the condition is true, while another process runs; return its value."""
     end = time.monotonic() + patience

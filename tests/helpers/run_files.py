@@ -1,4 +1,6 @@
-"""Files of runs on the disk: summaries, and runs that tests damage, without the checksums that would tell it first."""
+"""Files of runs on the disk: summaries, and runs that tests damage, without the checksums that
+would tell it first.
+"""
 
 from __future__ import annotations
 

@@ -1,9 +1,11 @@
-"""Fixture `slurm`, to be imported by test modules: a Slurm cluster of two virtual nodes on this machine.
+"""Fixture `slurm`, to be imported by test modules: a Slurm cluster of two virtual nodes on this
+machine.
 
-It is slurmctld, one slurmd a node (`slurmd -N n1`, `-N n2`) and a munged of its own, on local ports, without accounting; it needs Linux
-as root (a container will do) and the packages of Debian 12: `apt-get install slurmctld slurmd slurm-client munge`. State and logs are in
-a temporary directory. Only /etc/slurm/slurm.conf is outside of it, as job steps read no other file; its first line marks it as ours and
-names the directory, and a file without that mark is not changed.
+It is slurmctld, one slurmd a node (`slurmd -N n1`, `-N n2`) and a munged of its own, on local
+ports, without accounting; it needs Linux as root (a container will do) and the packages of Debian
+12: `apt-get install slurmctld slurmd slurm-client munge`. State and logs are in a temporary
+directory. Only /etc/slurm/slurm.conf is outside of it, as job steps read no other file; its first
+line marks it as ours and names the directory, and a file without that mark is not changed.
 """
 
 from __future__ import annotations
@@ -40,7 +42,9 @@ WORKING = {"idle", "mixed", "allocated", "completing"}  # states of a node
 
 @pytest.fixture(scope="module")
 def slurm() -> Iterator[tuple[str, ...]]:
-    """Names of the nodes of a cluster, for the tests of one module at a time; skip if none is possible here."""
+    """Names of the nodes of a cluster, for the tests of one module at a time; skip if none is
+    possible here.
+    """
     with (Path(tempfile.gettempdir()) / "granwave-test-slurm.turn").open("w") as turn:
         fcntl.flock(turn, fcntl.LOCK_EX)
         if reason := _missing():
@@ -54,8 +58,12 @@ def slurm() -> Iterator[tuple[str, ...]]:
             wait_for(_is_up, PATIENCE)
             yield NODES
         except TimeoutError as error:
-            logs = [path.read_text(errors="replace")[-1000:] for path in sorted(state.glob("*.log"))]
-            raise RuntimeError("\n--- ".join([f"the nodes are not idle: {_ask('sinfo')}", *logs])) from error
+            logs = [
+                path.read_text(errors="replace")[-1000:] for path in sorted(state.glob("*.log"))
+            ]
+            raise RuntimeError(
+                "\n--- ".join([f"the nodes are not idle: {_ask('sinfo')}", *logs])
+            ) from error
         finally:
             _remove()
 
@@ -64,7 +72,9 @@ def _missing() -> str:
     """Say why no cluster can be started on this machine; empty if one can."""
     if os.geteuid() != 0:
         return "a Slurm for tests has to be started as root"
-    if missing := [name for name in PROGRAMS if shutil.which(name, path=_environment()["PATH"]) is None]:
+    if missing := [
+        name for name in PROGRAMS if shutil.which(name, path=_environment()["PATH"]) is None
+    ]:
         return f"{', '.join(missing)} not found: apt-get install {PACKAGES}"
     if CONF.exists():
         return "" if _state() else f"{CONF} exists and is not of these tests: it stays as it is"
@@ -82,8 +92,8 @@ def _missing() -> str:
 def _conf(state: Path) -> str:
     """Text of slurm.conf, with minimal values of all intervals that delay scheduling.
 
-    Processes are tracked by their group: with tracking by parent (linuxproc), those whose parent ended at SIGTERM would outlive
-    their job.
+    Processes are tracked by their group: with tracking by parent (linuxproc), those whose parent
+    ended at SIGTERM would outlive their job.
     """
     host = socket.gethostname().split(".")[0]
     names = f"{NODES[0][0]}[1-{len(NODES)}]"
@@ -137,7 +147,13 @@ def _run(*command: str) -> None:
     """Run a program that detaches itself to the background."""
     with tempfile.TemporaryFile("w+") as said:  # not a pipe: the daemon would keep it open
         done = subprocess.run(
-            command, stdin=subprocess.DEVNULL, stdout=said, stderr=said, timeout=PATIENCE, env=_environment(), cwd="/"
+            command,
+            stdin=subprocess.DEVNULL,
+            stdout=said,
+            stderr=said,
+            timeout=PATIENCE,
+            env=_environment(),
+            cwd="/",
         )
         said.seek(0)
         assert done.returncode == 0, f"{' '.join(command)}: {said.read().strip()}"
@@ -147,13 +163,20 @@ def _ask(*command: str) -> str:
     """Output of a Slurm client, "" if it fails."""
     with contextlib.suppress(subprocess.SubprocessError):
         return subprocess.run(
-            command, capture_output=True, text=True, timeout=PATIENCE, env=_environment(), check=True
+            command,
+            capture_output=True,
+            text=True,
+            timeout=PATIENCE,
+            env=_environment(),
+            check=True,
         ).stdout
     return ""
 
 
 def _is_up() -> bool:
-    return [state in WORKING for state in _ask("sinfo", "--noheader", "--Node", "--format=%T").split()] == [True] * 2
+    return [
+        state in WORKING for state in _ask("sinfo", "--noheader", "--Node", "--format=%T").split()
+    ] == [True] * 2
 
 
 def _remove() -> None:
@@ -176,7 +199,9 @@ def _remove() -> None:
         "[0-9]*"
     ):  # jobs, and their steps, which would try to reach slurmctld for minutes
         with contextlib.suppress(OSError):
-            step = (process / "exe").readlink().name.startswith("slurmstepd") and (process / "cwd").readlink() == state
+            step = (process / "exe").readlink().name.startswith("slurmstepd") and (
+                process / "cwd"
+            ).readlink() == state
             if step or mark in (process / "environ").read_bytes().split(b"\0"):
                 os.kill(int(process.name), signal.SIGKILL)
     CONF.unlink()
@@ -184,10 +209,14 @@ def _remove() -> None:
 
 
 def _process(state: Path, name: str) -> int | None:
-    """Process of a daemon of ours, None if it has ended: the number in the pid file must still belong to that program."""
+    """Process of a daemon of ours, None if it has ended: the number in the pid file must still
+    belong to that program.
+    """
     try:
         number = int((state / f"{name}.pid").read_text())
-        program = Path(f"/proc/{number}/cmdline").read_bytes().partition(b"\0")[0].decode()  # empty for a zombie
+        program = (
+            Path(f"/proc/{number}/cmdline").read_bytes().partition(b"\0")[0].decode()
+        )  # empty for a zombie
     except (OSError, ValueError):
         return None
     return number if Path(program).name == name.split("-")[0] else None
@@ -202,7 +231,11 @@ def _state() -> Path | None:
 
 
 def _environment() -> dict[str, str]:
-    """Environment of this process without variables that select another cluster or output format of Slurm."""
+    """Environment of this process without variables that select another cluster or output format of
+    Slurm.
+    """
     theirs = ("SLURM_", "SLURMD_", "SLURMCTLD_", "SINFO_", "SQUEUE_", "SCANCEL_")
     kept = {name: value for name, value in os.environ.items() if not name.startswith(theirs)}
-    return kept | {"PATH": os.pathsep.join([os.environ.get("PATH", os.defpath), "/usr/sbin", "/sbin"])}
+    return kept | {
+        "PATH": os.pathsep.join([os.environ.get("PATH", os.defpath), "/usr/sbin", "/sbin"])
+    }

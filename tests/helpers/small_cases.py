@@ -1,4 +1,6 @@
-"""Small cases: the smallest as tables and as a file, with changes and the faults that these have; chains; packings with disorder."""
+"""Small cases: the smallest as tables and as a file, with changes and the faults that these have;
+chains; packings with disorder.
+"""
 
 from __future__ import annotations
 
@@ -26,7 +28,9 @@ FILE = 'material = "brass"\n[packing]\nkind = "fcc"\nsize = [12, 12, 6]\ndiamete
 
 
 def changed(**changes: Any) -> dict[str, Any]:
-    return apply_overrides(MINIMAL, {key.replace("__", "."): value for key, value in changes.items()})
+    return apply_overrides(
+        MINIMAL, {key.replace("__", "."): value for key, value in changes.items()}
+    )
 
 
 def faults_of(**changes: Any) -> list[str]:
@@ -42,17 +46,31 @@ PULSE = {"kind": "force", "shape": "half-sine", "amplitude": 4e3, "duration": 2e
 
 def case_of(size: int = 12, **tables: Any) -> Case:
     """A chain of brass beads, free at the bottom where the tables do not say otherwise."""
-    tables = {"boundary": {"bottom": "free"}, "contact": {"law": "elastoplastic"}, "run": {"end_time": 1.5e-4}} | tables
+    tables = {
+        "boundary": {"bottom": "free"},
+        "contact": {"law": "elastoplastic"},
+        "run": {"end_time": 1.5e-4},
+    } | tables
     packing = {"kind": "chain", "size": size, "diameter": DIAMETER}
     return case_from_dict({"name": "chain", "material": BRASS, "packing": packing} | tables)
 
 
 LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
 D = 0.01
-SIZES = {"fcc": (7, 8, 6), "hcp": (6, 8, 5), "bcc": (6, 7, 8), "sc": (5, 6, 7), "square": (9, 8), "chain": (12,)}
+SIZES = {
+    "fcc": (7, 8, 6),
+    "hcp": (6, 8, 5),
+    "bcc": (6, 7, 8),
+    "sc": (5, 6, 7),
+    "square": (9, 8),
+    "chain": (12,),
+}
 ANY_SIZE = (6, 8, 7)  # of other kinds
 INNER = 200  # sphere (3, 4, 3) of the fcc packing
-BALL = {"index": INNER, "diameter": (2 * math.sqrt(2) - 1) * D}  # in fcc without its neighbors: touches the six next
+BALL = {
+    "index": INNER,
+    "diameter": (2 * math.sqrt(2) - 1) * D,
+}  # in fcc without its neighbors: touches the six next
 
 
 def packing_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
@@ -77,7 +95,9 @@ def around(sphere: int, case: Case | None = None) -> list[int]:
 
 
 def all_gaps(packing: Packing) -> np.ndarray:
-    """Gaps between the surfaces of all pairs of spheres, with the nearest image: (n, n), m; infinite on the diagonal."""
+    """Gaps between the surfaces of all pairs of spheres, with the nearest image: (n, n), m;
+    infinite on the diagonal.
+    """
     step = packing.positions[None] - packing.positions[:, None]
     if packing.lattice.periodic:
         for axis, length in enumerate(packing.lattice.lengths):

@@ -26,7 +26,9 @@ def network(
     period: float,
     ground: list[tuple[int, tuple[float, float, float], float]] = (),
 ) -> Network:
-    """A row along z of springs without static force: (first, second, cells between, normal, stiffness)."""
+    """A row along z of springs without static force: (first, second, cells between, normal,
+    stiffness).
+    """
     first, second, image, normal, stiffness = (np.array(one) for one in zip(*pairs, strict=True))
     n = len(first)
     springs = Springs(
@@ -35,12 +37,22 @@ def network(
     )  # fmt: skip
     rows = np.array([one[0] for one in ground], dtype=np.int64)
     vectors = np.array([one[1] for one in ground], dtype=float).reshape(-1, 3)
-    m, none = len(rows), np.zeros(len(rows))
+    m = len(rows)
+    none = np.zeros(len(rows))
     supports = Springs(
         rows, np.full(m, -1), np.zeros((m, 1), dtype=int), vectors, np.full(m, np.inf), none,
         np.array([one[2] for one in ground]), none, np.zeros((m, 2)), np.zeros((m, 3, 3)),
     )  # fmt: skip
     free = np.array([[axis in one for axis in "xyz"] + [False] * 3 for one in moves])
     masses = np.array(mass)
-    places, periods = np.zeros((len(mass), 3)), np.array([[0.0, 0.0, period]])
-    return Network(np.arange(1, len(mass) + 1), places, masses, masses, free, periods, joined([springs, supports]))
+    places = np.zeros((len(mass), 3))
+    periods = np.array([[0.0, 0.0, period]])
+    return Network(
+        np.arange(1, len(mass) + 1),
+        places,
+        masses,
+        masses,
+        free,
+        periods,
+        joined([springs, supports]),
+    )

@@ -1,13 +1,16 @@
-"""Second solver: symmetric motion of a row of spheres with two cylinders beside some of its gaps, between two walls.
+"""Second solver: symmetric motion of a row of spheres with two cylinders beside some of its gaps,
+between two walls.
 
-The two cylinders of a gap move alike, so one of them is followed: its place along the row and its distance from the
-axis. Spheres move along the row alone. Contacts are elastic, and act along the present line of centres:
+The two cylinders of a gap move alike, so one of them is followed: its place along the row and its
+distance from the axis. Spheres move along the row alone. Contacts are elastic, and act along the
+present line of centres:
 
     sphere - sphere, sphere - cylinder   F = K alpha^1.5
     cylinder - wall                      F = alpha L / (V |W(-alpha d/(2 e L^2))|), W: lower branch of Lambert's W
 
-(Puttock & Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9). A wall rubs with f F against the
-velocity of a cylinder along the row; cylinders do not turn. It shares no code with granwave.
+(Puttock & Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9). A wall rubs
+with f F against the velocity of a cylinder along the row; cylinders do not turn. It shares no code
+with granwave.
 """
 
 from __future__ import annotations
@@ -27,20 +30,26 @@ Array = NDArray[np.float64]
 
 
 def elliptic_stiffness(modulus: float, small: float, large: float) -> float:
-    """K of F = K alpha^1.5 of an elliptic Hertz contact, N/m^1.5, of E* (Pa) and relative principal curvatures (1/m)."""
+    """K of F = K alpha^1.5 of an elliptic Hertz contact, N/m^1.5, of E* (Pa) and relative principal
+    curvatures (1/m).
+    """
 
     def excess(m: float) -> float:
-        k, e = ellipk(m), ellipe(m)
+        k = ellipk(m)
+        e = ellipe(m)
         return float((e / (1 - m) - k) / (k - e) - large / small)
 
     m = float(brentq(excess, 1e-9, 1 - 1e-12, xtol=1e-15))
-    k, e = float(ellipk(m)), float(ellipe(m))
+    k = float(ellipk(m))
+    e = float(ellipe(m))
     return 2 * math.pi * modulus / 3 * k**-1.5 * math.sqrt((k - e) / (m * small / 2))
 
 
 @njit
 def line_force(overlap: float, compliance: float, length: float, diameter: float) -> float:
-    """Force of a cylinder on a wall, N; compliance V is the sum over both bodies of (1 - nu^2)/(pi E), 1/Pa."""
+    """Force of a cylinder on a wall, N; compliance V is the sum over both bodies of (1 - nu^2)/(pi
+    E), 1/Pa.
+    """
     if overlap <= 1e-25:  # the logarithm of the foot of a wave, some 1e-300 m, would overflow
         return 0.0
     level = -math.log(overlap * diameter / (2.0 * math.e * length * length))
@@ -96,15 +105,20 @@ class SymmetricRow:
 
     @classmethod
     def of(cls, case: Case) -> SymmetricRow:
-        """Equations of a case like the built-in ``filter-row``, whose first and last sphere are held, from its values."""
+        """Equations of a case like the built-in ``filter-row``, whose first and last sphere are
+        held, from its values.
+        """
         grains = case.packing.grains
         assert grains is not None
         shape = grains.shape[-1]
         assert shape is not None
-        steel, light = case.material, case.materials[0]
+        steel = case.material
+        light = case.materials[0]
         spheres = np.array([one != "cylinders" for one in grains.group])
-        place, beside = grains.position[spheres, 2], np.flatnonzero(~spheres)[::2]
-        radius, small = case.packing.diameter / 2, float(grains.diameter[-1]) / 2
+        place = grains.position[spheres, 2]
+        beside = np.flatnonzero(~spheres)[::2]
+        radius = case.packing.diameter / 2
+        small = float(grains.diameter[-1]) / 2
         own = [one.youngs_modulus / (1 - one.poisson_ratio**2) for one in (steel, light)]
         across = np.abs(grains.position[beside, 0])
         return cls(
@@ -123,18 +137,29 @@ class SymmetricRow:
     def at_rest(self) -> Array:
         """Distances of the cylinders from the axis in balance between wall and spheres: (m,), m."""
         found = self.across.copy()
-        for pair, (gap, along, across) in enumerate(zip(self.gap, self.along, self.across, strict=True)):
+        for pair, (gap, along, across) in enumerate(
+            zip(self.gap, self.along, self.across, strict=True)
+        ):
             steps = np.abs(self.place[gap : gap + 2] - along)
             if self.wall >= across + self.small:
                 continue
 
             def outward(y: float, steps: Array = steps) -> float:
                 apart = np.hypot(steps, y)
-                push = self.side_stiffness * np.maximum(self.radius + self.small - apart, 0.0) ** 1.5 * y / apart
-                wall = line_force(y + self.small - self.wall, self.compliance, self.length, 2 * self.small)
+                push = (
+                    self.side_stiffness
+                    * np.maximum(self.radius + self.small - apart, 0.0) ** 1.5
+                    * y
+                    / apart
+                )
+                wall = line_force(
+                    y + self.small - self.wall, self.compliance, self.length, 2 * self.small
+                )
                 return float(push.sum() - wall)
 
-            found[pair] = brentq(outward, self.wall - self.small - 1e-12, across + 1e-12, xtol=1e-18, rtol=1e-14)
+            found[pair] = brentq(
+                outward, self.wall - self.small - 1e-12, across + 1e-12, xtol=1e-18, rtol=1e-14
+            )
         return found
 
     def wall_force(self) -> Array:
@@ -146,8 +171,12 @@ class SymmetricRow:
             ]
         )
 
-    def struck(self, sphere: int, velocity: float, end: float, step: float = 5e-8) -> tuple[Array, Array]:
-        """Largest force of each contact, N, and its time, s, after a sphere, from 0, got a velocity (velocity Verlet)."""
+    def struck(
+        self, sphere: int, velocity: float, end: float, step: float = 5e-8
+    ) -> tuple[Array, Array]:
+        """Largest force of each contact, N, and its time, s, after a sphere, from 0, got a velocity
+        (velocity Verlet).
+        """
         n_steps = math.ceil(end / step)
         moving = np.ones(len(self.place))
         moving[[0, -1]] = 0.0
@@ -167,10 +196,18 @@ def _integrate(  # type: ignore[no-untyped-def]
     place, along, across, gap, moving, sphere, velocity, n_steps, step, constants
 ):
     radius, small, length, mass, small_mass, k_big, k_side, compliance, wall, friction = constants
-    n, m, reach = len(place), len(along), radius + small
-    z, w, y = place.copy(), along.copy(), across.copy()
-    vz, vw, vy = np.zeros(n), np.zeros(m), np.zeros(m)
-    az, aw, ay = np.zeros(n), np.zeros(m), np.zeros(m)
+    n = len(place)
+    m = len(along)
+    reach = radius + small
+    z = place.copy()
+    w = along.copy()
+    y = across.copy()
+    vz = np.zeros(n)
+    vw = np.zeros(m)
+    vy = np.zeros(m)
+    az = np.zeros(n)
+    aw = np.zeros(m)
+    ay = np.zeros(m)
     vz[sphere] = velocity
     kept = np.zeros((n_steps // _EVERY + 1, n - 1))
     present = np.zeros(n - 1)
@@ -186,14 +223,20 @@ def _integrate(  # type: ignore[no-untyped-def]
                 y[b] += step * vy[b]
         az[:] = 0.0
         for i in range(n - 1):
-            # displacements first: overlaps of the foot of a wave are far below the rounding of places
-            overlap = 2 * radius - (place[i + 1] - place[i]) + ((z[i] - place[i]) - (z[i + 1] - place[i + 1]))
+            # displacements first: overlaps of the foot of a wave are far below the rounding of
+            # places
+            overlap = (
+                2 * radius
+                - (place[i + 1] - place[i])
+                + ((z[i] - place[i]) - (z[i + 1] - place[i + 1]))
+            )
             push = k_big * overlap * math.sqrt(overlap) if overlap > 0.0 else 0.0
             present[i] = push
             az[i] -= push
             az[i + 1] += push
         for b in range(m):
-            along_row, outward = 0.0, 0.0
+            along_row = 0.0
+            outward = 0.0
             for i in range(gap[b], gap[b] + 2):
                 dz = w[b] - z[i]
                 apart = math.hypot(dz, y[b])

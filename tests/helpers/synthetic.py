@@ -1,4 +1,6 @@
-"""Synthetic run directories, written without LAMMPS: all numbers in them are known, so that readers can be tested."""
+"""Synthetic run directories, written without LAMMPS: all numbers in them are known, so that readers
+can be tested.
+"""
 
 from __future__ import annotations
 
@@ -21,14 +23,21 @@ REACH = 1.2  # decay length of the dents, diameters
 BOTTOM_FORCE = 100.0  # N, amplitude of the half-sine force on the bottom
 BALANCE = 3e-7  # error of the energy balance of the ledger
 RUBBED = 0.25  # frictional loss as a fraction of the plastic loss of a contact
-FRAME_COLUMNS = "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated elastic"
+FRAME_COLUMNS = (
+    "id type radius x y z ux uy uz vx vy vz force peak_force peak_overlap dissipated elastic"
+)
 CONTACT_COLUMNS = "i j overlap force peak_overlap peak_force elastic dissipated time_first time_peak time_yield live"
-FRICTION_COLUMNS = "tangential_force elastic_tangential friction"  # of contacts, where there is friction
+# of contacts, where there is friction
+FRICTION_COLUMNS = "tangential_force elastic_tangential friction"
 WALL_COLUMNS = "id overlap force peak_overlap peak_force dissipated time_first time_peak time_yield"
 
 
 def make_case(
-    kind: str = "fcc", size: Sequence[int] | int = (6, 6, 4), law: str = "elastoplastic", packing=(), **tables
+    kind: str = "fcc",
+    size: Sequence[int] | int = (6, 6, 4),
+    law: str = "elastoplastic",
+    packing=(),
+    **tables,
 ) -> Case:
     """Case of brass, with further keys of the packing, and further tables by name."""
     return case_from_dict(
@@ -50,19 +59,29 @@ def make_case(
 
 
 def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
-    """Write a run in which every touching pair has a dent that decreases with the distance from the struck sphere.
+    """Write a run in which every touching pair has a dent that decreases with the distance from the
+    struck sphere.
 
     With friction every contact also has a frictional loss of `RUBBED` times its plastic loss; with
-    ``contact.initial_overlap`` each has such an initial dent. Displacements of sphere n at frame m are (m n, 0, m) 1e-9 m; a
-    contact at the distance d from the struck sphere was first loaded at d / (1000 m/s).
+    ``contact.initial_overlap`` each has such an initial dent. Displacements of sphere n at frame m
+    are (m n, 0, m) 1e-9 m; a contact at the distance d from the struck sphere was first loaded at d
+    / (1000 m/s).
     """
     deck = write_deck(case, directory)
-    packing, law = build_packing(case), sphere_contact(case)
+    packing = build_packing(case)
+    law = sphere_contact(case)
     dumps = directory / "dumps"
     contacts = dents_of(case, packing, deck.struck[0], law, dent)
-    write_local(dumps / "contacts.dump", np.stack(list(contacts.values()), axis=1), " ".join(contacts))
+    write_local(
+        dumps / "contacts.dump", np.stack(list(contacts.values()), axis=1), " ".join(contacts)
+    )
     write_frames(dumps / "spheres.dump", packing.positions, contacts, ids=packing.ids)
-    write_ledger(dumps / "energy.txt", contacts["dissipated"].sum(), law, np.sum(contacts.get("friction", 0.0)))
+    write_ledger(
+        dumps / "energy.txt",
+        contacts["dissipated"].sum(),
+        law,
+        np.sum(contacts.get("friction", 0.0)),
+    )
     if case.boundary.bottom != "free":
         time = np.arange(0, STEPS + 1, 5) * TIMESTEP
         force = BOTTOM_FORCE * np.sin(np.pi * time / time[-1])
@@ -84,19 +103,37 @@ def write_run(directory: Path, case: Case, dent: float = DENT) -> Path:
 def dents_of(case, packing, struck, law, dent) -> dict[str, np.ndarray]:
     """Columns of contacts.dump."""
     pairs = packing.contacts
-    ends = packing.positions[np.searchsorted(packing.ids, pairs)] if len(pairs) else np.empty((0, 2, 3))
-    distance = np.linalg.norm(ends.mean(axis=1) - packing.positions[np.searchsorted(packing.ids, struck)], axis=1)
+    ends = (
+        packing.positions[np.searchsorted(packing.ids, pairs)]
+        if len(pairs)
+        else np.empty((0, 2, 3))
+    )
+    distance = np.linalg.norm(
+        ends.mean(axis=1) - packing.positions[np.searchsorted(packing.ids, struck)], axis=1
+    )
     unit = law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-6
     before = np.full(len(pairs), case.contact.initial_overlap)
     peak = np.maximum(dent * unit * np.exp(-(distance / DIAMETER - 0.5) / REACH), before)
     first = distance / 1000.0
-    yielded = {"hertz": peak < 0, "bilinear": peak > 0}.get(law.name, peak > np.maximum(before, law.yield_overlap))
+    yielded = {"hertz": peak < 0, "bilinear": peak > 0}.get(
+        law.name, peak > np.maximum(before, law.yield_overlap)
+    )
 
     def of(function, overlaps):
         return np.atleast_1d(function(overlaps)) if len(pairs) else np.empty(0)
 
-    lost, zeros = of(law.dissipated_energy, peak) - of(law.dissipated_energy, before), np.zeros(len(pairs))
-    columns = [pairs[:, 0], pairs[:, 1], zeros - 1e-7, zeros, peak, of(law.loading_force, peak), zeros, lost]
+    lost = of(law.dissipated_energy, peak) - of(law.dissipated_energy, before)
+    zeros = np.zeros(len(pairs))
+    columns = [
+        pairs[:, 0],
+        pairs[:, 1],
+        zeros - 1e-7,
+        zeros,
+        peak,
+        of(law.loading_force, peak),
+        zeros,
+        lost,
+    ]
     columns += [first, first + 2e-6, np.where(yielded, first + 1e-6, -1.0), zeros + 1]
     found = dict(zip(CONTACT_COLUMNS.split(), columns, strict=True))
     if case.has_friction:
@@ -132,7 +169,8 @@ def write_ledger(path: Path, lost: float, law, rubbed: float = 0.0) -> None:
     unit = law.yield_force * law.yield_overlap if math.isfinite(law.yield_overlap) else 1e-3
     given = (lost + rubbed) / 0.75 if lost else 8000 * unit
     share = np.linspace(0, 1, 251)
-    dissipated, elastic = (lost + rubbed) * share, 0.1 * given * share * (1 - share)
+    dissipated = (lost + rubbed) * share
+    elastic = 0.1 * given * share * (1 - share)
     kinetic = given - dissipated - elastic
     kinetic[100] += BALANCE * given
     zeros = np.zeros_like(share)
@@ -160,7 +198,9 @@ def write_local(path: Path, rows: np.ndarray, columns: str = CONTACT_COLUMNS) ->
     _write(path, "ENTRIES", columns, rows, STEPS, append=False)
 
 
-def write_custom(path: Path, columns: str, rows: np.ndarray, step: int, append: bool = False) -> None:
+def write_custom(
+    path: Path, columns: str, rows: np.ndarray, step: int, append: bool = False
+) -> None:
     """Snapshot in the format of dump custom."""
     _write(path, "ATOMS", columns, rows, step, append)
 
@@ -168,6 +208,8 @@ def write_custom(path: Path, columns: str, rows: np.ndarray, step: int, append: 
 def _write(path: Path, what: str, columns: str, rows: np.ndarray, step: int, append: bool) -> None:
     with open(path, "a" if append else "w") as file:
         file.write(f"ITEM: TIMESTEP\n{step}\nITEM: NUMBER OF {what}\n{len(rows)}\n")
-        file.write("ITEM: BOX BOUNDS mm mm mm\n" + "-1.0e-02 1.0e-01\n" * 3 + f"ITEM: {what} {columns} \n")
+        file.write(
+            "ITEM: BOX BOUNDS mm mm mm\n" + "-1.0e-02 1.0e-01\n" * 3 + f"ITEM: {what} {columns} \n"
+        )
         for row in rows:
             file.write(" ".join(f"{value:.17g}" for value in row) + " \n")

@@ -11,7 +11,9 @@ import numpy as np
 import tomli_w
 
 BRASS = {"name": "brass", "yield_strength": 550e6}
-YIELD, RADIUS = 1e-6, 2.4e-3  # m: overlap at first yield, R*
+# m: overlap at first yield, R*
+YIELD = 1e-6
+RADIUS = 2.4e-3
 
 
 def write_contact(
@@ -21,7 +23,9 @@ def write_contact(
     force: float = 1.0,
     material: dict[str, Any] | None = None,
 ) -> Path:
-    """Write a run whose finite elements are 15 % above the law to 10 alpha_y, 5 % below it beyond, and a difference."""
+    """Write a run whose finite elements are 15 % above the law to 10 alpha_y, 5 % below it beyond,
+    and a difference.
+    """
     folder.mkdir()
     overlap = np.geomspace(0.3 * YIELD, 0.2 * RADIUS, 2000)
     law = 5e9 * overlap**1.2
@@ -39,7 +43,12 @@ def write_contact(
     if partner or material:
         case["partner"] = {"radius": partner or 4.76e-3, "material": material or BRASS}
     exponents = {"unloading_exponent_min": 1.33, "unloading_exponent_max": 1.44}
-    summary = {"name": folder.name, "yield_overlap_m": YIELD, "effective_radius_m": RADIUS, **exponents}
+    summary = {
+        "name": folder.name,
+        "yield_overlap_m": YIELD,
+        "effective_radius_m": RADIUS,
+        **exponents,
+    }
     (folder / "summary.json").write_text(json.dumps(summary), encoding="utf-8")
     (folder / "case.toml").write_text(tomli_w.dumps(case), encoding="utf-8")
     return folder

@@ -20,23 +20,40 @@ NASTY = "<script>alert(1)</script> & \"q\" 'a' | *b* `c` {{ 7*7 }}"
 
 def write_run(directory: Path, figures: bool = True, name: str = "synthetic", **changes) -> Path:
     """A finished run of brass; `load__velocity=4` in the labels, other words change the summary."""
-    labels = {key.replace("__", "."): value for key, value in changes.items() if "__" in key or key == "material"}
+    labels = {
+        key.replace("__", "."): value
+        for key, value in changes.items()
+        if "__" in key or key == "material"
+    }
     values = {key: value for key, value in changes.items() if "__" not in key and key != "material"}
     case = case_of(labels)
     directory.mkdir(parents=True)
     (directory / "case.toml").write_text(case.to_toml(), encoding="utf-8")
-    summary = {"energy_balance_error": 3e-7, "contacts_beyond_law": 0, "timestep_s": 3e-8} | summary_of(case)
+    summary = {
+        "energy_balance_error": 3e-7,
+        "contacts_beyond_law": 0,
+        "timestep_s": 3e-8,
+    } | summary_of(case)
     write_json(directory / "summary.json", summary | {"name": name} | values)
     write_json(directory / "run.json", {"state": "finished", "attempts": []})
     with h5py.File(directory / "result.h5", "w") as file:
         file.attrs.update({"case": case.to_toml(), "run": "{}", "versions": "{}"})
         time = np.linspace(0, 1e-3, 50)
         lost = 1.6 * (1 - np.exp(-time / 1e-4))
-        energies = {"time": time, "input": np.full(50, 2.0), "dissipated": lost, "kinetic": 2.0 - lost}
+        energies = {
+            "time": time,
+            "input": np.full(50, 2.0),
+            "dissipated": lost,
+            "kinetic": 2.0 - lost,
+        }
         tables = {"energy": energies | {"step": np.arange(50), "elastic": np.zeros(50)}}
-        tables["spheres"] = dict.fromkeys(("id", "radius", "mass", "peak_force", "dissipated_energy"), np.ones(1))
+        tables["spheres"] = dict.fromkeys(
+            ("id", "radius", "mass", "peak_force", "dissipated_energy"), np.ones(1)
+        )
         tables["spheres"]["position"] = np.zeros((1, 3))
-        tables["contacts"] = dict.fromkeys(("i", "j", "peak_force", "peak_overlap", "dissipated_energy"), np.empty(0))
+        tables["contacts"] = dict.fromkeys(
+            ("i", "j", "peak_force", "peak_overlap", "dissipated_energy"), np.empty(0)
+        )
         for table, columns in tables.items():
             for column, values in columns.items():
                 file[f"{table}/{column}"] = values
@@ -61,7 +78,9 @@ def write_inputs(directory: Path) -> list[Path]:
     first = write_run(directory / "first")
     second = write_run(directory / "second", figures=False, load__velocity=10)
     points = grid(load__velocity=[10, 9, 1, 40], material=["brass", "steel"])
-    scan = write_scan(directory / "scan", points, failed={3: "the disk is full\nno space left"}, missing=[8])
+    scan = write_scan(
+        directory / "scan", points, failed={3: "the disk is full\nno space left"}, missing=[8]
+    )
     draw(scan, "dissipated_fraction_vs_load_velocity")
     return [first, second, scan]
 
@@ -74,7 +93,11 @@ def nasty_inputs(directory: Path) -> list[Path]:
     (run / "case.toml").write_text(case)
     with h5py.File(run / "result.h5", "r+") as file:
         file.attrs["case"] = case
-    scan = write_scan(directory / "scan", grid(load__velocity=[1, 2]), failed={1: NASTY + "\x07\ud800\n" + "w" * 3000})
+    scan = write_scan(
+        directory / "scan",
+        grid(load__velocity=[1, 2]),
+        failed={1: NASTY + "\x07\ud800\n" + "w" * 3000},
+    )
     return [run, scan]
 
 
@@ -103,4 +126,8 @@ def table(report: Report, slug: str, caption: str) -> list[dict]:
 def notes(report: Report, slug: str) -> list[Note]:
     """Notes of a section, without the answer and the definitions of symbols."""
     left_out = ("lead", "") if slug == "short" else ("lead",)
-    return [block for block in blocks(report, slug) if isinstance(block, Note) and block.tone not in left_out]
+    return [
+        block
+        for block in blocks(report, slug)
+        if isinstance(block, Note) and block.tone not in left_out
+    ]

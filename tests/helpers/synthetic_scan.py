@@ -61,7 +61,10 @@ def write_scan(
         if number in (failed or {}):
             folder = directory / "unfinished" / name
             folder.mkdir(parents=True)
-            write_json(folder / "point.json", {"state": "failed", "attempts": 2, "reason": (failed or {})[number]})
+            write_json(
+                folder / "point.json",
+                {"state": "failed", "attempts": 2, "reason": (failed or {})[number]},
+            )
         elif number not in missing:
             folder = directory / "points" / name
             folder.mkdir(parents=True, exist_ok=True)
@@ -87,20 +90,29 @@ def finish_point(folder: Path, labels: Labels) -> None:
 
 def case_of(labels: Labels) -> Case:
     """The case of one point."""
-    words = [f"{key}={json.dumps(value) if isinstance(value, bool) else value}" for key, value in labels.items()]
+    words = [
+        f"{key}={json.dumps(value) if isinstance(value, bool) else value}"
+        for key, value in labels.items()
+    ]
     return case_from_dict(apply_overrides(BASE, parse_overrides(words)), "case")
 
 
 def summary_of(case: Case) -> dict[str, Any]:
     """A summary whose values depend on the case smoothly, and on the seed by up to 2 %."""
-    law, velocity, diameter = sphere_contact(case), case.load.velocity, case.packing.diameter
+    law = sphere_contact(case)
+    velocity = case.load.velocity
+    diameter = case.packing.diameter
     seed = getattr(case.packing, "seed", None) or 0
     noise = 1 + 0.02 * ((seed * 7) % 11 - 5) / 5
     given = 0.5 * case.sphere_mass * velocity**2 * case.load.spheres
     strength = law.yield_strength
     yields = case.contact.yields
     unit = law.yield_force * law.yield_overlap if yields else 1.0
-    reduced = velocity_normalised(velocity, law.effective_modulus, case.material.density, strength) if yields else None
+    reduced = (
+        velocity_normalised(velocity, law.effective_modulus, case.material.density, strength)
+        if yields
+        else None
+    )
     neighbours = KINDS[case.packing.kind].coordination
     fraction = noise * 0.9 * reduced / (reduced + 8) * (neighbours / 12) ** 0.1 if reduced else 0.0
     n_plastic = round(noise * 3 * (given / unit) ** 0.6) if yields else 0
@@ -113,12 +125,16 @@ def summary_of(case: Case) -> dict[str, Any]:
         "peak_force_N": noise * 30.0 * velocity**1.1 * (diameter / 0.01) ** 2,
         "n_plastic_spheres": n_plastic,
         "plastic_zone_volume_m3": n_plastic * 0.5236 * diameter**3 if yields else None,
-        "plastic_zone_depth_m": noise * 2 * diameter * max(velocity, 0.1) ** 0.3 if yields else None,
+        "plastic_zone_depth_m": noise * 2 * diameter * max(velocity, 0.1) ** 0.3
+        if yields
+        else None,
         "plastic_zone_radius_m": noise * diameter * max(velocity, 0.1) ** 0.3 if yields else None,
         "velocity_normalised": reduced,
         "energy_input_normalised": given / unit if yields else None,
         "wall_impulse_Ns": 1e-3,
-        "wave_speed_m_s": noise * 350 * velocity**0.2 if assemble(case).lattice.shape[2] >= 9 else None,
+        "wave_speed_m_s": noise * 350 * velocity**0.2
+        if assemble(case).lattice.shape[2] >= 9
+        else None,
         "sphere_steps_per_s": 1e7,
         "n_ranks": 1,
         "end_reason": "end_time",

@@ -1,4 +1,6 @@
-"""Two touching spheres and their LAMMPS output; free spheres with a load on them, and the balance of its work."""
+"""Two touching spheres and their LAMMPS output; free spheres with a load on them, and the balance
+of its work.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,12 @@ R = 0.005
 PAIR = [(0, 0, 0), (0, 0, 2 * R)]
 BOX = [-0.1, 0.1] * 3
 WALL = "fix floor all wall/gran/hysteretic zplane NULL {z:.17g} elastoplastic 115e9 0.3 550e6"
-LAW = ContactLaw(youngs_modulus=(115e9, 115e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 550e6), radius=(R, R))
+LAW = ContactLaw(
+    youngs_modulus=(115e9, 115e9),
+    poisson_ratio=(0.3, 0.3),
+    yield_strength=(550e6, 550e6),
+    radius=(R, R),
+)
 
 
 def value(lmp, formula: str) -> float:
@@ -22,7 +29,9 @@ def value(lmp, formula: str) -> float:
 
 def collide(lmp, speed=2.0, steps=20000, **options):
     """Two touching spheres, one moving towards the other; run until they have separated."""
-    lmp.commands_string(script_of(PAIR, velocities=[(0, 0, speed / 2), (0, 0, -speed / 2)], **options))
+    lmp.commands_string(
+        script_of(PAIR, velocities=[(0, 0, speed / 2), (0, 0, -speed / 2)], **options)
+    )
     lmp.command(f"run {steps}")
 
 
@@ -33,13 +42,16 @@ def restitution(lmp, speed=2.0) -> float:
 
 MASS = 8500 * 4 / 3 * np.pi * R**3
 REPORT = "\nthermo_style custom step c_ke pe c_ep[1] f_push f_push[1] f_push[2] f_push[3]\n"
-T, A = 1.0007e-5, 100.0  # 1000.7 timesteps
+# 1000.7 timesteps
+T = 1.0007e-5
+A = 100.0
 DRIVEN = "group driven id 1\ngroup rest id 2\nunfix motion\nfix motion rest nve\n"
 
 
 def table(path, times, values):
     path.write_text(
-        "# time force\n\n" + "".join(f"{t:.17g} {v:.17g}  # a row\n" for t, v in zip(times, values, strict=True))
+        "# time force\n\n"
+        + "".join(f"{t:.17g} {v:.17g}  # a row\n" for t, v in zip(times, values, strict=True))
     )
     return path
 

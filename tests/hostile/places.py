@@ -1,4 +1,6 @@
-"""Folders and files that cannot be given as text, by their names in ``inputs.toml`` under ``prepared``."""
+"""Folders and files that cannot be given as text, by their names in ``inputs.toml`` under
+``prepared``.
+"""
 
 from __future__ import annotations
 
@@ -76,7 +78,9 @@ def odd_files(folder: Path) -> None:
 
 
 def odd_bytes(folder: Path) -> None:
-    """Write the case in other encodings and with bytes that are not UTF-8 text, each as ``NAME.toml``."""
+    """Write the case in other encodings and with bytes that are not UTF-8 text, each as
+    ``NAME.toml``.
+    """
     text = (folder / "case.toml").read_text(encoding="utf-8")
     for name, content in {
         "bom": b"\xef\xbb\xbf" + text.encode(),

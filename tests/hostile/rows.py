@@ -1,4 +1,6 @@
-"""Rows of ``inputs.toml``: one invalid or unusual input each, the command, and the check of its output."""
+"""Rows of ``inputs.toml``: one invalid or unusual input each, the command, and the check of its
+output.
+"""
 
 from __future__ import annotations
 
@@ -25,12 +27,16 @@ from tests.conftest import BIN, PLAIN
 from tests.helpers.command import command
 
 TABLE = Path(__file__).with_name("inputs.toml")
-SECONDS, MEMORY = 20.0, 2**30  # limits of a row: s, and bytes in addition to those used by the tests
+# limits of a row: s, and bytes in addition to those used by the tests
+SECONDS = 20.0
+MEMORY = 2**30
 PROCESS_SECONDS = 120.0
 LONGEST_ID = 100  # characters in the name of a test
 LONGEST_LINE = 1500  # characters; messages must be readable
 OURS = re.compile(r"granwave( \w+)?: ")  # prefix of every line for the user
-INNARDS = re.compile(r"Traceback|\b[A-Z]\w*Error\b|\bErrno\b|NoneType|<class '| object at 0x|\bPosixPath\b")
+INNARDS = re.compile(
+    r"Traceback|\b[A-Z]\w*Error\b|\bErrno\b|NoneType|<class '| object at 0x|\bPosixPath\b"
+)
 _OVER_FILES = 1 << 1 | 1 << 2  # CAP_DAC_OVERRIDE and CAP_DAC_READ_SEARCH
 REPEATED = re.compile(r"<(\d+)\*(.)>")
 USAGE = re.compile(r"usage: .*\n(?: .*\n)*")
@@ -75,13 +81,17 @@ def read_rows(path: Path = TABLE) -> tuple[dict[str, str], list[Row]]:
     rows
         Rows in the order of the table; one for each command of a row that has several.
     """
-    tables, rows = tomllib.loads(path.read_text(encoding="utf-8")), []
+    tables = tomllib.loads(path.read_text(encoding="utf-8"))
+    rows = []
     for kind, entry in (
-        (kind, _with_repeats(entry)) for kind, entries in tables["inputs"].items() for entry in entries
+        (kind, _with_repeats(entry))
+        for kind, entries in tables["inputs"].items()
+        for entry in entries
     ):
         lists = ("prepared", "lose", "cut", "says", "prints", "writes", "keeps")
         entry |= {name: [entry[name]] for name in lists if isinstance(entry.get(name), str)}
-        commands, what = entry.pop("granwave", ""), entry.pop("what")
+        commands = entry.pop("granwave", "")
+        what = entry.pop("what")
         for line in [commands] if isinstance(commands, str) else commands:
             more = "" if isinstance(commands, str) else f": {line}"
             rows.append(Row(kind=kind, what=what + more, granwave=line, **entry))
@@ -145,7 +155,9 @@ def run_here(
 
 
 def run_row(row: Row, folder: Path, capfd: pytest.CaptureFixture[str]) -> Answer:
-    """Run the command of the row in its folder; a line of a shell in a process, with the command ``granwave``."""
+    """Run the command of the row in its folder; a line of a shell in a process, with the command
+    ``granwave``.
+    """
     if not row.shell:
         seconds = PROCESS_SECONDS if row.slow else SECONDS
         return run_here(shlex.split(row.granwave), folder, row.env, capfd, seconds)
@@ -161,7 +173,8 @@ def without_power_over_files() -> Iterator[None]:
     """Enforce the read and write permissions of files for all users, including root."""
     libc = ctypes.CDLL(None, use_errno=True)
     # the version of the kernel's interface, two words of 32 bits for each set, and this process
-    header, sets = (ctypes.c_uint32 * 2)(0x20080522, 0), (ctypes.c_uint32 * 6)()
+    header = (ctypes.c_uint32 * 2)(0x20080522, 0)
+    sets = (ctypes.c_uint32 * 6)()
 
     def call(function: Callable[..., int]) -> None:
         if function(header, sets):
@@ -191,7 +204,10 @@ def _within_bounds(seconds: float) -> Iterator[None]:
 
     soft, hard = resource.getrlimit(resource.RLIMIT_AS)
     pages = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
-    timers = {signal.SIGPROF: (signal.ITIMER_PROF, seconds), signal.SIGALRM: (signal.ITIMER_REAL, 10 * seconds)}
+    timers = {
+        signal.SIGPROF: (signal.ITIMER_PROF, seconds),
+        signal.SIGALRM: (signal.ITIMER_REAL, 10 * seconds),
+    }
     before = {name: signal.signal(name, stop) for name in timers}
     for timer, limit in timers.values():
         signal.setitimer(timer, limit)
@@ -209,7 +225,9 @@ def _within_bounds(seconds: float) -> Iterator[None]:
 
 
 def entries_of(folder: Path) -> Entries:
-    """Files and folders below a folder by path: mode, and for files the size and, unless empty, the modification time."""
+    """Files and folders below a folder by path: mode, and for files the size and, unless empty, the
+    modification time.
+    """
     found: Entries = {}
     for place, directories, files in os.walk(folder):
         for name in (*directories, *files):
@@ -219,7 +237,11 @@ def entries_of(folder: Path) -> Entries:
             if name in directories and not os.path.islink(path):
                 found[key] = (entry.st_mode,)
             else:
-                found[key] = (entry.st_mode, entry.st_size, entry.st_mtime_ns if entry.st_size else 0)
+                found[key] = (
+                    entry.st_mode,
+                    entry.st_size,
+                    entry.st_mtime_ns if entry.st_size else 0,
+                )
     return found
 
 
@@ -227,13 +249,19 @@ def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entrie
     """Assert that the output is the one expected by the row."""
     shown = f"\n{shown_answer(row.shell or row.granwave, answer)}"
     assert answer.returncode == row.status, shown
-    assert len(faults_in(answer.stderr)) == (bool(row.status) if row.faults is None else row.faults), shown
+    assert len(faults_in(answer.stderr)) == (
+        bool(row.status) if row.faults is None else row.faults
+    ), shown
     for fragments, text in ((row.says, answer.stderr), (row.prints, answer.stdout)):
-        assert not [one for one in fragments if one not in text], f"not all of {fragments} are said{shown}"
+        assert not [one for one in fragments if one not in text], (
+            f"not all of {fragments} are said{shown}"
+        )
     changed = sorted(name for name in {*before, *after} if before.get(name) != after.get(name))
     places = [os.path.normpath(f"{folder.name}/{place}") for place in row.writes]
     # the list of files written by granwave, to which a file is added before it is rewritten
-    changed = [name for name in changed if os.path.basename(name) != ".granwave" or name not in before]
+    changed = [
+        name for name in changed if os.path.basename(name) != ".granwave" or name not in before
+    ]
     unasked = [name for name in changed if not any(_is_at(name, place) for place in places)]
     assert not unasked, f"written or changed: {unasked}{shown}"
     for place in places:
@@ -245,7 +273,9 @@ def judge(row: Row, answer: Answer, folder: Path, before: Entries, after: Entrie
     for wanted, files in ((True, row.holds), (False, row.lacks)):
         for name, fragments in files.items():
             text = (folder / name).read_text(encoding="utf-8")
-            assert all((one in text) == wanted for one in fragments), f"{fragments} in {name}: expected {wanted}"
+            assert all((one in text) == wanted for one in fragments), (
+                f"{fragments} in {name}: expected {wanted}"
+            )
 
 
 def shown_answer(command: str, answer: Answer) -> str:
@@ -265,7 +295,9 @@ def faults_in(err: str) -> list[str]:
         assert len(line) <= LONGEST_LINE, f"{len(line)} characters in a line: {line[:300]} ..."
         odd = [c for c in line if unicodedata.category(c) in ("Cc", "Cs") and c != "\t"]
         assert not odd, f"control characters {odd} in {line!r}"
-    return [line for line in lines if OURS.match(line) and not line.startswith("granwave: warning: ")]
+    return [
+        line for line in lines if OURS.match(line) and not line.startswith("granwave: warning: ")
+    ]
 
 
 def _is_at(name: str, place: str) -> bool:

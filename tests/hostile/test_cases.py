@@ -46,12 +46,21 @@ def test_case(base: str | dict[str, Any], row: dict[str, Any]) -> None:
 
 @pytest.mark.parametrize("row", SCANS["rows"], ids=lambda row: str(row["says"])[:100])
 def test_scan(row: dict[str, Any], tmp_path: Path) -> None:
-    path, after = tmp_path / "my.toml", SCANS["after"]
-    text = row["head"] + after if "head" in row else SCANS["before"] + row["tables"].replace("@", after)
+    path = tmp_path / "my.toml"
+    after = SCANS["after"]
+    text = (
+        row["head"] + after
+        if "head" in row
+        else SCANS["before"] + row["tables"].replace("@", after)
+    )
     path.write_text(text, encoding="utf-8")
     with pytest.raises(InputError) as caught:
         load_scan(path)
     errors = caught.value.errors
     assert len(errors) == len(row["says"]), errors
     for error, words in zip(errors, row["says"], strict=True):
-        assert error.startswith(f"{path}: ") and "\n" not in error and all(word in error for word in words), error
+        assert (
+            error.startswith(f"{path}: ")
+            and "\n" not in error
+            and all(word in error for word in words)
+        ), error

@@ -1,4 +1,6 @@
-"""Output of all rows of ``inputs.toml``: exit status, one clear line per error, and no unrequested files."""
+"""Output of all rows of ``inputs.toml``: exit status, one clear line per error, and no unrequested
+files.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ def write_folder(folder: Path) -> None:
 
 @pytest.fixture(scope="session")
 def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
-    """Results of the case and scan of the folder, created on first use: ``run``, ``deck`` or ``scan``."""
+    """Results of the case and scan of the folder, created on first use: ``run``, ``deck`` or
+    ``scan``.
+    """
     folder = tmp_path_factory.mktemp("hostile")
     write_folder(folder)
 
@@ -45,7 +49,9 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
             else:
                 for point in load_scan("scan.toml").distinct.values():
                     run_case(point.case, layout.finished(directory, point.id), figures=False)
-                    layout.write_state(layout.finished(directory, point.id), state=layout.DONE_STATE, attempts=1)
+                    layout.write_state(
+                        layout.finished(directory, point.id), state=layout.DONE_STATE, attempts=1
+                    )
                 assert main(["scan", "scan.toml", "-o", "scan", "--resume"]) == 0
         return directory
 
@@ -56,7 +62,8 @@ def results(tmp_path_factory: pytest.TempPathFactory) -> Callable[[str], Path]:
 def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     """Folder with the files available to every row, which are all removable after the test.
 
-    Its path contains nothing of the row, so that the expected words of a message do not occur in it.
+    Its path contains nothing of the row, so that the expected words of a message do not occur in
+    it.
     """
     folder = tmp_path_factory.mktemp("x") / "here"
     folder.mkdir()
@@ -73,7 +80,9 @@ def test_the_table_is_long_enough_and_every_row_has_a_name_of_its_own() -> None:
 
 
 @pytest.mark.parametrize("row", parameters(ROWS))
-def test_input(row: Row, folder: Path, results: Callable[[str], Path], capfd: pytest.CaptureFixture[str]) -> None:
+def test_input(
+    row: Row, folder: Path, results: Callable[[str], Path], capfd: pytest.CaptureFixture[str]
+) -> None:
     for name in row.prepared:
         if name in RESULTS:
             shutil.copytree(results(name), folder / name)

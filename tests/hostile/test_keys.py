@@ -1,7 +1,9 @@
-"""All keys of all tables with values of every wrong type: one clear line with the key, and no files.
+"""All keys of all tables with values of every wrong type: one clear line with the key, and no
+files.
 
-The keys are those of the dataclasses that read them, so that new ones are included automatically. Valid values of a key
-are determined by its type, and by the sets below: keys whose values may be negative, zero or empty.
+The keys are those of the dataclasses that read them, so that new ones are included automatically.
+Valid values of a key are determined by its type, and by the sets below: keys whose values may be
+negative, zero or empty.
 """
 
 from __future__ import annotations
@@ -39,7 +41,8 @@ BLOCK: dict[str, Any] = {"material": BRASS, "block": {}, "punch": {}, "run": {"e
 CONTACT = {"material": BRASS, "sphere": {"radius": 0.005}, "run": {"elements": 500}}
 SCAN: dict[str, Any] = {"case": "case.toml", "grid": {"load.velocity": [1.0, 2.0]}}
 
-CASE, SLURM = "case.toml", "profile.toml"
+CASE = "case.toml"
+SLURM = "profile.toml"
 COMMANDS = {
     CASE: "check case.toml",
     "scan.toml": "scan scan.toml --plan",
@@ -92,7 +95,9 @@ MAY_BE_NEGATIVE = {
     "pair.1.residual_offset",
 }  # fmt: skip
 #: Read into a table: a number is its coefficient.
-MAY_BE_A_NUMBER = {f"{table}.{way}" for table in ("contact", "pair.1") for way in ("rolling", "twisting")}
+MAY_BE_A_NUMBER = {
+    f"{table}.{way}" for table in ("contact", "pair.1") for way in ("rolling", "twisting")
+}
 MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
     "contact.initial_overlap", "material.hardening", "material.rate_sensitivity", "run.velocity", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
@@ -108,7 +113,11 @@ MAY_BE_EMPTY = {
 }
 
 NEVER: list[Any] = [{"x": 1}, math.nan, math.inf, datetime.date(2024, 2, 29), [True]]
-HUGE: list[Any] = [1e300, 10**30, "a" * 10_000]  # accepted or not, but immediately and without a traceback
+HUGE: list[Any] = [
+    1e300,
+    10**30,
+    "a" * 10_000,
+]  # accepted or not, but immediately and without a traceback
 
 
 def keys() -> Iterator[Any]:
@@ -147,7 +156,9 @@ def wrong_values(key: str, kinds: set[Any]) -> list[Any]:
 
 
 def with_value(content: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
-    """Copy of the tables with one key changed; numbers in the key are indices of an array of tables."""
+    """Copy of the tables with one key changed; numbers in the key are indices of an array of
+    tables.
+    """
     name, _, rest = key.partition(".")
     if not rest:
         return content | {name: value}
@@ -159,13 +170,20 @@ def with_value(content: dict[str, Any], key: str, value: Any) -> dict[str, Any]:
 
 @pytest.mark.parametrize(("file", "key", "kinds", "content"), list(keys()))
 def test_key(
-    file: str, key: str, kinds: set[type], content: dict[str, Any], tmp_path: Path, capfd: pytest.CaptureFixture[str]
+    file: str,
+    key: str,
+    kinds: set[type],
+    content: dict[str, Any],
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     words = shlex.split(COMMANDS[file])
     (tmp_path / "case.toml").write_text(tomli_w.dumps(SPHERES), encoding="utf-8")
     (tmp_path / "scan.toml").write_text(tomli_w.dumps(SCAN), encoding="utf-8")
     for value in wrong_values(key, kinds):
-        (tmp_path / file).write_text(tomli_w.dumps(with_value(content, key, value)), encoding="utf-8")
+        (tmp_path / file).write_text(
+            tomli_w.dumps(with_value(content, key, value)), encoding="utf-8"
+        )
         before = entries_of(tmp_path)
         answer = run_here(words, tmp_path, {}, capfd)
         shown = f"{key} = {value!r}\n{shown_answer(' '.join(words), answer)}"
@@ -174,9 +192,13 @@ def test_key(
         assert fault.startswith(f"granwave: {file}: ") and key in fault, shown
         assert entries_of(tmp_path) == before, shown
     for value in HUGE:
-        (tmp_path / file).write_text(tomli_w.dumps(with_value(content, key, value)), encoding="utf-8")
+        (tmp_path / file).write_text(
+            tomli_w.dumps(with_value(content, key, value)), encoding="utf-8"
+        )
         answer = run_here(words, tmp_path, {}, capfd)
-        assert answer.returncode in (0, 2), f"{key} = {str(value)[:40]}\n{shown_answer(' '.join(words), answer)}"
+        assert answer.returncode in (0, 2), (
+            f"{key} = {str(value)[:40]}\n{shown_answer(' '.join(words), answer)}"
+        )
         assert bool(faults_in(answer.stderr)) == (answer.returncode == 2)
 
 
@@ -186,4 +208,6 @@ def test_the_tables_are_all_that_there_are() -> None:
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)
-                assert value in known or not any("parse" in field.metadata for field in fields), f"{name} is not tried"
+                assert value in known or not any("parse" in field.metadata for field in fields), (
+                    f"{name} is not tried"
+                )

@@ -1,4 +1,6 @@
-"""Runs stopped or killed at any time: a one-line message, and the same result after they are resumed."""
+"""Runs stopped or killed at any time: a one-line message, and the same result after they are
+resumed.
+"""
 
 from __future__ import annotations
 
@@ -17,18 +19,46 @@ import pytest
 from tests.conftest import PLAIN
 from tests.hostile.rows import faults_in
 
-CASE = ["fcc-small", "--set", "packing.size=[14,14,8]", "--set", "run.end_time=2e-4", "--set", "run.frames=5"]
+CASE = [
+    "fcc-small",
+    "--set",
+    "packing.size=[14,14,8]",
+    "--set",
+    "run.end_time=2e-4",
+    "--set",
+    "run.frames=5",
+]
 CASE += ["--set", "run.energy_tolerance=3e-8"]  # in many steps
 CLOCK = ("wall_time_s", "sphere_steps_per_s")  # values of the summary that differ between all runs
-MOMENTS = (0.2, 0.5, 1.0, 1.5, 2.0, 3.0, 4.0)  # s after the start: imports, deck, integration, analysis
+MOMENTS = (
+    0.2,
+    0.5,
+    1.0,
+    1.5,
+    2.0,
+    3.0,
+    4.0,
+)  # s after the start: imports, deck, integration, analysis
 
 pytestmark = pytest.mark.validation
 
 
 def start(directory: Path, *options: str) -> subprocess.Popen[str]:
     """Start the run in a separate process."""
-    command = [sys.executable, "-m", "granwave.workflows", "run", *CASE, "-o", str(directory), "--no-figures", *options]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
+    command = [
+        sys.executable,
+        "-m",
+        "granwave.workflows",
+        "run",
+        *CASE,
+        "-o",
+        str(directory),
+        "--no-figures",
+        *options,
+    ]
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN
+    )
 
 
 def finish(directory: Path) -> None:
@@ -45,21 +75,29 @@ def result_of(directory: Path) -> dict[str, Any]:
     found: dict[str, Any] = {key: value for key, value in summary.items() if key not in CLOCK}
     with h5py.File(directory / "result.h5") as file:
         names: list[str] = []
-        file.visititems(lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: names.append(name) if isinstance(item, h5py.Dataset) else None
+        )
         return found | {name: file[name][()] for name in names}
 
 
 def compare(found: dict[str, Any], expected: dict[str, Any]) -> None:
-    """Assert that fields are bitwise identical; sums over the packing, whose order a restart changes, agree to rounding."""
+    """Assert that fields are bitwise identical; sums over the packing, whose order a restart
+    changes, agree to rounding.
+    """
     assert found.keys() == expected.keys()
     for name, value in expected.items():
         if name.startswith(("spheres/", "contacts/", "wall_contacts/")) or isinstance(value, str):
-            assert np.array_equal(found[name], value, equal_nan=np.asarray(value).dtype.kind == "f"), name
+            assert np.array_equal(
+                found[name], value, equal_nan=np.asarray(value).dtype.kind == "f"
+            ), name
         elif name == "energy_balance_error":  # a difference of sums
             assert found[name] == pytest.approx(value, rel=1e-2)
         elif isinstance(value, float | np.ndarray) and np.asarray(value).dtype.kind == "f":
             scale = np.nanmax(np.abs(value), initial=0.0)
-            np.testing.assert_allclose(found[name], value, rtol=1e-9, atol=1e-9 * scale, err_msg=name)
+            np.testing.assert_allclose(
+                found[name], value, rtol=1e-9, atol=1e-9 * scale, err_msg=name
+            )
         else:
             assert np.array_equal(found[name], value), name
 

@@ -32,17 +32,28 @@ def file(tmp_path: Path) -> Path:
     "changes",
     [
         {},
-        {"packing": {"kind": "square", "size": [8, 7], "diameter": 0.02}, "boundary__sides": "wall"},
+        {
+            "packing": {"kind": "square", "size": [8, 7], "diameter": 0.02},
+            "boundary__sides": "wall",
+        },
         {"run__frames": [0.0, 1e-4, 2e-4], "run__end_time": "auto", "run__timestep": 1e-8},
         {"output__probes": [{"sphere": 3}, {"contact": [1, 2]}], "output__probe_interval": 1e-6},
         {"contact": {"law": "hertz"}, "material": "ptfe"},
-        {"figures": {"plane": {"normal": [1, 1, 0], "through": [0.1, 0, 0]}, "formats": ["svg", "png"], "width": 0.1}},
+        {
+            "figures": {
+                "plane": {"normal": [1, 1, 0], "through": [0.1, 0, 0]},
+                "formats": ["svg", "png"],
+                "width": 0.1,
+            }
+        },
     ],
 )
 def test_round_trip_through_toml(tmp_path: Path, changes: dict[str, Any]) -> None:
     case = case_from_dict(changed(**changes))
     path = tmp_path / "again.toml"
-    path.write_text(case.to_toml(resolved={"timestep": 1e-7, "walls": ("bottom",)}), encoding="utf-8")
+    path.write_text(
+        case.to_toml(resolved={"timestep": 1e-7, "walls": ("bottom",)}), encoding="utf-8"
+    )
     assert load_case(path) == case
 
 
@@ -67,7 +78,8 @@ def test_overrides_are_parsed(text: str, key: str, value: Any) -> None:
     [
         (["packing.kind=hcp", "load.velocity=10"],  # only the named key changes
          {"packing.kind": "hcp", "packing.size": (12, 12, 6), "load.velocity": 10.0}),
-        (["material.density=1.0", "material=steel"], {"material.density": 7850}),  # by name: the whole table
+        # by name: the whole table
+        (["material.density=1.0", "material=steel"], {"material.density": 7850}),
         (["material.yield_strength=4e8"], {"material.yield_strength": 4e8, "material.youngs_modulus": 115e9}),
         ({"load.velocity": 2, "material": "steel"}, {"load.velocity": 2.0, "material.name": "steel"}),
         (["load.velocity=1", "load.velocity=2"], {"load.velocity": 2.0}),
@@ -82,8 +94,15 @@ def test_every_bad_override_is_named(file: Path) -> None:
     with pytest.raises(InputError) as caught:
         load_case(file, ["a", "b=[", "load.velocity=3"])
     error = caught.value
-    assert len(error.errors) == 2 and isinstance(error, GranwaveError) and isinstance(error, ValueError)
-    assert str(error) == "\n".join(error.errors) and pickle.loads(pickle.dumps(error)).errors == error.errors
+    assert (
+        len(error.errors) == 2
+        and isinstance(error, GranwaveError)
+        and isinstance(error, ValueError)
+    )
+    assert (
+        str(error) == "\n".join(error.errors)
+        and pickle.loads(pickle.dumps(error)).errors == error.errors
+    )
 
 
 LATE = {"kind": "force", "shape": "table", "table": [[0.0, 0.0], [1e-3, 0.0], [2e-3, 100.0]]}
@@ -96,7 +115,10 @@ PRESSED = {"precompression": {"kind": "uniform", "pressure": 1e4}, "contact__ini
         ({"material__poisson_ratio": 0.35}, "C = 1.67"),
         ({"material__poisson_ratio": 0.35, "contact__yield_factor": 1.67}, ""),
         ({"material__poisson_ratio": 0.35, "contact__law": "hertz"}, ""),
-        ({"output__probes": [{"contact": [1, 2]}, {"contact": [1, 3]}]}, "contact (1, 3) do not touch"),
+        (
+            {"output__probes": [{"contact": [1, 2]}, {"contact": [1, 3]}]},
+            "contact (1, 3) do not touch",
+        ),
         ({"load": LATE, "run__end_time": 8e-4}, "begins at 0.001 s"),
         ({"load": LATE, "run__end_time": 1.2e-3}, ""),
         (PRESSED | {"boundary__forget_gap": 1e-9}, "never come to rest"),
@@ -112,7 +134,11 @@ def test_warnings(caplog: pytest.LogCaptureFixture, changes: dict[str, Any], sai
 def test_every_third_sphere() -> None:
     assert parse_index({"first": 8, "last": 17, "step": 3}) == (8, 11, 14, 17)
     assert parse_index({"first": 1, "last": 1_000_000_000, "step": 500_000_000}) == (1, 500_000_001)
-    for wrong in ({"first": 8, "last": 17, "step": 0}, {"first": 8, "step": 3}, {"first": 8, "last": 17, "every": 3}):
+    for wrong in (
+        {"first": 8, "last": 17, "step": 0},
+        {"first": 8, "step": 3},
+        {"first": 8, "last": 17, "every": 3},
+    ):
         with pytest.raises(ValidationError, match="step = 3 for every third"):
             parse_index(wrong)
 
@@ -120,9 +146,18 @@ def test_every_third_sphere() -> None:
 def test_figures() -> None:
     """Names are those of the figures that are drawn; values; a case without the table has none."""
     assert tuple(FIGURES) == FIGURE_NAMES
-    assert "figures" not in (plain := case_from_dict(changed())).to_dict() and plain.figures == Figures()
-    found = case_from_dict(changed(figures={"plane": "y", "force_limits": [1, 50], "formats": ["svg", "png"]})).figures
-    assert (found.plane, found.force_limits, found.formats) == (CutPlane((0.0, 1.0, 0.0)), (1.0, 50.0), ("svg",))
+    assert (
+        "figures" not in (plain := case_from_dict(changed())).to_dict()
+        and plain.figures == Figures()
+    )
+    found = case_from_dict(
+        changed(figures={"plane": "y", "force_limits": [1, 50], "formats": ["svg", "png"]})
+    ).figures
+    assert (found.plane, found.force_limits, found.formats) == (
+        CutPlane((0.0, 1.0, 0.0)),
+        (1.0, 50.0),
+        ("svg",),
+    )
 
 
 def test_a_film_has_enough_frames_unless_they_are_given() -> None:

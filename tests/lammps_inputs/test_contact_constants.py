@@ -22,8 +22,14 @@ from tests.conftest import script_of
 from tests.helpers.twins.twin import CONSTANTS, OTHER, PRINTED, LawTwin, Network
 from tests.helpers.two_spheres import PAIR, R, collide, restitution, value
 
-BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
-STYLE = "elastoplastic 115e9 0.3 550e6 " + " ".join(f"{name} {value!r}" for name, value in OTHER.items())
+BRASS = {
+    "youngs_modulus": (115e9, 115e9),
+    "poisson_ratio": (0.3, 0.3),
+    "yield_strength": (550e6, 550e6),
+}
+STYLE = "elastoplastic 115e9 0.3 550e6 " + " ".join(
+    f"{name} {value!r}" for name, value in OTHER.items()
+)
 SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}
 
 
@@ -57,14 +63,18 @@ def test_published_constants_given_are_the_default_law():
 @pytest.mark.parametrize("names", [CONSTANTS, *((name,) for name in CONSTANTS)])
 def test_against_the_second_implementation(names, peak):
     own = {name: OTHER[name] for name in names}
-    compiled, twin = law(**own), LawTwin(**own)
-    length, force = compiled.yield_overlap, compiled.yield_force
+    compiled = law(**own)
+    twin = LawTwin(**own)
+    length = compiled.yield_overlap
+    force = compiled.yield_force
     a = np.linspace(0, 1.2 * peak, 40)
     expected = [twin.force(x, max(x, peak)) for x in a]
     assert compiled.force(a * length, np.full(40, peak * length)) / force == pytest.approx(
         expected, rel=1e-10, abs=1e-12
     )
-    assert compiled.loading_work(peak * length) / (force * length) == pytest.approx(twin.work(peak), rel=1e-10)
+    assert compiled.loading_work(peak * length) / (force * length) == pytest.approx(
+        twin.work(peak), rel=1e-10
+    )
     lost = compiled.dissipated_energy(peak * length) / (force * length)
     assert lost == pytest.approx(twin.dissipated(peak), rel=1e-8, abs=1e-9)
 
@@ -76,7 +86,9 @@ def near(name: str) -> st.SearchStrategy[float]:
 @settings(max_examples=150, deadline=None)
 @given(st.fixed_dictionaries({name: near(name) for name in CONSTANTS}))
 def test_what_is_accepted_is_continuous_and_passive(own):
-    """Loading increases, unloading returns at most the work of loading, a larger peak dissipates more, for any constants."""
+    """Loading increases, unloading returns at most the work of loading, a larger peak dissipates
+    more, for any constants.
+    """
     try:
         compiled = law(**own)
     except ValueError:
@@ -86,19 +98,25 @@ def test_what_is_accepted_is_continuous_and_passive(own):
     loading = compiled.loading_force(peak)
     assert np.all(np.diff(loading) > -1e-9 * loading[1:])
     for joint in (1.0, own["area_switch"]):
-        below, above = (compiled.loading_force(joint * length * (1 + side)) for side in (-1e-12, 1e-12))
+        below, above = (
+            compiled.loading_force(joint * length * (1 + side)) for side in (-1e-12, 1e-12)
+        )
         assert below == pytest.approx(above, rel=1e-9)
     residual = compiled.residual_overlap(peak)
     assert np.all(residual >= -1e-12 * length) and np.all(residual[1:] < peak[1:])
-    lost, work = compiled.dissipated_energy(peak), compiled.loading_work(peak)
+    lost = compiled.dissipated_energy(peak)
+    work = compiled.loading_work(peak)
     assert np.all(lost >= 0) and np.all(np.diff(lost) >= -1e-6 * work[1:])
     assert compiled.elastic_energy(peak, peak) + lost == pytest.approx(work, rel=1e-9)
 
 
 def test_exponent_is_raised_as_far_as_it_takes():
-    """Exponents are raised far beyond first yield, with published constants only up to a peak of 1.09 alpha_y."""
+    """Exponents are raised far beyond first yield, with published constants only up to a peak of
+    1.09 alpha_y.
+    """
     own = {"residual_slope": 0.1, "residual_offset": 0.1, "unloading_exponent": 1.05}
-    compiled, twin = law(**own), LawTwin(**own)
+    compiled = law(**own)
+    twin = LawTwin(**own)
     peak = np.geomspace(1.001, 400, 60)
     exponent = compiled.unloading_exponent(peak * compiled.yield_overlap)
     assert exponent == pytest.approx([twin.exponent(p) for p in peak], rel=1e-9)
@@ -136,7 +154,9 @@ def test_no_passive_law(lammps, own, fault):
     "other", [{"law": "hertz"}, {"law": "thornton"}, {"law": "bilinear"}, {"variant": "published"}]
 )
 def test_only_the_continuous_elastoplastic_law_takes_them(lammps, other):
-    with pytest.raises(InputError, match=r"contact\.area_slope: belongs to law elastoplastic, variant continuous"):
+    with pytest.raises(
+        InputError, match=r"contact\.area_slope: belongs to law elastoplastic, variant continuous"
+    ):
         case(area_slope=2.3, **other)
     with pytest.raises(ValueError, match="belong to law elastoplastic"):
         ContactLaw(**BRASS, radius=(R, R), constants={"area_slope": 2.3}, **other)
@@ -162,7 +182,9 @@ def test_collision_against_the_network_twin(lammps):
 def test_wall(lammps):
     lmp = lammps()
     wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {STYLE}\nthermo_style custom step f_floor[4] f_floor[5] c_ke\n"
-    lmp.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall))
+    lmp.commands_string(
+        script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=[-0.1, 0.1] * 3, extra=wall)
+    )
     lmp.command("run 20000")
     rigid = flat_contact(case(**OTHER), 1)
     peak = lmp.numpy.extract_fix("floor", 1, 2)[0, 2]
@@ -173,22 +195,36 @@ def test_wall(lammps):
 
 
 def test_deck(tmp_path):
-    plain, own = case(), case(pressure_limit=2.9, residual_offset=20.0)
+    plain = case()
+    own = case(pressure_limit=2.9, residual_offset=20.0)
     script = write_deck(plain, tmp_path / "plain").script.read_text()
-    assert "variant continuous yield_factor 1.6\n" in script and not any(name in script for name in CONSTANTS)
+    assert "variant continuous yield_factor 1.6\n" in script and not any(
+        name in script for name in CONSTANTS
+    )
     assert not set(CONSTANTS) & set(plain.to_dict()["contact"])
     script = write_deck(own, tmp_path / "own").script.read_text()
     assert "variant continuous yield_factor 1.6 pressure_limit 2.9 residual_offset 20\n" in script
     again = load_case(tmp_path / "own" / "case.toml")
     assert again.contact == own.contact and again.to_dict() == own.to_dict()
-    assert sphere_contact(again).constants == LAW_CONSTANTS | {"pressure_limit": 2.9, "residual_offset": 20.0}
+    assert sphere_contact(again).constants == LAW_CONSTANTS | {
+        "pressure_limit": 2.9,
+        "residual_offset": 20.0,
+    }
     assert tomllib.loads(own.to_toml())["contact"]["pressure_limit"] == 2.9
 
 
 def test_a_run_with_them(granwave, tmp_path):
-    """Contact with a wall and analysis: energy is balanced, and the loss is not that of the published law."""
+    """Contact with a wall and analysis: energy is balanced, and the loss is not that of the
+    published law.
+    """
     given = [f"--set=contact.{name}={number}" for name, number in OTHER.items()]
-    words = ("run", "two-spheres", "--no-figures", "--set=boundary.bottom=wall", "--set=run.end_time=1e-4")
+    words = (
+        "run",
+        "two-spheres",
+        "--no-figures",
+        "--set=boundary.bottom=wall",
+        "--set=run.end_time=1e-4",
+    )
     lost = []
     for n, more in enumerate(([], given)):
         done = granwave(*words, *more, "-o", tmp_path / str(n))

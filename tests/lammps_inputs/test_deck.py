@@ -19,7 +19,11 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.planning.schedule import make_schedule
-from granwave.lammps_inputs.planning.timestep import auto_timestep, expected_peak_overlap, largest_timestep
+from granwave.lammps_inputs.planning.timestep import (
+    auto_timestep,
+    expected_peak_overlap,
+    largest_timestep,
+)
 from granwave.workflows.library import load_case as built_in_case
 
 
@@ -35,7 +39,9 @@ class TestTimestep:
 
     def test_proportional_to_the_diameter(self) -> None:
         for diameter in (0.001, 0.1):
-            assert auto_timestep(make(diameter=diameter)) == pytest.approx(auto_timestep(make()) * diameter / 0.01)
+            assert auto_timestep(make(diameter=diameter)) == pytest.approx(
+                auto_timestep(make()) * diameter / 0.01
+            )
 
     def test_hertz_overlap_of_two_spheres(self) -> None:
         # m v^2/4 = (8/15) E* sqrt(R*) alpha^2.5
@@ -49,15 +55,22 @@ class TestTimestep:
         # the overlaps depend on rho v^2 only, so that all times are proportional to sqrt(rho)
         slow = make(material={"preset": "brass", "density": 4 * 8500}, load={"velocity": 2.5})
         assert expected_peak_overlap(slow) == pytest.approx(expected_peak_overlap(make()))
-        assert auto_timestep(slow) == pytest.approx(2 * auto_timestep(make()), rel=0.02)  # two significant digits
+        assert auto_timestep(slow) == pytest.approx(
+            2 * auto_timestep(make()), rel=0.02
+        )  # two significant digits
 
     def test_harder_impacts_need_shorter_steps(self) -> None:
-        steps = [auto_timestep(make(load={"velocity": velocity})) for velocity in (0.1, 1, 5, 20, 75)]
+        steps = [
+            auto_timestep(make(load={"velocity": velocity})) for velocity in (0.1, 1, 5, 20, 75)
+        ]
         assert steps == sorted(steps, reverse=True) and steps[-1] > 10e-9
 
     def test_a_rigid_wall_that_is_hit_directly_counts(self) -> None:
-        assert auto_timestep(make((3, 3, 1))) < auto_timestep(make((3, 3, 1), boundary={"bottom": "free"}))
-        spheres, wall = sphere_contact(make()), flat_contact(make(), 1)
+        assert auto_timestep(make((3, 3, 1))) < auto_timestep(
+            make((3, 3, 1), boundary={"bottom": "free"})
+        )
+        spheres = sphere_contact(make())
+        wall = flat_contact(make(), 1)
         assert wall.effective_modulus == pytest.approx(2 * spheres.effective_modulus)
         assert wall.effective_radius == pytest.approx(2 * spheres.effective_radius)
 
@@ -84,12 +97,26 @@ class TestSchedule:
     def test_records_fall_on_multiples_of_the_longest_step(self, changes: dict[str, Any]) -> None:
         schedule = make_schedule(make(**changes))
         longest = schedule.longest_step
-        assert longest in (4, 8, 16, 32) and schedule.first_step == 4 and schedule.energy_tolerance == 3e-6
-        intervals = (schedule.ledger_every, schedule.wall_every, schedule.probe_every, schedule.block_steps)
+        assert (
+            longest in (4, 8, 16, 32)
+            and schedule.first_step == 4
+            and schedule.energy_tolerance == 3e-6
+        )
+        intervals = (
+            schedule.ledger_every,
+            schedule.wall_every,
+            schedule.probe_every,
+            schedule.block_steps,
+        )
         for counts in (schedule.n_steps, *intervals, schedule.frame_every, *schedule.frame_steps):
             assert counts % longest == 0
-        interval = changes.get("output", {}).get("probe_interval", schedule.probe_every * schedule.timestep)
-        assert abs(schedule.probe_every * schedule.timestep - interval) <= 0.5 * schedule.first_timestep
+        interval = changes.get("output", {}).get(
+            "probe_interval", schedule.probe_every * schedule.timestep
+        )
+        assert (
+            abs(schedule.probe_every * schedule.timestep - interval)
+            <= 0.5 * schedule.first_timestep
+        )
 
     def test_bounds_of_an_automatic_timestep(self) -> None:
         plain, least, most, short, fine = (
@@ -127,7 +154,8 @@ class TestSchedule:
         assert make_schedule(make(run={"frames": 6, "timestep": 1e-7})).frame_every == 2000
         for end in (1e-3, 3e-4):
             run = {"end_time": end, "timestep": 1e-7}
-            shares, times = ["0 %", "12.5 %", "50%", "100 %"], [0.0, 0.125 * end, 0.5 * end, end]
+            shares = ["0 %", "12.5 %", "50%", "100 %"]
+            times = [0.0, 0.125 * end, 0.5 * end, end]
             case = make(run={**run, "frames": shares})
             assert make_schedule(case) == make_schedule(make(run={**run, "frames": times}))
             assert case.to_dict()["run"]["frames"] == shares
@@ -143,7 +171,10 @@ class TestSchedule:
         assert schedule.frame_every * schedule.timestep == pytest.approx(50e-6)
 
     def test_probe_interval(self) -> None:
-        assert make_schedule(make(run={"timestep": 1e-7}, output={"probe_interval": 1e-6})).probe_every == 10
+        assert (
+            make_schedule(make(run={"timestep": 1e-7}, output={"probe_interval": 1e-6})).probe_every
+            == 10
+        )
         finest = make_schedule(make(output={"probes": [{"sphere": 1}], "probe_interval": 1e-12}))
         assert finest.probe_every == finest.longest_step == finest.first_step
 
@@ -152,12 +183,17 @@ class TestSchedule:
 def test_data_files_keep_every_digit_and_the_period(tmp_path: Path, sides: str) -> None:
     case = make(boundary={"sides": sides})
     text = write_deck(case, tmp_path / "run").data.read_text()
-    rows = np.array([line.split() for line in text.partition("Atoms #")[2].splitlines()[2:]], dtype=float)
+    rows = np.array(
+        [line.split() for line in text.partition("Atoms #")[2].splitlines()[2:]], dtype=float
+    )
     np.testing.assert_array_equal(rows[:, 0], np.arange(1, 145))
     np.testing.assert_array_equal(rows[:, 1:4], np.tile([1, 0.01, 8500], (144, 1)))
     np.testing.assert_array_equal(rows[:, 4:], build_packing(case).positions)
     if sides == "periodic":
-        box = {m[3]: float(m[2]) - float(m[1]) for m in re.finditer(r"^(\S+) (\S+) (.)lo .hi$", text, re.M)}
+        box = {
+            m[3]: float(m[2]) - float(m[1])
+            for m in re.finditer(r"^(\S+) (\S+) (.)lo .hi$", text, re.M)
+        }
         assert (box["x"], box["y"]) == pytest.approx(assemble(case).lattice.lengths, rel=1e-14)
 
 
@@ -229,7 +265,8 @@ LINES = [  # what is in the script of a case; spaces count as one
     ),
     (
         {"replace": [{"index": [1, 2], "material": "steel"}], "boundary": {"bottom": PLATE}},
-        ["fix bottom species1 wall", "support 0.1", "fix bottom_2 species2 wall"],  # whose plane stays
+        # whose plane stays
+        ["fix bottom species1 wall", "support 0.1", "fix bottom_2 species2 wall"],
     ),
 ]  # fmt: skip
 
@@ -241,7 +278,11 @@ class TestScript:
         plain = " ".join(text.replace("&", "").split())
         assert [line for line in lines if line not in plain] == []
         fixes = re.findall(r"^fix +(\S+) (\S+) (\S+)", text, re.M)
-        forces = [name for name, _, style in fixes if style in ("wall/gran/hysteretic", "gran/load", "gran/holder")]
+        forces = [
+            name
+            for name, _, style in fixes
+            if style in ("wall/gran/hysteretic", "gran/load", "gran/holder")
+        ]
         assert "holder" not in forces or forces[-1] == "holder"
         assert ("probes.txt" in text) == ("output" in sections)
 
@@ -250,11 +291,14 @@ class TestScript:
         assert write_deck(case, tmp_path).script.read_text().startswith("# caf? ??? ?\n# Impact")
 
     def test_frame_formula_steps_through_the_list(self, tmp_path: Path) -> None:
-        text = script(tmp_path, run={"timestep": 1e-7, "frames": [1e-5 * n * n for n in range(1, 10)]})
+        text = script(
+            tmp_path, run={"timestep": 1e-7, "frames": [1e-5 * n * n for n in range(1, 10)]}
+        )
         formula = re.search(r'variable +frame equal &\n +"(.*?)"', text, re.S)
         assert formula
         code = formula[1].replace("&", "").replace("\n", "").replace(" ", "")
-        step, found = 0, []
+        step = 0
+        found = []
         while step < 10000:
             step = eval(code, {"step": step})
             found.append(step)
@@ -280,23 +324,29 @@ class TestMovingBottom:
     """Arguments of the fix of the bottom."""
 
     def test_half_space_under_the_footprint(self, tmp_path: Path) -> None:
-        """Lysmer's analogue: 4 G r/(1 - nu) and 3.4 r^2 sqrt(rho G)/(1 - nu), with a disc of the area of a layer."""
+        """Lysmer's analogue: 4 G r/(1 - nu) and 3.4 r^2 sqrt(rho G)/(1 - nu), with a disc of the
+        area of a layer.
+        """
         text = script(tmp_path, boundary={"bottom": {"half_space": {}, "material": STEEL}})
         words = re.search(r"support (\S+) (\S+) (\S+)$", text, re.M)
         assert words is not None
-        shear, radius = 210e9 / 2.6, np.sqrt(36 * 1e-4 * np.sqrt(3) / 2 / np.pi)
+        shear = 210e9 / 2.6
+        radius = np.sqrt(36 * 1e-4 * np.sqrt(3) / 2 / np.pi)
         expected = [0.0, 4 * shear * radius / 0.7, 3.4 * radius**2 * np.sqrt(7850 * shear) / 0.7]
         assert [float(word) for word in words.groups()] == pytest.approx(expected, rel=1e-12)
 
     @pytest.mark.parametrize(
-        ("end", "word"), [("free", "free"), ("fixed", "fixed"), ("infinite", 1e-3 * np.sqrt(210e9 * 7850))]
+        ("end", "word"),
+        [("free", "free"), ("fixed", "fixed"), ("infinite", 1e-3 * np.sqrt(210e9 * 7850))],
     )
     def test_bar(self, tmp_path: Path, end: str, word: Any) -> None:
         bar = {"length": 2.0, "area": 1e-3, "elements": 50, "end": end}
         text = script(tmp_path, boundary={"bottom": {"bar": bar, "material": STEEL}})
         words = re.search(r"support bar (\S+) (\S+) (\S+) (\S+)$", text, re.M)
         assert words is not None
-        assert [float(one) for one in words.groups()[:3]] == pytest.approx([50, 7850 * 2e-3, 210e9 * 1e-3 / 0.04])
+        assert [float(one) for one in words.groups()[:3]] == pytest.approx(
+            [50, 7850 * 2e-3, 210e9 * 1e-3 / 0.04]
+        )
         assert words[4] == word if end != "infinite" else float(words[4]) == pytest.approx(word)
 
     def test_light_plates_and_short_elements_need_short_steps(self) -> None:
@@ -306,8 +356,13 @@ class TestMovingBottom:
         usual = step("wall")
         assert step({"plate": {"mass": 0.1, "stiffness": 1e7}}) == pytest.approx(usual, rel=0.1)
         assert step({"plate": {"mass": 1e-5, "stiffness": 1e7}}) < 0.3 * usual
-        assert step({"bar": {"length": 0.01, "area": 1e-3, "elements": 100}, "material": STEEL}) < 0.5 * usual
+        assert (
+            step({"bar": {"length": 0.01, "area": 1e-3, "elements": 100}, "material": STEEL})
+            < 0.5 * usual
+        )
 
     def test_other_materials_than_the_plane_s_are_refused_in_the_last_layer(self) -> None:
-        with pytest.raises(InputError, match=r"boundary.bottom: found a plate under spheres of brass and steel"):
+        with pytest.raises(
+            InputError, match=r"boundary.bottom: found a plate under spheres of brass and steel"
+        ):
             make(replace=[{"index": 144, "material": "steel"}], boundary={"bottom": PLATE})

@@ -1,4 +1,6 @@
-"""Command line and files of the user: they are kept and named in messages; unusual names, one process at a time."""
+"""Command line and files of the user: they are kept and named in messages; unusual names, one
+process at a time.
+"""
 
 from __future__ import annotations
 
@@ -19,7 +21,11 @@ QUICK = [*TINY, "--no-figures"]
 
 
 def files(directory: Path) -> dict[str, bytes]:
-    return {str(p.relative_to(directory)): p.read_bytes() for p in sorted(directory.rglob("*")) if p.is_file()}
+    return {
+        str(p.relative_to(directory)): p.read_bytes()
+        for p in sorted(directory.rglob("*"))
+        if p.is_file()
+    }
 
 
 @pytest.fixture(autouse=True)
@@ -44,7 +50,8 @@ def says(capsys):
 
 def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
     mine = [
-        Path("r", *parts) for parts in (("figures", "mine.png"), ("dumps", "mine.txt"), ("points", "x"), ("notes",))
+        Path("r", *parts)
+        for parts in (("figures", "mine.png"), ("dumps", "mine.txt"), ("points", "x"), ("notes",))
     ]
     for path in mine:
         path.parent.mkdir(parents=True, exist_ok=True)
@@ -56,7 +63,9 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
     assert [path.read_text() for path in mine] == ["mine"] * 4
     assert [path.name for path in (tmp_path / "r" / "figures").iterdir()] == ["mine.png"]
     says(0, "write", *TINY, "-o", "r", "--force")
-    assert [path.read_text() for path in mine] == ["mine"] * 4 and not Path("r", "summary.json").exists()
+    assert [path.read_text() for path in mine] == ["mine"] * 4 and not Path(
+        "r", "summary.json"
+    ).exists()
 
 
 @pytest.mark.parametrize("words", [[], ["--force"]])
@@ -77,7 +86,9 @@ def test_files_by_our_names_are_refused(says, tmp_path, name, command, words):
     path.write_text("mine")
     before = files(tmp_path)
     message = says(2, *command, "-o", "r", *words)
-    assert f"{name} would be overwritten, and granwave did not write it" in message and "-o" in message
+    assert (
+        f"{name} would be overwritten, and granwave did not write it" in message and "-o" in message
+    )
     assert len(message.splitlines()) == 1 and files(tmp_path) == before
 
 
@@ -116,7 +127,13 @@ def test_dumps_that_were_moved_to_another_disk_are_read(says, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("output", "mine"), [("law.png", "law.csv"), ("law.png", "law.pdf"), ("law.png", "law.png"), ("law.csv", "law.csv")]
+    ("output", "mine"),
+    [
+        ("law.png", "law.csv"),
+        ("law.png", "law.pdf"),
+        ("law.png", "law.png"),
+        ("law.csv", "law.csv"),
+    ],
 )
 def test_a_plot_of_a_law_overwrites_nothing_of_others(says, tmp_path, output, mine):
     Path(mine).write_text("overlap_m,force_N\n")
@@ -125,7 +142,9 @@ def test_a_plot_of_a_law_overwrites_nothing_of_others(says, tmp_path, output, mi
     Path(mine).unlink()
     for _ in range(2):  # its own is replaced, another table not
         says(0, "law", "-o", output)
-    assert output.endswith("png") or "law.csv: is there" in says(2, "law", "--restitution", "-o", output)
+    assert output.endswith("png") or "law.csv: is there" in says(
+        2, "law", "--restitution", "-o", output
+    )
 
 
 @pytest.mark.parametrize("suffix", [".html", ".md", ".pdf"])
@@ -146,7 +165,10 @@ def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
     Path("mine_files").mkdir()
     Path("mine_files", next(iter(pictures))).write_text("mine")
     assert "is no picture of mine.md" in says(2, "report", "r", "-o", "mine.md")
-    assert files(tmp_path / "mine_files") == {next(iter(pictures)): b"mine"} and not Path("mine.md").exists()
+    assert (
+        files(tmp_path / "mine_files") == {next(iter(pictures)): b"mine"}
+        and not Path("mine.md").exists()
+    )
     Path("ours_files", "mine.png").write_text("mine")
     Path("r", "figures", "energies.png").unlink()
     says(0, "report", "r", "-o", "ours.md")
@@ -160,8 +182,13 @@ def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
 def test_one_process_at_a_time(says, tmp_path):
     Path("mine").write_text("mine")
     Path("linked").mkdir()
-    Path("linked", ".granwave-lock").symlink_to(tmp_path / "mine")  # a lock is not taken through a link
-    assert "cannot be written to" in says(2, "run", *QUICK, "-o", "linked") and Path("mine").read_text() == "mine"
+    Path("linked", ".granwave-lock").symlink_to(
+        tmp_path / "mine"
+    )  # a lock is not taken through a link
+    assert (
+        "cannot be written to" in says(2, "run", *QUICK, "-o", "linked")
+        and Path("mine").read_text() == "mine"
+    )
     says(0, "run", *QUICK, "-o", "r")
     says(0, "law", "-o", "law.csv")
     before = files(tmp_path / "r")
@@ -173,7 +200,9 @@ def test_one_process_at_a_time(says, tmp_path):
             ["export", "r", "--to", "csv", "-o", "r"],
         ):
             message = says(2, *command)
-            assert "another run or scan is at work there" in message and len(message.splitlines()) == 1
+            assert (
+                "another run or scan is at work there" in message and len(message.splitlines()) == 1
+            )
         assert files(tmp_path / "r").keys() - before.keys() == {".granwave-lock"}
     assert files(tmp_path / "r") == before
 
@@ -182,7 +211,9 @@ def test_a_disk_that_can_only_be_read(says, tmp_path):
     says(0, "run", *QUICK, "-o", "r")
     disk = tmp_path / "disk"
     disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=9m", "tmpfs", disk], capture_output=True).returncode:
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=9m", "tmpfs", disk], capture_output=True
+    ).returncode:
         pytest.skip("no disk can be mounted here")
     try:
         shutil.copytree("r", disk / "r")
@@ -197,7 +228,11 @@ def test_a_disk_that_can_only_be_read(says, tmp_path):
             ["law", "-o", "disk/law.png"],
         ):
             message = says(2, *command)
-            assert "cannot be written to" in message and "disk" in message and len(message.splitlines()) == 1
+            assert (
+                "cannot be written to" in message
+                and "disk" in message
+                and len(message.splitlines()) == 1
+            )
         says(0, "report", "disk/r", "-o", "r.html")
         says(0, "export", "disk/r", "--to", "csv", "-o", "out")
     finally:
@@ -207,5 +242,7 @@ def test_a_disk_that_can_only_be_read(says, tmp_path):
 def test_a_full_standard_output_is_told():
     with open("/dev/full", "w") as full:
         command = [sys.executable, "-m", "granwave.workflows", "show", "two-spheres"]
-        done = subprocess.run(command, stdout=full, stderr=subprocess.PIPE, text=True, env=PLAIN, timeout=60)
+        done = subprocess.run(
+            command, stdout=full, stderr=subprocess.PIPE, text=True, env=PLAIN, timeout=60
+        )
     assert (done.returncode, done.stderr) == (1, f"granwave: standard output: {os.strerror(28)}\n")

@@ -17,7 +17,14 @@ import pytest
 from granwave.lammps_inputs import files
 from granwave.lammps_inputs.case import added_grains, case, packing
 from granwave.lammps_inputs.case.case import case_keys
-from granwave.lammps_inputs.case.hints import _KEY_OF_WORD, _NOTES, _WITHIN, POSSIBLE, impossible, unusual
+from granwave.lammps_inputs.case.hints import (
+    _KEY_OF_WORD,
+    _NOTES,
+    _WITHIN,
+    POSSIBLE,
+    impossible,
+    unusual,
+)
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
@@ -34,11 +41,16 @@ _SPARE = 4_000_000_000  # bytes of address space in addition to those in use
 
 @pytest.fixture(autouse=True)
 def little_memory(monkeypatch: pytest.MonkeyPatch) -> Iterator[None]:
-    """Limit the memory of the process, on a machine of 8 GB, so that no large object can be created before the error."""
+    """Limit the memory of the process, on a machine of 8 GB, so that no large object can be created
+    before the error.
+    """
     for module in (added_grains, packing, files):
         monkeypatch.setattr(module, "available_memory", lambda: 8e9)
     before = resource.getrlimit(resource.RLIMIT_AS)
-    taken = int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0]) * resource.getpagesize()
+    taken = (
+        int(Path("/proc/self/statm").read_text(encoding="ascii").split()[0])
+        * resource.getpagesize()
+    )
     resource.setrlimit(resource.RLIMIT_AS, (taken + _SPARE, before[1]))
     yield
     resource.setrlimit(resource.RLIMIT_AS, before)
@@ -60,7 +72,9 @@ MANY = "packing.size: found [1200, 1200, 1200]: 1728000000 spheres need more tha
             "packing.diameter_scatter=1e-6", "packing.vacancies=0.1", 'replace=[{share=0.1,material="steel"}]')),
     ],
 )  # fmt: skip
-def test_large_counts(case: str, overrides: list[str], expected: str, capsys: pytest.CaptureFixture[str]) -> None:
+def test_large_counts(
+    case: str, overrides: list[str], expected: str, capsys: pytest.CaptureFixture[str]
+) -> None:
     begin = time.process_time()
     assert main(["check", case, *(word for one in overrides for word in ("--set", one))]) == 2
     assert time.process_time() - begin < 5 and expected in capsys.readouterr().err
@@ -94,10 +108,16 @@ def test_large_scans(text: str, expected: str, tmp_path: Path) -> None:
         ({"run.frames": 20}, 20, 0),
         ({"run.frames": 301, "run.timestep": 1e-3 / 34500}, 301, 115),
         ({"run.frames": 34501, "run.timestep": 1e-3 / 34500}, 34501, 1),
-        ({"run.frames": 20, "run.end_time": 1e-9, "run.timestep": 1e-10}, 11, 1),  # the default, in a run of few steps
+        (
+            {"run.frames": 20, "run.end_time": 1e-9, "run.timestep": 1e-10},
+            11,
+            1,
+        ),  # the default, in a run of few steps
     ],
 )
-def test_as_many_snapshots_as_are_asked_for(changes: dict[str, Any], frames: int, every: int) -> None:
+def test_as_many_snapshots_as_are_asked_for(
+    changes: dict[str, Any], frames: int, every: int
+) -> None:
     schedule = make_schedule(load_case("fcc-small", changes))
     assert (schedule.n_frames, schedule.frame_every) == (frames, every)
 
@@ -111,7 +131,9 @@ def test_times_that_cannot_be_meant_are_noted(caplog: pytest.LogCaptureFixture) 
     ]
 
 
-def _notes(caplog: pytest.LogCaptureFixture, overrides: dict[str, Any], case: str = "fcc-small") -> list[str]:
+def _notes(
+    caplog: pytest.LogCaptureFixture, overrides: dict[str, Any], case: str = "fcc-small"
+) -> list[str]:
     with contextlib.suppress(InputError):  # other errors may follow
         load_case(case, overrides)
     return [record.getMessage() for record in caplog.records if record.levelno == logging.WARNING]
@@ -150,7 +172,9 @@ def test_unusual_values_name_the_unit_that_was_meant(
 
 
 def test_continuum_cases_are_looked_at_too(caplog: pytest.LogCaptureFixture) -> None:
-    ContinuumCase.from_dict({"name": "b", "material": "brass", "block": {"diameter": 100, "height": 100}})
+    ContinuumCase.from_dict(
+        {"name": "b", "material": "brass", "block": {"diameter": 100, "height": 100}}
+    )
     SphereContactCase.from_dict({"name": "s", "material": "brass", "sphere": {"radius": 5}})
     assert [record.getMessage().partition(", ")[0] for record in caplog.records] == [
         "b: block.diameter: found 100 m",
@@ -190,7 +214,10 @@ def test_absurd_values_are_refused(key: str) -> None:
     for value in [*ABSURD[key], "nan", "inf", "-inf"]:
         with pytest.raises(InputError) as caught:
             load_case("fcc-small", [f"{key}={value}"])
-        assert caught.value.errors[0].startswith(f"--set: {key}: found ") and "expected" in caught.value.errors[0]
+        assert (
+            caught.value.errors[0].startswith(f"--set: {key}: found ")
+            and "expected" in caught.value.errors[0]
+        )
 
 
 def test_zero_is_no_magnitude() -> None:
@@ -212,10 +239,14 @@ def test_synonyms_lead_to_keys_that_there_are() -> None:
 
 def test_a_table_of_a_file_is_not_blamed_on_the_command_line(tmp_path: Path) -> None:
     path = tmp_path / "my.toml"
-    path.write_text('material = "brass"\n[packing]\nkind = "fcc"\nsize = [3, 3, 2]\ndiameter = 0.01\nradius = 1\n')
+    path.write_text(
+        'material = "brass"\n[packing]\nkind = "fcc"\nsize = [3, 3, 2]\ndiameter = 0.01\nradius = 1\n'
+    )
     with pytest.raises(InputError) as caught:
         load_case(path, ["packing.seed=3"])
-    assert caught.value.errors == [f"{path}: packing.radius: unknown key; did you mean packing.diameter?"]
+    assert caught.value.errors == [
+        f"{path}: packing.radius: unknown key; did you mean packing.diameter?"
+    ]
 
 
 def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
@@ -224,8 +255,12 @@ def test_hints_of_continuum_cases_and_scans(tmp_path: Path) -> None:
     with pytest.raises(InputError, match=r"punch.diametre: unknown key; did you mean diameter\?"):
         ContinuumCase.from_dict({"material": "brass", "punch": {"diametre": 3}})
     path = tmp_path / "scan.toml"
-    path.write_text('case = "fcc-small"\nvelocity = 3\n[grid]\nload.velocity = [1]\n', encoding="utf-8")
-    with pytest.raises(InputError, match=r"velocity: unknown key; did you mean set.load.velocity\?"):
+    path.write_text(
+        'case = "fcc-small"\nvelocity = 3\n[grid]\nload.velocity = [1]\n', encoding="utf-8"
+    )
+    with pytest.raises(
+        InputError, match=r"velocity: unknown key; did you mean set.load.velocity\?"
+    ):
         load_scan(path)
 
 
@@ -234,7 +269,9 @@ def test_files_with_similar_names_are_named_before_studies(tmp_path: Path) -> No
     (tmp_path / "Impact.toml").write_text("")
     (tmp_path / "f.toml").write_text("")
     for name in ("Impact", "impac", "Imapct.toml"):
-        with pytest.raises(InputError, match=rf"did you mean {re.escape(str(tmp_path / 'Impact.toml'))}\?"):
+        with pytest.raises(
+            InputError, match=rf"did you mean {re.escape(str(tmp_path / 'Impact.toml'))}\?"
+        ):
             library.find(str(tmp_path / name), library.CASES)
     with pytest.raises(InputError, match="granwave cases lists the built-in ones"):
         library.find(str(tmp_path / "s24.toml"), library.CASES)

@@ -18,7 +18,12 @@ from granwave.analysis.figures.style import write_csv
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import load_materials, material, presets
-from granwave.lammps_inputs.contact.law import contact_of, flat_contact, pair_contact, sphere_contact
+from granwave.lammps_inputs.contact.law import (
+    contact_of,
+    flat_contact,
+    pair_contact,
+    sphere_contact,
+)
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
@@ -37,14 +42,22 @@ PACKING = '[packing]\nkind = "chain"\nsize = 5\ndiameter = 0.01\n'
         ("brass", (115e9, 0.30, 8500, 550e6)),
         ("steel", (210e9, 0.30, 7850, 700e6)),
         ("aluminium", (67e9, 0.30, 2700, 150e6)),
-        ("stainless-steel", (209e9, 0.28, 7925, None)),  # densities in kg/m^3, printed in their source as g/m^3
+        (
+            "stainless-steel",
+            (209e9, 0.28, 7925, None),
+        ),  # densities in kg/m^3, printed in their source as g/m^3
         ("brass-composite", (103e9, 0.34, 8398, None)),
         ("ptfe", (1.46e9, 0.46, 1870, None)),
     ],
 )
 def test_presets_are_those_of_their_sources(name: str, values: tuple[float | None, ...]) -> None:
     found = material(name)
-    assert (found.youngs_modulus, found.poisson_ratio, found.density, found.yield_strength) == values
+    assert (
+        found.youngs_modulus,
+        found.poisson_ratio,
+        found.density,
+        found.yield_strength,
+    ) == values
 
 
 def test_every_preset_names_its_source() -> None:
@@ -61,17 +74,30 @@ def write(path: Path, text: str) -> Path:
 
 def test_preset_from_the_users_file_relative_to_the_case(tmp_path: Path) -> None:
     write(
-        tmp_path / "mine.toml", "[glass]\nyoungs_modulus = 70e9\npoisson_ratio = 0.22\ndensity = 2500\nsource = 'us'\n"
+        tmp_path / "mine.toml",
+        "[glass]\nyoungs_modulus = 70e9\npoisson_ratio = 0.22\ndensity = 2500\nsource = 'us'\n",
     )
     own = '[material]\npreset = "glass"\nfile = "mine.toml"\n{}[contact]\nlaw = "hertz"\n'
     plain, lighter = (load_case(write(tmp_path / "c.toml", PACKING + own.format(more))).material
                       for more in ("", "density = 2600\n"))  # fmt: skip
-    assert (plain.name, plain.youngs_modulus, plain.density, plain.source) == ("glass", 70e9, 2500, "us")
-    assert (lighter.youngs_modulus, lighter.density, lighter.source) == (70e9, 2600, None)  # changed values lose it
+    assert (plain.name, plain.youngs_modulus, plain.density, plain.source) == (
+        "glass",
+        70e9,
+        2500,
+        "us",
+    )
+    assert (lighter.youngs_modulus, lighter.density, lighter.source) == (
+        70e9,
+        2600,
+        None,
+    )  # changed values lose it
 
 
 def test_a_file_of_materials_reports_every_fault(tmp_path: Path) -> None:
-    path = write(tmp_path / "m.toml", "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n")
+    path = write(
+        tmp_path / "m.toml",
+        "a = 3\n[b]\nyoungs_modulus = -1\npoisson_ratio = 0.6\ndensity = true\n",
+    )
     with pytest.raises(InputError) as caught:
         load_materials(path)
     assert len(caught.value.errors) == 4
@@ -82,7 +108,9 @@ def test_yield_factor() -> None:
     assert hertz_von_mises_yield_factor(0.3) == pytest.approx(1.6128, abs=5e-5)
     # R. L. Jackson, I. Green, J. Tribol. 127 (2005) 343: C = 1.295 exp(0.736 nu)
     for ratio in (0.0, 0.1, 0.2, 0.3, 0.4, 0.49):
-        assert hertz_von_mises_yield_factor(ratio) == pytest.approx(1.295 * math.exp(0.736 * ratio), rel=6e-3)
+        assert hertz_von_mises_yield_factor(ratio) == pytest.approx(
+            1.295 * math.exp(0.736 * ratio), rel=6e-3
+        )
 
 
 R = 0.005
@@ -115,7 +143,15 @@ THREE_LAWS: dict[str, Any] = {
 
 def test_a_deck_without_friction_has_no_trace_of_it(tmp_path: Path) -> None:
     text = script(make("fcc", [5, 5, 3], boundary={"sides": "wall"}), tmp_path)
-    for word in (" friction ", "nve/sphere", "vel yes", "omega", "rotational", "elastic_tangential", "c_contact[6]"):
+    for word in (
+        " friction ",
+        "nve/sphere",
+        "vel yes",
+        "omega",
+        "rotational",
+        "elastic_tangential",
+        "c_contact[6]",
+    ):
         assert word not in text
 
 
@@ -185,18 +221,25 @@ def test_a_spinning_striker(tmp_path: Path) -> None:
 
 
 def test_every_law_asked_for_is_that_of_the_pair(tmp_path: Path) -> None:
-    """In the compiled laws, and in a run: peak force and dent of the contact are on the pair's loading curve."""
+    """In the compiled laws, and in a run: peak force and dent of the contact are on the pair's
+    loading curve.
+    """
     import h5py
 
     case = make(**THREE_LAWS, run={"end_time": 5e-5})
-    law, brass = pair_contact(case, 1, 2), material("brass")
+    law = pair_contact(case, 1, 2)
+    brass = material("brass")
     assert law.constants == pytest.approx(contact_of([brass], [R], constants=OTHER).constants)
     assert pair_contact(case, 2, 2).name == "hertz"
-    assert flat_contact(case, 1).name == "bilinear" and flat_contact(case, 2).name == "elastoplastic"
+    assert (
+        flat_contact(case, 1).name == "bilinear" and flat_contact(case, 2).name == "elastoplastic"
+    )
     assert sphere_contact(case).constants != law.constants
     assert run_case(case, tmp_path / "r", figures=False).summary["energy_balance_error"] < TOLERANCE
     with h5py.File(tmp_path / "r" / "result.h5") as file:
-        peak, force, alone = (file[f"contacts/{name}"][0] for name in ("peak_overlap", "peak_force", "yield_overlap"))
+        peak, force, alone = (
+            file[f"contacts/{name}"][0] for name in ("peak_overlap", "peak_force", "yield_overlap")
+        )
     assert alone == pytest.approx(law.yield_overlap) and peak > 5 * alone
     assert force == pytest.approx(float(law.loading_force(np.array([peak]))[0]), rel=1e-6)
 
@@ -213,7 +256,10 @@ def test_a_fitted_curve_becomes_a_pair(tmp_path: Path, capsys: pytest.CaptureFix
     """Law of a pair from a computed curve: constants by `granwave fit`, and the table in a case."""
     materials = [material("steel"), material("brass")]
     law = contact_of(materials, [R, R], constants=OTHER)
-    cycles = [np.linspace(0, 60, 80), *(np.linspace(*ends, 60)[1:] for ends in ((60, 30), (30, 150), (150, 120)))]
+    cycles = [
+        np.linspace(0, 60, 80),
+        *(np.linspace(*ends, 60)[1:] for ends in ((60, 30), (30, 150), (150, 120))),
+    ]
     cycles += [np.linspace(*ends, 80)[1:] for ends in ((120, 300), (300, 270))]
     overlap = np.concatenate(cycles) * law.yield_overlap
     force = law.force(overlap, np.maximum.accumulate(overlap))
@@ -251,20 +297,28 @@ FUNCTIONS: dict[str, tuple[Callable[[float], float], float, float]] = {
 def test_same_zero_as_scipy(name: str, xtol: float) -> None:
     function, low, high = FUNCTIONS[name]
     found = brentq(function, low, high, xtol=xtol)
-    assert found == pytest.approx(scipy_brentq(function, low, high, xtol=xtol), rel=1e-14, abs=1e-3 * xtol)
+    assert found == pytest.approx(
+        scipy_brentq(function, low, high, xtol=xtol), rel=1e-14, abs=1e-3 * xtol
+    )
     assert brentq(function, high, low, xtol=xtol) == pytest.approx(found, rel=1e-12, abs=xtol)
 
 
 def test_same_places_as_scipy() -> None:
-    """So many cubic functions that each branch is taken; the places at which they are evaluated are the same."""
+    """So many cubic functions that each branch is taken; the places at which they are evaluated are
+    the same.
+    """
     rng = np.random.default_rng(3)
     for _ in range(200):
         a, b, c = rng.normal(size=3) * 10.0 ** rng.integers(-3, 3, 3)
-        bound, seen, zeros = 2 + abs(a) + abs(b) + abs(c), [], []
+        bound = 2 + abs(a) + abs(b) + abs(c)
+        seen = []
+        zeros = []
         for solver in (brentq, scipy_brentq):
             seen.append([])
 
-            def cubic(x: float, seen: list[float] = seen[-1], a: float = a, b: float = b, c: float = c) -> float:
+            def cubic(
+                x: float, seen: list[float] = seen[-1], a: float = a, b: float = b, c: float = c
+            ) -> float:
                 seen.append(x)
                 return x**3 + a * x**2 + b * x + c
 

@@ -31,14 +31,17 @@ SMALL = (
     "[run]\nend_time = 1e-5\nframes = 2\n"
 )
 CHAIN = 'name = "c"\nmaterial = "brass"\n[packing]\nkind = "chain"\nsize = 4\ndiameter = 0.01\n'
-BLOCK = 'name = "block"\nmaterial = {preset = "mine", file = "mine.toml"}\n[block]\ndiameter = 0.1\n'
+BLOCK = (
+    'name = "block"\nmaterial = {preset = "mine", file = "mine.toml"}\n[block]\ndiameter = 0.1\n'
+)
 SPHERE = 'name = "s"\nmaterial = "brass"\n[sphere]\nradius = 0.005\n'
 
 
 @pytest.fixture
 def places(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> tuple[Path, Path]:
     """Folder of a case file and working directory; each has a mine.toml, with different moduli."""
-    folder, here = tmp_path / "folder", tmp_path / "here"
+    folder = tmp_path / "folder"
+    here = tmp_path / "here"
     for place, modulus in ((folder, "2e11"), (here, "1e11")):
         place.mkdir()
         (place / "mine.toml").write_text(MINE.format(modulus=modulus), encoding="utf-8")
@@ -70,7 +73,9 @@ def test_a_material_of_a_file_wherever_one_may_stand(
     folder, _ = places
     text = CHAIN + lines.format('{preset = "mine", file = "mine.toml"}')
     if not lines:
-        text = text.replace('material = "brass"', 'material = {preset = "mine", file = "mine.toml"}')
+        text = text.replace(
+            'material = "brass"', 'material = {preset = "mine", file = "mine.toml"}'
+        )
     (folder / "my.toml").write_text(text, encoding="utf-8")
     assert found(load_case(folder / "my.toml")).youngs_modulus == 2e11
     (folder / "my.toml").write_text(CHAIN + lines.format('"brass"'), encoding="utf-8")
@@ -90,30 +95,50 @@ def test_a_material_of_a_file_in_continuum_cases(places: tuple[Path, Path]) -> N
         SPHERE + '[partner]\nmaterial = {preset = "mine", file = "mine.toml"}\n', encoding="utf-8"
     )
     assert ContinuumCase.load(folder / "block.toml").material.youngs_modulus == 2e11
-    assert ContinuumCase.load(folder / "block.toml", ["material.file=mine.toml"]).material.youngs_modulus == 1e11
+    assert (
+        ContinuumCase.load(
+            folder / "block.toml", ["material.file=mine.toml"]
+        ).material.youngs_modulus
+        == 1e11
+    )
     assert SphereContactCase.load(folder / "sphere.toml").materials[1].youngs_modulus == 2e11
-    changed = SphereContactCase.load(folder / "sphere.toml", {"partner.material": MATERIAL, "material": MATERIAL})
+    changed = SphereContactCase.load(
+        folder / "sphere.toml", {"partner.material": MATERIAL, "material": MATERIAL}
+    )
     assert [material.youngs_modulus for material in changed.materials] == [1e11, 1e11]
-    with pytest.raises(InputError, match=r"^--set: partner.material.file: .*here/none.toml: no such file"):
+    with pytest.raises(
+        InputError, match=r"^--set: partner.material.file: .*here/none.toml: no such file"
+    ):
         SphereContactCase.load(folder / "sphere.toml", {"partner.material.file": "none.toml"})
 
 
 def test_points_of_a_load(places: tuple[Path, Path]) -> None:
     folder, _ = places
-    (folder / "my.toml").write_text(CHAIN + '[load]\nkind = "force"\nfile = "pulse.txt"\n', encoding="utf-8")
+    (folder / "my.toml").write_text(
+        CHAIN + '[load]\nkind = "force"\nfile = "pulse.txt"\n', encoding="utf-8"
+    )
     case = load_case(folder / "my.toml")
     assert case.load.shape == "table" and case.load.table == ((0, 0), (1e-5, 2e11), (2e-5, 0))
-    for overrides in (["load.file=pulse.txt"], ['load={kind="force",shape="table",file="pulse.txt"}']):
+    for overrides in (
+        ["load.file=pulse.txt"],
+        ['load={kind="force",shape="table",file="pulse.txt"}'],
+    ):
         assert load_case(folder / "my.toml", overrides).load.largest == 1e11
 
 
 def test_dents_of_an_earlier_run(places: tuple[Path, Path]) -> None:
     folder, here = places
-    (folder / "my.toml").write_text(SMALL + '[contact]\ninitial_overlap = "first"\n', encoding="utf-8")
+    (folder / "my.toml").write_text(
+        SMALL + '[contact]\ninitial_overlap = "first"\n', encoding="utf-8"
+    )
     assert load_case(folder / "my.toml").contact.initial_overlap == str(folder / "first")
     for overrides in (["contact.initial_overlap=first"], {"contact.initial_overlap": "first"}):
-        assert load_case(folder / "my.toml", overrides).contact.initial_overlap == str(here / "first")
-    tables = load_case(folder / "my.toml").to_dict() | {"contact": {"initial_overlap": "sub/../first"}}
+        assert load_case(folder / "my.toml", overrides).contact.initial_overlap == str(
+            here / "first"
+        )
+    tables = load_case(folder / "my.toml").to_dict() | {
+        "contact": {"initial_overlap": "sub/../first"}
+    }
     assert case_from_dict(tables).contact.initial_overlap == str(here / "first")
     assert case_from_dict(load_case(folder / "my.toml").to_dict()) == load_case(folder / "my.toml")
 
@@ -156,7 +181,9 @@ MINE_THERE = '{preset = "mine", file = "mine.toml"}'
         '[[points]]\n"material.file" = "mine.toml"\n"material.preset" = "mine"\n',
     ],
 )
-def test_files_of_a_scan_are_beside_it(places: tuple[Path, Path], tables: str, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_files_of_a_scan_are_beside_it(
+    places: tuple[Path, Path], tables: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
     folder, _ = places
     path = _scan(folder, tables)
     (point,) = load_scan(path).points
@@ -175,8 +202,14 @@ def test_files_set_from_outside_a_scan_are_here(places: tuple[Path, Path]) -> No
 def test_labels_of_paths_are_as_seen_from_the_scan(places: tuple[Path, Path]) -> None:
     folder, _ = places
     (folder / "other.toml").write_text(MINE.format(modulus="3e11"), encoding="utf-8")
-    path = _scan(folder, '[set]\nmaterial.preset = "mine"\n[grid]\nmaterial.file = ["mine.toml", "other.toml"]\n')
-    assert [point.labels["material.file"] for point in load_scan(path).points] == ["mine.toml", "other.toml"]
+    path = _scan(
+        folder,
+        '[set]\nmaterial.preset = "mine"\n[grid]\nmaterial.file = ["mine.toml", "other.toml"]\n',
+    )
+    assert [point.labels["material.file"] for point in load_scan(path).points] == [
+        "mine.toml",
+        "other.toml",
+    ]
     path = _scan(folder, f"[grid]\nmaterial = [{MINE_THERE}]\n")
     assert load_scan(path).points[0].labels["material"] == "mine file=mine.toml"
 
@@ -184,20 +217,27 @@ def test_labels_of_paths_are_as_seen_from_the_scan(places: tuple[Path, Path]) ->
 def test_the_case_of_a_scan_is_not_looked_for_here(places: tuple[Path, Path]) -> None:
     folder, here = places
     (here / "only-here.toml").write_text(SMALL, encoding="utf-8")
-    with pytest.raises(InputError, match=r"scan.toml: case: only-here.toml: neither a file nor a built-in case"):
+    with pytest.raises(
+        InputError, match=r"scan.toml: case: only-here.toml: neither a file nor a built-in case"
+    ):
         load_scan(_scan(folder, "[grid]\nload.velocity = [1]\n", case="only-here.toml"))
 
 
 def test_scans_and_cases_of_a_suite(places: tuple[Path, Path]) -> None:
     folder, here = places
     _scan(folder, "[grid]\nload.velocity = [1]\n")
-    (folder / "suite.toml").write_text('scans = ["scan.toml"]\ncases = ["my.toml"]\n', encoding="utf-8")
+    (folder / "suite.toml").write_text(
+        'scans = ["scan.toml"]\ncases = ["my.toml"]\n', encoding="utf-8"
+    )
     assert [scan.name for scan in load_suite(folder / "suite.toml").scans] == ["scan", "my"]
     for name in ("scan.toml", "my.toml"):
         (folder / name).rename(here / name)
     with pytest.raises(InputError) as caught:
         load_suite(folder / "suite.toml")
-    assert [fault.removeprefix(f"{folder / 'suite.toml'}: ").partition("; ")[0] for fault in caught.value.errors] == [
+    assert [
+        fault.removeprefix(f"{folder / 'suite.toml'}: ").partition("; ")[0]
+        for fault in caught.value.errors
+    ] == [
         "scans: scan.toml: neither a file nor a built-in scan",
         "cases: my.toml: neither a file nor a built-in case",
     ]
@@ -211,7 +251,9 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Directory of a small run."""
     folder = tmp_path_factory.mktemp("runs")
     (folder / "small.toml").write_text(SMALL, encoding="utf-8")
-    assert main(["run", str(folder / "small.toml"), "-o", str(folder / "first"), "--no-figures"]) == 0
+    assert (
+        main(["run", str(folder / "small.toml"), "-o", str(folder / "first"), "--no-figures"]) == 0
+    )
     return folder / "first"
 
 
@@ -236,7 +278,11 @@ DAMAGES: dict[str, tuple[str, Any, str]] = {
 def test_all_words_refuse_dents_that_cannot_be_had(
     first: Path, tmp_path: Path, kind: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    result, content, (name, value, expected) = tmp_path / "result.h5", (first / "result.h5").read_bytes(), DAMAGES[kind]
+    result, content, (name, value, expected) = (
+        tmp_path / "result.h5",
+        (first / "result.h5").read_bytes(),
+        DAMAGES[kind],
+    )
     if kind != "missing":
         result.write_bytes(content[: len(content) // 2] if kind == "cut" else content)
     if name:
@@ -248,26 +294,49 @@ def test_all_words_refuse_dents_that_cannot_be_had(
             else:
                 file[name] = value
     text = SMALL.replace("[3, 3, 2]", "[3, 3, 3]") if kind == "other packing" else SMALL
-    (tmp_path / "my.toml").write_text(text + '[contact]\ninitial_overlap = "result.h5"\n', encoding="utf-8")
+    (tmp_path / "my.toml").write_text(
+        text + '[contact]\ninitial_overlap = "result.h5"\n', encoding="utf-8"
+    )
     scan = tmp_path / "scan.toml"
     scan.write_text('case = "my.toml"\n[grid]\nload.velocity = [1, 2]\n', encoding="utf-8")
-    for words in (["check", "my.toml"], ["write", "my.toml", "-o", "out"], ["scan", "scan.toml", "-o", "out"]):
-        assert main([word if word in ("-o", words[0]) else str(tmp_path / word) for word in words]) == 2, words
+    for words in (
+        ["check", "my.toml"],
+        ["write", "my.toml", "-o", "out"],
+        ["scan", "scan.toml", "-o", "out"],
+    ):
+        assert (
+            main([word if word in ("-o", words[0]) else str(tmp_path / word) for word in words])
+            == 2
+        ), words
         error = capsys.readouterr().err
-        assert error.count("\n") == 1 and f"contact.initial_overlap: {result}: " in error and expected in error, words
+        assert (
+            error.count("\n") == 1
+            and f"contact.initial_overlap: {result}: " in error
+            and expected in error
+        ), words
         assert not (tmp_path / "out").exists()
 
 
-def test_points_that_are_done_need_no_files(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_points_that_are_done_need_no_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
     (tmp_path / "my.toml").write_text(SMALL, encoding="utf-8")
     (tmp_path / "scan.toml").write_text(
-        'case = "my.toml"\n[grid]\ncontact.initial_overlap = [0, "gone", "gone-too"]\n', encoding="utf-8"
+        'case = "my.toml"\n[grid]\ncontact.initial_overlap = [0, "gone", "gone-too"]\n',
+        encoding="utf-8",
     )
-    scan, out = load_scan(tmp_path / "scan.toml"), tmp_path / "out"
+    scan = load_scan(tmp_path / "scan.toml")
+    out = tmp_path / "out"
     with pytest.raises(InputError) as caught:
         check_points(scan, out, force=False)
-    assert [fault.partition(" (")[0] for fault in caught.value.errors] == ["scan: point 2", "scan: point 3"]
-    assert "contact.initial_overlap = gone-too): small: contact.initial_overlap: " in caught.value.errors[1]
+    assert [fault.partition(" (")[0] for fault in caught.value.errors] == [
+        "scan: point 2",
+        "scan: point 3",
+    ]
+    assert (
+        "contact.initial_overlap = gone-too): small: contact.initial_overlap: "
+        in caught.value.errors[1]
+    )
     done = {point.id for point in scan.points[1:]}
     monkeypatch.setattr(layout, "is_whole", lambda _, point: point in done)
     check_points(scan, out, force=False)
@@ -279,7 +348,9 @@ def test_results_are_not_replaced_that_the_run_itself_needs(
     first: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
     (tmp_path / "my.toml").write_text(SMALL, encoding="utf-8")
-    assert main(["run", str(tmp_path / "my.toml"), "-o", str(tmp_path / "out"), "--no-figures"]) == 0
+    assert (
+        main(["run", str(tmp_path / "my.toml"), "-o", str(tmp_path / "out"), "--no-figures"]) == 0
+    )
     before = (tmp_path / "out" / "result.h5").stat().st_mtime_ns
     for word in ("run", "write"):
         for named in ("out", "out/result.h5"):
@@ -299,7 +370,9 @@ def test_case_of_a_results_directory_runs_from_anywhere(
     folder, here = places
     (folder / "first").symlink_to(first)
     text = SMALL.replace('"brass"', '{preset = "mine", file = "mine.toml"}')
-    (folder / "my.toml").write_text(text + '[contact]\ninitial_overlap = "first"\n', encoding="utf-8")
+    (folder / "my.toml").write_text(
+        text + '[contact]\ninitial_overlap = "first"\n', encoding="utf-8"
+    )
     assert main(["write", "../folder/my.toml", "-o", "deck"]) == 0
     monkeypatch.chdir("/")
     case = load_case(here / "deck" / "case.toml")

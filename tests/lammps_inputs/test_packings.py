@@ -30,7 +30,9 @@ def make_case(kind: str, size: tuple[int, ...], **sections: Any) -> Case:
 
 
 def make(kind: str, size: tuple[int, ...], periodic: bool = False) -> Packing:
-    return build_packing(make_case(kind, size, boundary={"sides": "periodic" if periodic else "free"}))
+    return build_packing(
+        make_case(kind, size, boundary={"sides": "periodic" if periodic else "free"})
+    )
 
 
 def touching_pairs(packing: Packing) -> np.ndarray:
@@ -51,7 +53,9 @@ def test_positions_of_hexagonal_packings_are_those_promised(kind: str, stacking:
         s = k % stacking
         x = D * (i + (j % 2) / 2 + s / 2)
         y = D * (j * math.sqrt(3) / 2 + s * math.sqrt(3) / 6)
-        assert positions[k, j, i] == pytest.approx((x, y, D * k * math.sqrt(2 / 3)), rel=1e-15, abs=1e-17)
+        assert positions[k, j, i] == pytest.approx(
+            (x, y, D * k * math.sqrt(2 / 3)), rel=1e-15, abs=1e-17
+        )
 
 
 def test_positions_of_the_other_kinds() -> None:
@@ -59,14 +63,22 @@ def test_positions_of_the_other_kinds() -> None:
     assert make("bcc", (2, 2, 3)).positions[[1, 2, 4, 8]] == pytest.approx(
         np.array([[a, 0, 0], [0, a, 0], [a / 2, a / 2, a / 2], [0, 0, a]]), rel=1e-15
     )
-    for kind, size, last in (("sc", (2, 2, 2), (1, 1, 1)), ("square", (3, 4), (2, 3, 0)), ("chain", (5,), (0, 0, 4))):
+    for kind, size, last in (
+        ("sc", (2, 2, 2), (1, 1, 1)),
+        ("square", (3, 4), (2, 3, 0)),
+        ("chain", (5,), (0, 0, 4)),
+    ):
         assert make(kind, size).positions[-1] / D == pytest.approx(last)
 
 
 SIZES = [
     *[(kind, size) for kind in SOLID for size in [(1, 1, 1), (2, 3, 4), (6, 5, 7), (1, 6, 2)]],
     *[("square", size) for size in [(1, 1), (2, 3), (7, 6)]],
-    *[(kind, size) for kind in ("hexagonal", "centred-square") for size in [(2, 1), (5, 6), (6, 7)]],
+    *[
+        (kind, size)
+        for kind in ("hexagonal", "centred-square")
+        for size in [(2, 1), (5, 6), (6, 7)]
+    ],
     *[("chain", (n,)) for n in (1, 2, 9)],
 ]
 
@@ -89,10 +101,14 @@ def test_contacts(kind: str, size: tuple[int, ...], periodic: bool) -> None:
     np.testing.assert_array_equal(packing.coordination, counts)
     for sphere in (1, packing.n_spheres) if not periodic else ():
         partners = expected[(expected == sphere).any(axis=1)]
-        assert packing.lattice.neighbours(sphere) == sorted(set(partners.ravel().tolist()) - {sphere})
+        assert packing.lattice.neighbours(sphere) == sorted(
+            set(partners.ravel().tolist()) - {sphere}
+        )
     if not periodic:
         bounds = packing.lattice.bounds()
-        np.testing.assert_array_equal(bounds, [packing.positions.min(axis=0), packing.positions.max(axis=0)])
+        np.testing.assert_array_equal(
+            bounds, [packing.positions.min(axis=0), packing.positions.max(axis=0)]
+        )
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -135,7 +151,9 @@ class TestStruckSpheres:
 
     def test_seven_are_the_struck_sphere_and_its_ring(self) -> None:
         lattice = Lattice("fcc", (7, 7, 2), D)
-        centre, *ring = (lattice.positions(sphere, sphere)[0] for sphere in struck_spheres(lattice, 7))
+        centre, *ring = (
+            lattice.positions(sphere, sphere)[0] for sphere in struck_spheres(lattice, 7)
+        )
         assert np.linalg.norm(np.array(ring) - centre, axis=1) == pytest.approx(np.full(6, D))
         assert not any(sphere[2] for sphere in ring)
 
@@ -143,7 +161,9 @@ class TestStruckSpheres:
         ("kind", "size", "count"),
         [("fcc", (7, 7, 1), 3), ("fcc", (2, 2, 2), 7), ("bcc", (5, 5, 5), 3), ("chain", (9,), 7)],
     )
-    def test_where_there_are_no_such_neighbours(self, kind: str, size: tuple[int, ...], count: int) -> None:
+    def test_where_there_are_no_such_neighbours(
+        self, kind: str, size: tuple[int, ...], count: int
+    ) -> None:
         with pytest.raises(ValueError, match=r"need|rest with"):
             struck_spheres(Lattice(kind, size, D), count)
 
@@ -152,10 +172,15 @@ def test_walls_touch_the_outermost_spheres() -> None:
     case = make_case("fcc", (4, 4, 4), boundary={"sides": "wall"})
     positions = build_packing(case).positions
     planes = {wall.name: wall.coordinate for wall in walls(case)}
-    low, high = positions.min(axis=0) - D / 2, positions.max(axis=0) + D / 2
-    assert planes == pytest.approx({"bottom": high[2], "xlo": low[0], "xhi": high[0], "ylo": low[1], "yhi": high[1]})
+    low = positions.min(axis=0) - D / 2
+    high = positions.max(axis=0) + D / 2
+    assert planes == pytest.approx(
+        {"bottom": high[2], "xlo": low[0], "xhi": high[0], "ylo": low[1], "yhi": high[1]}
+    )
     assert walls(make_case("fcc", (4, 4, 4), boundary={"bottom": "free"})) == ()
-    assert [wall.held_layer for wall in walls(make_case("fcc", (4, 4, 4), boundary={"bottom": "fixed"}))] == [True]
+    assert [
+        wall.held_layer for wall in walls(make_case("fcc", (4, 4, 4), boundary={"bottom": "fixed"}))
+    ] == [True]
 
 
 DISC = 0.0127
@@ -165,7 +190,12 @@ PLATE = {"kind": "plate", "mass": 0.5, "velocity": 6.0}
 
 def crystal(kind: str = "centred-square", size: tuple[int, int] = (6, 16), **changes: Any) -> Case:
     packing = {"kind": kind, "size": list(size), "diameter": DISC} | changes.pop("packing", {})
-    tables = {"material": SOFT, "contact": {"law": "hertz"}, "load": PLATE, "boundary": {"sides": "wall"}}
+    tables = {
+        "material": SOFT,
+        "contact": {"law": "hertz"},
+        "load": PLATE,
+        "boundary": {"sides": "wall"},
+    }
     return case_from_dict({"name": "crystal", "packing": packing, **(tables | changes)})
 
 
@@ -188,7 +218,8 @@ def test_the_crystals_of_the_source(
     assert places["bottom"] - places["plate"] == pytest.approx(height * DISC)
     assert set(places) == {"bottom", "plate", "xlo", "xhi"}  # none across y
     rows = np.unique(np.round(packing.positions[:, 2] / DISC, 6), return_counts=True)[1]
-    long, short = size[0], size[0] - (top != "equal")
+    long = size[0]
+    short = size[0] - (top != "equal")
     assert rows.tolist() == ([short, long] if top == "short" else [long, short]) * (size[1] // 2)
     assert np.all(packing.positions[:, 1] == 0)
 
@@ -215,7 +246,10 @@ def test_gap_and_pressure_of_side_walls() -> None:
 
 @pytest.mark.parametrize(
     ("kind", "top", "depths"),
-    [("centred-square", "short", np.arange(8) * np.sqrt(2)), ("hexagonal", "long", np.arange(7) * np.sqrt(3))],
+    [
+        ("centred-square", "short", np.arange(8) * np.sqrt(2)),
+        ("hexagonal", "long", np.arange(7) * np.sqrt(3)),
+    ],
 )
 def test_lines_down_the_middle(kind: str, top: str, depths: np.ndarray) -> None:
     size = (6, 16) if kind == "centred-square" else (8, 14)

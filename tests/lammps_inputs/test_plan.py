@@ -1,4 +1,6 @@
-"""Plans: size, memory and time of a run and of a scan before the start, and remaining work of a scan in progress."""
+"""Plans: size, memory and time of a run and of a scan before the start, and remaining work of a
+scan in progress.
+"""
 
 from __future__ import annotations
 
@@ -48,26 +50,42 @@ def test_the_reference() -> None:
     assert (found.n_spheres, found.n_contacts, found.schedule.n_steps) == (155_520, 902_165, 10_000)
     assert found.peak_overlap_yield == pytest.approx(48.9, abs=0.1)
     hertz = plan(make((72, 72, 30), run={"timestep": 1e-7}, contact={"law": "hertz"}))
-    assert hertz.times.steps == pytest.approx(155_520 * 10_000 * 55e-9, rel=0.1)  # 59 ns measured on two cores
+    assert hertz.times.steps == pytest.approx(
+        155_520 * 10_000 * 55e-9, rel=0.1
+    )  # 59 ns measured on two cores
     assert 1.001 < found.times.steps / hertz.times.steps < 1.5  # some contacts yield
     assert hertz.peak_overlap_yield is None
-    assert plan(make((72, 72, 30), run={"timestep": 1e-7}), n_ranks=2).times.steps == found.times.steps / 2
+    assert (
+        plan(make((72, 72, 30), run={"timestep": 1e-7}), n_ranks=2).times.steps
+        == found.times.steps / 2
+    )
 
 
 def test_what_makes_a_step_longer() -> None:
-    """Times per step: 1152 spheres 57 us elastic, 84 at 20 m/s, 91 with friction; 640 spheres under a load 70 and 125 us."""
+    """Times per step: 1152 spheres 57 us elastic, 84 at 20 m/s, 91 with friction; 640 spheres under
+    a load 70 and 125 us.
+    """
     hertz = {"law": "hertz"}
     elastic = steps(contact=hertz)
     assert 1.3 < steps(contact={**hertz, "friction": 0.3}) / elastic < 2
     assert 1.1 < steps(load={"velocity": 20}) / elastic < 1.6
     loaded = steps(contact=hertz, precompression=SETTLED, boundary=PERIODIC)
     assert 1.2 < loaded / elastic < 2.5
-    assert 1.7 < steps(contact={**hertz, "friction": 0.3}, precompression=SETTLED, boundary=PERIODIC) / loaded < 2.7
+    assert (
+        1.7
+        < steps(contact={**hertz, "friction": 0.3}, precompression=SETTLED, boundary=PERIODIC)
+        / loaded
+        < 2.7
+    )
 
 
 def test_figures_and_what_is_recorded_count() -> None:
-    with_figures, without = plan(make()), plan(make(), figures=False)
-    assert with_figures.wall_time - without.wall_time == with_figures.times.figures > 3 and not without.times.figures
+    with_figures = plan(make())
+    without = plan(make(), figures=False)
+    assert (
+        with_figures.wall_time - without.wall_time == with_figures.times.figures > 3
+        and not without.times.figures
+    )
     as_png = plan(make(figures={"formats": []}))
     assert with_figures.times.figures == pytest.approx(1.45 * as_png.times.figures)
     many = plan(make(run={"frames": 200}), figures=False)
@@ -91,13 +109,16 @@ def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
     def planned(**contact: Any) -> Plan:
         return plan(make(run={"end_time": "auto"}, contact=contact))
 
-    plastic, elastic = planned(), planned(law="hertz")
+    plastic = planned()
+    elastic = planned(law="hertz")
     assert elastic.times.steps < plastic.times.steps < plastic.times.most_steps / 5
     text = plan_table(make(run={"end_time": "auto"}), plastic)
     assert "expected time          about" in text and "at most" in text.split("expected time")[1]
     given = plan(make(run={"timestep": 2.9e-8}))
     assert given.times.longest == given.wall_time
-    assert plan(make()).wall_time < plan(make()).times.longest <= given.wall_time * 1.01  # as many steps, at most
+    assert (
+        plan(make()).wall_time < plan(make()).times.longest <= given.wall_time * 1.01
+    )  # as many steps, at most
 
 
 # ---------------------------------------------------------------------- a scan
@@ -107,7 +128,8 @@ def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
 def points(tmp_path: Path) -> list[Point]:
     """Six points, the last of which is expected to take longest."""
     scan = reader(tmp_path)(
-        SMALL + "[grid]\nload.velocity = [1, 2, 3, 4, 5]\n[[points]]\nload.spheres = 3\nrun.frames = 400\n"
+        SMALL
+        + "[grid]\nload.velocity = [1, 2, 3, 4, 5]\n[[points]]\nload.spheres = 3\nrun.frames = 400\n"
     )
     return list(scan.points)
 
@@ -137,10 +159,14 @@ def test_ranks_share_the_cores_of_this_machine(points: list[Point]) -> None:
 
 def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     small = SMALL.replace("run.end_time = 5e-5", 'run.end_time = "auto"')
-    scan = reader(tmp_path)(small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n")
+    scan = reader(tmp_path)(
+        small + "packing.diameter_scatter = 1e-6\n[grid]\nload.velocity = [1, 2]\n"
+    )
     batch = Machine(1, slowness=1e4).batches(scan.points, "")[0]
     assert batch.longest > 3 * batch.wall_time  # 100 blocks, and first timesteps all along
-    (minutes,) = [int(word[7:]) for word in submission(Profile(), batch, "")[0] if word.startswith("--time=")]
+    (minutes,) = [
+        int(word[7:]) for word in submission(Profile(), batch, "")[0] if word.startswith("--time=")
+    ]
     assert minutes * 60 >= batch.longest
 
 
@@ -151,7 +177,9 @@ def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: lis
     clock[0] = 130.0
     assert soon.startswith("1 s of about ") and outlook.text(points, {}) == f"30{soon[1:]}"
     clock[0] = 1e6
-    assert ", longer than the planned " in outlook.text(points, {}) and outlook.text([], {}).endswith("are next")
+    assert ", longer than the planned " in outlook.text(points, {}) and outlook.text(
+        [], {}
+    ).endswith("are next")
 
 
 def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
@@ -161,9 +189,15 @@ def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[flo
     outlook, (first, *others, longest) = Outlook(points, Machine(1)), points
     clock[0] += 70
     outlook.done(first, 100 * first.plan.wall_time)
-    left = 100 * (sum(point.plan.wall_time for point in others) + longest.plan.wall_time) + batches.PUBLISH
+    left = (
+        100 * (sum(point.plan.wall_time for point in others) + longest.plan.wall_time)
+        + batches.PUBLISH
+    )
     assert outlook.text([*others, longest], {}) == f"70 s, about {left / 60:.0f} min left"
-    ages = {longest.id: 100 * longest.plan.wall_time, others[0].id: 1e9}  # nothing is subtracted twice
+    ages = {
+        longest.id: 100 * longest.plan.wall_time,
+        others[0].id: 1e9,
+    }  # nothing is subtracted twice
     left = 100 * sum(point.plan.wall_time for point in others[1:]) + batches.PUBLISH
     assert outlook.text([*others, longest], ages) == f"70 s, about {left:.0f} s left"
     assert outlook.text([], {}) == "70 s; table, figures and report are next"
@@ -192,16 +226,21 @@ def test_lines_of_a_log(
         else:
             bar.update(done, "there", *filter(None, [words]))
     bar.close()
-    assert [" ".join(record.getMessage().split()) for record in caplog.records] == [f"mine {line}" for line in said]
+    assert [" ".join(record.getMessage().split()) for record in caplog.records] == [
+        f"mine {line}" for line in said
+    ]
 
 
 def test_memory_of_each_rank() -> None:
-    """The steps are shared by the ranks; of the analysis each holds a part, and the first what it puts together."""
+    """The steps are shared by the ranks; of the analysis each holds a part, and the first what it
+    puts together.
+    """
     check_memory(plan(make()))
     with pytest.raises(InputError, match=r"spheres need about .* GiB of memory, there is 0.1 GiB"):
         check_memory(plan(make()), available=1e8)
     case = make(packing={"size": [120, 120, 60]})
-    one, four = plan(case), plan(case, n_ranks=4)
+    one = plan(case)
+    four = plan(case, n_ranks=4)
     assert one.memory == one.first_rank and one.disk == four.disk
     assert four.memory == four.first_rank + 3 * four.other_rank
     assert four.other_rank < min(four.first_rank, one.other_rank)
@@ -214,7 +253,9 @@ def test_memory_of_each_rank() -> None:
 
 
 def test_loads_far_above_the_cut_off(caplog: pytest.LogCaptureFixture) -> None:
-    """A steel row under 20 N passes waves up to 2 sqrt(k/m)/(2 pi) = 19.8 kHz; the estimate is within 15 % of it."""
+    """A steel row under 20 N passes waves up to 2 sqrt(k/m)/(2 pi) = 19.8 kHz; the estimate is
+    within 15 % of it.
+    """
 
     def planned(frequency: float) -> None:
         table = {
@@ -232,7 +273,10 @@ def test_loads_far_above_the_cut_off(caplog: pytest.LogCaptureFixture) -> None:
         planned(5.8 * 19.8e3)
     (message,) = caplog.messages
     assert "load.frequency: found 114840 Hz" in message
-    with pytest.raises(InputError, match=r"load.frequency: found 1e\+07 Hz, 461 times .* expected at most 100 times"):
+    with pytest.raises(
+        InputError,
+        match=r"load.frequency: found 1e\+07 Hz, 461 times .* expected at most 100 times",
+    ):
         planned(1e7)
 
 
@@ -263,5 +307,7 @@ def test_what_makes_steps_short_is_told(changes: dict[str, Any], cause: str, rem
 
 
 def test_too_many_steps_name_their_cause() -> None:
-    with pytest.raises(InputError, match=r"are more than 2e\+09 steps; .* load\.duration = 1e-11 s sets"):
+    with pytest.raises(
+        InputError, match=r"are more than 2e\+09 steps; .* load\.duration = 1e-11 s sets"
+    ):
         plan(make((6, 6, 4), run={"end_time": 1e-3}, load=TINY | {"duration": 1e-11}))

@@ -26,16 +26,25 @@ TOP = [{"touches": [12, 13, 17, 18]}, {"touches": 31, "velocity": [0.0, 0.0, 0.6
 SCATTERED = {"diameter_scatter": 1e-5, "tilt": [1, -1]}
 
 
-def square(strikers: list[dict[str, Any]], packing: dict[str, Any] | None = None, **tables: Any) -> Case:
+def square(
+    strikers: list[dict[str, Any]], packing: dict[str, Any] | None = None, **tables: Any
+) -> Case:
     own = {"kind": "square", "size": [5, 6], "diameter": D} | (packing or {})
     contact = {"law": "hertz"}
-    head = {"name": "square", "material": STEEL, "packing": own, "contact": contact, "striker": strikers}
+    head = {
+        "name": "square",
+        "material": STEEL,
+        "packing": own,
+        "contact": contact,
+        "striker": strikers,
+    }
     return case_from_dict(head | tables)
 
 
 def gaps(assembly: Assembly, striker: int, spheres: list[int]) -> np.ndarray:
     """Gaps between a striker, by its id, and spheres, m."""
-    centre, radius = assembly.centre_of(striker), assembly.diameter_of(striker) / 2
+    centre = assembly.centre_of(striker)
+    radius = assembly.diameter_of(striker) / 2
     return np.array([np.linalg.norm(assembly.centre_of(one) - centre) - radius - assembly.diameter_of(one) / 2
                      for one in spheres])  # fmt: skip
 
@@ -47,7 +56,9 @@ def test_a_striker_off_centre_is_brought_up_along_its_way() -> None:
     between = found.centre_of(31) - found.centre_of(32)
     np.testing.assert_allclose(between, [np.sqrt(D**2 - offset**2), -offset, 0.0], atol=1e-14)
     assert found.striker_contacts == [(11, 31), (16, 31), (31, 32)]
-    along = assemble(square([EDGE[0], EDGE[1] | {"offset": [2e-3, offset, 0.0]}]))  # along its way it has no effect
+    along = assemble(
+        square([EDGE[0], EDGE[1] | {"offset": [2e-3, offset, 0.0]}])
+    )  # along its way it has no effect
     np.testing.assert_allclose(along.centre_of(32), found.centre_of(32), atol=1e-14)
 
 
@@ -56,17 +67,24 @@ def test_a_resting_striker_aside_leaves_a_gap() -> None:
     found = assemble(square([EDGE[0] | {"offset": [0.0, aside, 0.0]}, EDGE[1]]))
     assert found.striker_contacts == [(16, 31), (31, 32)]
     x = np.sqrt(D**2 - (D / 2 - aside) ** 2)  # it slides over sphere 16, which it touches
-    np.testing.assert_allclose(gaps(found, 31, [16, 11]), [0.0, np.hypot(x, D / 2 + aside) - D], atol=1e-15)
+    np.testing.assert_allclose(
+        gaps(found, 31, [16, 11]), [0.0, np.hypot(x, D / 2 + aside) - D], atol=1e-15
+    )
     assert found.n_contacts == build_packing(found).contacts.shape[0]  # the gap is no contact
 
 
 def test_misalignment_is_random_within_its_bounds_and_follows_the_seed() -> None:
-    case = [square([EDGE[0], EDGE[1] | {"misalignment": [0.0, 5e-4, 0.0]}], {"seed": n}) for n in range(1, 60)]
+    case = [
+        square([EDGE[0], EDGE[1] | {"misalignment": [0.0, 5e-4, 0.0]}], {"seed": n})
+        for n in range(1, 60)
+    ]
     assert is_random(case[0]) and not is_random(square(EDGE))
     sides = np.array([assemble(one).centre_of(32)[1] - 2.5 * D for one in case])
     assert np.abs(sides).max() <= 5e-4 and sides.std() == pytest.approx(5e-4 / np.sqrt(3), rel=0.2)
     again = assemble(square([EDGE[0], EDGE[1] | {"misalignment": [0.0, 1e-3, 0.0]}], {"seed": 1}))
-    assert again.centre_of(32)[1] - 2.5 * D == pytest.approx(2 * sides[0])  # the same number, scaled
+    assert again.centre_of(32)[1] - 2.5 * D == pytest.approx(
+        2 * sides[0]
+    )  # the same number, scaled
     only = square([EDGE[0] | {"misalignment": [0.0, 1e-5, 0.0]}, EDGE[1]])
     assert assemble(only).centre_of(31)[1] != pytest.approx(
         again.centre_of(31)[1], abs=1e-9
@@ -77,7 +95,9 @@ def test_misalignment_is_random_within_its_bounds_and_follows_the_seed() -> None
 def test_leaning_spheres_touch_their_neighbours_and_the_corner(tilt: tuple[int, int]) -> None:
     boundary = {"sides": "wall", "bottom": "wall"}
     packing = {"diameter_scatter": 3e-5, "tilt": list(tilt), "seed": 3}
-    found = assemble(square([], packing, boundary=boundary, load={"kind": "impact", "velocity": 0.1}))
+    found = assemble(
+        square([], packing, boundary=boundary, load={"kind": "impact", "velocity": 0.1})
+    )
     built = build_packing(found)
     n_pairs = 5 * 5 + 4 * 6
     assert len(built.contacts) == found.n_contacts == n_pairs
@@ -86,7 +106,11 @@ def test_leaning_spheres_touch_their_neighbours_and_the_corner(tilt: tuple[int, 
     assert built.gaps(every).min() > -1e-16  # nothing overlaps
     radii = found.sphere_diameters() / 2
     planes = {wall.name: wall for wall in built.walls}
-    corner = [planes["xhi" if tilt[0] > 0 else "xlo"], planes["yhi" if tilt[1] > 0 else "ylo"], planes["bottom"]]
+    corner = [
+        planes["xhi" if tilt[0] > 0 else "xlo"],
+        planes["yhi" if tilt[1] > 0 else "ylo"],
+        planes["bottom"],
+    ]
     for wall, touching in zip(corner, (6, 5, 30), strict=True):
         apart = wall.outward * (wall.coordinate - built.positions[:, wall.axis]) - radii
         assert np.count_nonzero(np.abs(apart) < 1e-16) == touching and apart.min() > -1e-16
@@ -101,9 +125,13 @@ def test_a_striker_rests_on_three_of_four_scattered_spheres() -> None:
         # no place with three contacts is deeper, and the one at rest stays above
         assert found.centre_of(31)[2] < 0
     tilted, plain = (assemble(square(EDGE, more)) for more in ({"tilt": [1, 1]}, {}))
-    np.testing.assert_array_equal(tilted.positions(), plain.positions())  # without scatter a tilt changes nothing
+    np.testing.assert_array_equal(
+        tilted.positions(), plain.positions()
+    )  # without scatter a tilt changes nothing
     two = assemble(square(EDGE, SCATTERED))
-    np.testing.assert_allclose(gaps(two, 31, [11, 16]), 0.0, atol=1e-12)  # two spheres always hold one in their plane
+    np.testing.assert_allclose(
+        gaps(two, 31, [11, 16]), 0.0, atol=1e-12
+    )  # two spheres always hold one in their plane
 
 
 CHAIN = {"kind": "chain", "size": 3, "diameter": 0.01}
@@ -125,30 +153,51 @@ def beside(**changes):
 def test_a_row_with_cylinders():
     """Two cylinders beside a contact touch both spheres; their masses are those of cylinders."""
     made = assemble(case(grains=[beside()], boundary={"bottom": "free", "x": "wall"}))
-    assert {tuple(pair) for pair in made.contacts().tolist()} == {(1, 2), (2, 3), (1, 4), (1, 5), (2, 4), (2, 5)}
+    assert {tuple(pair) for pair in made.contacts().tolist()} == {
+        (1, 2),
+        (2, 3),
+        (1, 4),
+        (1, 5),
+        (2, 4),
+        (2, 5),
+    }
     assert build_packing(made).coordination.tolist() == [3, 4, 1, 2, 2]
     density = made.material_of(4).density
-    assert made.mass_of(4) == made.sphere_masses()[3] == pytest.approx(density * math.pi * 0.003**2 * 0.01)
+    assert (
+        made.mass_of(4)
+        == made.sphere_masses()[3]
+        == pytest.approx(density * math.pi * 0.003**2 * 0.01)
+    )
     assert cylinder_commands(made) == ["fix             cylinders all gran/cylinder 2 0.01 0 1 0"]
     assert "line plane-strain" not in "".join(wall_commands(made))
     law = pair_contact(made, 1, 4)
     assert 0.003 < law.effective_radius < 0.005 and math.isinf(flat_contact(made, 4).yield_overlap)
     again = case_from_dict(made.case.to_dict())
-    assert again.packing.grains == made.case.packing.grains and "line" not in again.to_dict()["contact"]
+    assert (
+        again.packing.grains == made.case.packing.grains
+        and "line" not in again.to_dict()["contact"]
+    )
 
 
-@pytest.mark.parametrize(("kind", "size", "axis"), [("chain", 4, "0 1 0"), ("square", [3, 2], "0 0 1")])
+@pytest.mark.parametrize(
+    ("kind", "size", "axis"), [("chain", 4, "0 1 0"), ("square", [3, 2], "0 0 1")]
+)
 def test_packings_of_cylinders(tmp_path, kind, size, axis):
     packing = {"kind": kind, "size": size, "diameter": 0.01, "shape": "cylinder", "length": 0.03}
     tables = {"boundary": {"bottom": "free", "sides": "wall"}}
     made = assemble(case(packing, **tables, contact={"law": "line"}))
-    assert made.plane_strain and f"gran/cylinder 1 0.03 {axis} line plane-strain" in "\n".join(contacts(made))
+    assert made.plane_strain and f"gran/cylinder 1 0.03 {axis} line plane-strain" in "\n".join(
+        contacts(made)
+    )
     as_half_spaces = assemble(case(packing, **tables))
     assert "plane-strain" not in "\n".join(contacts(as_half_spaces))
-    modulus, depth = pair_contact(as_half_spaces, 1, 2).effective_modulus, 1e-6
+    modulus = pair_contact(as_half_spaces, 1, 2).effective_modulus
+    depth = 1e-6
     force = float(pair_contact(as_half_spaces, 1, 2).loading_force(np.array([depth]))[0])
     v = 1 / (math.pi * modulus)  # both bodies; d is twice the effective radius
-    assert force * v / 0.03 * (1 - math.log(v * force * 0.005 / (2 * 0.03**3))) == pytest.approx(depth, rel=1e-9)
+    assert force * v / 0.03 * (1 - math.log(v * force * 0.005 / (2 * 0.03**3))) == pytest.approx(
+        depth, rel=1e-9
+    )
     mass = made.material.density * math.pi * 0.005**2 * 0.03
     assert made.case.sphere_mass == pytest.approx(mass) and np.allclose(made.sphere_masses(), mass)
     write_data(made, tmp_path / "data")

@@ -1,4 +1,6 @@
-"""LAMMPS's own unit tests of pair styles, fixes and computes, on all of ours: the files of plugins/unittest."""
+"""LAMMPS's own unit tests of pair styles, fixes and computes, on all of ours: the files of
+plugins/unittest.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,9 @@ from granwave.plugins import lammps_release
 from tests.helpers.force_styles import FOLDER, StyleTester, differ, files, load, stored
 from tests.helpers.twins.twin import LawTwin
 
-pytestmark = pytest.mark.skipif(lammps_release() < "2025.7", reason="files and testers are of 22 Jul 2025")
+pytestmark = pytest.mark.skipif(
+    lammps_release() < "2025.7", reason="files and testers are of 22 Jul 2025"
+)
 
 
 @pytest.fixture
@@ -22,15 +26,21 @@ def tester(lammps, tmp_path):
 
 def check(one: StyleTester, when: str, factor: float = 1.0) -> None:
     """Assert that the values are those of the file."""
-    limit, measured = factor * float(one.config["epsilon"]), one.measured(when)
-    assert set(measured) == {name for name in one.config if name.startswith((f"{when}_", "global", "peratom", "local"))}
+    limit = factor * float(one.config["epsilon"])
+    measured = one.measured(when)
+    assert set(measured) == {
+        name for name in one.config if name.startswith((f"{when}_", "global", "peratom", "local"))
+    }
     for name, value in measured.items():
         assert differ(value, stored(one.config, name)) <= limit, f"{name}, {when}"
 
 
 def check_sums(one: StyleTester) -> None:
-    """Energies and virials of the atoms sum to those of all; LAMMPS's stress/atom is the negative virial."""
-    energy, virial = one.lmp.get_thermo("evdwl"), one.virial()
+    """Energies and virials of the atoms sum to those of all; LAMMPS's stress/atom is the negative
+    virial.
+    """
+    energy = one.lmp.get_thermo("evdwl")
+    virial = one.virial()
     assert one.lmp.extract_compute("sum_of_pe", 0, 0) == pytest.approx(energy, rel=1e-12)
     assert -one.compute("sum_of_stress") == pytest.approx(
         virial, rel=1e-11, abs=1e-13 * np.abs(virial).max(initial=0.0)
@@ -47,18 +57,26 @@ run 0 post no"""
 
 
 def check_contacts(one: StyleTester) -> None:
-    """Values of `single()` and of the compute of contacts, which sum to the forces and energies of the run."""
-    n, x = one.lmp.get_natoms(), one.atoms("x")
+    """Values of `single()` and of the compute of contacts, which sum to the forces and energies of
+    the run.
+    """
+    n = one.lmp.get_natoms()
+    x = one.atoms("x")
     one.commands(SINGLES)
-    ids, singles, dents = (one.lmp.numpy.extract_compute(name, 2, 2).copy() for name in ("ids", "singles", "dents"))
+    ids, singles, dents = (
+        one.lmp.numpy.extract_compute(name, 2, 2).copy() for name in ("ids", "singles", "dents")
+    )
     pairs = np.sort(ids.astype(int)) - 1
-    forces, across = np.zeros((n, n, 3)), np.arange(n) < 5
+    forces = np.zeros((n, n, 3))
+    across = np.arange(n) < 5
     normal = x[pairs[:, 0]] - x[pairs[:, 1]]
     normal[:, 0] -= 60000 * np.round(normal[:, 0] / 60000)  # the periodic length
     normal /= np.linalg.norm(normal, axis=1)[:, None]
     forces[pairs[:, 0], pairs[:, 1]] = singles[:, 1, None] * normal
     pressed = (forces - forces.transpose(1, 0, 2))[across][:, ~across].sum(axis=(0, 1))
-    assert one.compute("across") == pytest.approx(pressed, rel=1e-10), "compute group/group has the normal forces"
+    assert one.compute("across") == pytest.approx(pressed, rel=1e-10), (
+        "compute group/group has the normal forces"
+    )
     forces[tuple(dents[:, :2].astype(int).T - 1)] += dents[:, 17:20]
     assert forces.sum(axis=1) - forces.sum(axis=0) == pytest.approx(one.atoms("f"), rel=1e-10)
     assert singles[:, 0].sum() == pytest.approx(one.lmp.get_thermo("evdwl"), rel=1e-11)
@@ -69,13 +87,18 @@ def check_contacts(one: StyleTester) -> None:
 
 @pytest.mark.parametrize("path", files("pair"), ids=lambda path: path.stem)
 def test_pair_style(tester, path):
-    """Forces at first and after 4 steps, and after restart and data files in between: as LAMMPS's tester does it."""
+    """Forces at first and after 4 steps, and after restart and data files in between: as LAMMPS's
+    tester does it.
+    """
     one = tester(path)
-    folder, hybrid = one.folder, "hybrid" in one.config["pair_style"]
+    folder = one.folder
+    hybrid = "hybrid" in one.config["pair_style"]
     one.start()
     check(one, "init")
     check_sums(one)
-    one.commands(f"write_restart {folder}/restart\nwrite_data {folder}/data pair ii\nwrite_coeff {folder}/coeffs")
+    one.commands(
+        f"write_restart {folder}/restart\nwrite_data {folder}/data pair ii\nwrite_coeff {folder}/coeffs"
+    )
     one.go_on()
     check(one, "run", 5)
     check_sums(one)
@@ -84,8 +107,12 @@ def test_pair_style(tester, path):
     check(one, "init")
     one.restart(coefficients=hybrid)
     check(one, "init")
-    jumps = "cohesion" in path.stem  # the force has an addition in the steps in which surfaces meet or part, as the 2nd
-    along = not hybrid and "fix" not in one.config["prerequisites"]  # cylinders are pressed along other lines
+    jumps = (
+        "cohesion" in path.stem
+    )  # the force has an addition in the steps in which surfaces meet or part, as the 2nd
+    along = (
+        not hybrid and "fix" not in one.config["prerequisites"]
+    )  # cylinders are pressed along other lines
     if along and jumps:
         check_contacts(one)
     one.go_on(2)
@@ -100,7 +127,10 @@ def test_pair_style(tester, path):
         )  # its sums take any order
     one.data()
     check(one, "init")
-    assert "Pair Coeffs" not in (folder / "data").read_text() and "pair_coeff" not in (folder / "coeffs").read_text()
+    assert (
+        "Pair Coeffs" not in (folder / "data").read_text()
+        and "pair_coeff" not in (folder / "coeffs").read_text()
+    )
 
 
 @pytest.mark.parametrize("path", files("fix"), ids=lambda path: path.stem)
@@ -122,8 +152,11 @@ def test_compute(tester, path):
     check(one, "run")
 
 
-# Forces at the overlap d, the peak p, with E*, R* and closing speed: written from the equations of the manual, not from the headers.
-E, NU, YIELD = 1.15e8, 0.3, 5.5e5
+# Forces at the overlap d, the peak p, with E*, R* and closing speed: written from the equations of
+# the manual, not from the headers.
+E = 1.15e8
+NU = 0.3
+YIELD = 5.5e5
 
 
 def hertz(d, p, e, r, speed):
@@ -149,7 +182,8 @@ def thornton(a, peak):
 
 
 def bilinear(d, p, e, r, speed):
-    slope, peak = 18.5 * YIELD * r, max(d, p)
+    slope = 18.5 * YIELD * r
+    peak = max(d, p)
     return slope * peak if d == peak else max(slope / 0.3 * (d - 0.7 * peak), 0)
 
 
@@ -178,11 +212,23 @@ CLOSED = {
 
 @pytest.mark.parametrize("name", CLOSED)
 def test_stored_forces_are_those_of_the_equations(name):
-    """First forces of the files, from the geometry that they read: contacts with and without dents, across the boundary too."""
+    """First forces of the files, from the geometry that they read: contacts with and without dents,
+    across the boundary too.
+    """
     config = load(FOLDER / f"atomic-pair-gran_hysteretic_{name}.yaml")
-    data = (FOLDER / "data.granwave-spheres").read_text().partition("Atoms # sphere")[2].split("Velocities")
-    atoms, moving = (np.array([line.split() for line in part.strip().splitlines()], dtype=float) for part in data)
-    x, radius, types, v = atoms[:, 4:7], atoms[:, 2] / 2, atoms[:, 1], moving[:, 1:4]
+    data = (
+        (FOLDER / "data.granwave-spheres")
+        .read_text()
+        .partition("Atoms # sphere")[2]
+        .split("Velocities")
+    )
+    atoms, moving = (
+        np.array([line.split() for line in part.strip().splitlines()], dtype=float) for part in data
+    )
+    x = atoms[:, 4:7]
+    radius = atoms[:, 2] / 2
+    types = atoms[:, 1]
+    v = moving[:, 1:4]
     dents = np.zeros((13, 13))
     if "gran/dents" in config["post_commands"]:
         for i, j, peak in np.loadtxt(FOLDER / "dents.granwave"):
@@ -194,16 +240,22 @@ def test_stored_forces_are_those_of_the_equations(name):
             apart[0] -= 60000 * np.round(apart[0] / 60000)
             length = np.linalg.norm(apart)
             plane = [
-                (1 - 0.29**2) / 2.1e8 if name == "hertz_mixed" and t == 2 else (1 - NU**2) / E for t in types[[i, j]]
+                (1 - 0.29**2) / 2.1e8 if name == "hertz_mixed" and t == 2 else (1 - NU**2) / E
+                for t in types[[i, j]]
             ]
-            r, overlap = radius[i] * radius[j] / (radius[i] + radius[j]), radius[i] + radius[j] - length
+            r = radius[i] * radius[j] / (radius[i] + radius[j])
+            overlap = radius[i] + radius[j] - length
             speed = (v[j] - v[i]) @ apart / length
-            force = CLOSED[name](overlap, dents[i, j], 1 / sum(plane), r, speed) if overlap > 0 else 0.0
+            force = (
+                CLOSED[name](overlap, dents[i, j], 1 / sum(plane), r, speed) if overlap > 0 else 0.0
+            )
             if name == "hybrid_overlay" and length < 11000:
                 force += 24e14 / length * (2 * (9000 / length) ** 12 - (9000 / length) ** 6)
             forces[i] += force * apart / length
             forces[j] -= force * apart / length
-    assert stored(config, "init_forces") == pytest.approx(forces, rel=1e-9, abs=1e-9 * np.abs(forces).max())
+    assert stored(config, "init_forces") == pytest.approx(
+        forces, rel=1e-9, abs=1e-9 * np.abs(forces).max()
+    )
 
 
 FRICTION = FOLDER / "atomic-pair-gran_hysteretic_friction_dents.yaml"
@@ -219,7 +271,9 @@ FRICTION = FOLDER / "atomic-pair-gran_hysteretic_friction_dents.yaml"
     ],
 )
 def test_commands_that_change_nothing(tester, again):
-    """The style given again keeps its contacts, and extract has nothing to give: no parameter that fix adapt could change."""
+    """The style given again keeps its contacts, and extract has nothing to give: no parameter that
+    fix adapt could change.
+    """
     one = tester(FRICTION)
     one.start()
     one.commands(again)
@@ -233,9 +287,12 @@ def test_commands_that_change_nothing(tester, again):
 
 @pytest.mark.parametrize("how", ["neigh_modify exclude type 2 2", "pair_coeff 2 2 none 1.15e8 0.3"])
 def test_pairs_that_exert_no_force(tester, how):
-    """Excluded pairs, and those of law none, are as those that a hybrid style gives to another style."""
+    """Excluded pairs, and those of law none, are as those that a hybrid style gives to another
+    style.
+    """
     law = "elastoplastic 1.15e8 0.3 5.5e5 friction 0.3"
-    one, hybrid = tester(FRICTION), tester(FRICTION)
+    one = tester(FRICTION)
+    hybrid = tester(FRICTION)
     one.config["pair_coeff"] = f"1 * {law}\n2 2 {law}"
     one.config["post_commands"] = f"{how}\n{one.config['post_commands']}"
     hybrid.config["pair_style"] = "hybrid gran/hysteretic 300.0 zero 8600.0"
@@ -253,15 +310,30 @@ WORDS = "friction tangential rolling twisting loss cohesion variant yield_factor
 
 
 def test_every_style_law_and_option_has_a_file():
-    """As LAMMPS's own check_tests.py: styles by their manual pages, laws and constants by their table."""
-    texts = {kind: "\n".join(path.read_text() for path in files(kind)) for kind in ("pair", "fix", "compute")}
+    """As LAMMPS's own check_tests.py: styles by their manual pages, laws and constants by their
+    table.
+    """
+    texts = {
+        kind: "\n".join(path.read_text() for path in files(kind))
+        for kind in ("pair", "fix", "compute")
+    }
     for page in (FOLDER.parent / "doc").glob("*_*.md"):
         kind, _, name = page.read_text().partition("\n")[0].removeprefix("# ").partition(" ")
         if kind in texts:
             assert f"  {kind} {name.removesuffix(' command')}\n" in texts[kind], page.name
     words = set(texts["pair"].split())
     assert set(LAWS) | set(WORDS.split()) <= words
-    assert {"mindlin", "partial_slip", "marshall", "time", "dashpot", "jkr", "dmt", "published", "INF"} <= words
+    assert {
+        "mindlin",
+        "partial_slip",
+        "marshall",
+        "time",
+        "dashpot",
+        "jkr",
+        "dmt",
+        "published",
+        "INF",
+    } <= words
 
 
 @pytest.mark.validation

@@ -1,4 +1,6 @@
-"""A run in pieces, and one that goes on from a restart file, are the run at once; damaged restart files end in an error."""
+"""A run in pieces, and one that goes on from a restart file, are the run at once; damaged restart
+files end in an error.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,9 @@ def jkr() -> str:
     return rubbing(places, law, velocities=0.1 * speeds, spins=0.1 * spins)
 
 
-HOLDER = "fix holder all gran/holder z 0.3 9.81\nthermo_style custom step pe f_holder\ntimestep 1e-7"
+HOLDER = (
+    "fix holder all gran/holder z 0.3 9.81\nthermo_style custom step pe f_holder\ntimestep 1e-7"
+)
 LOSSES = (
     f"comm_modify vel yes\nfix wall all wall/gran/hysteretic zplane NULL {5.0001 * R:.17g} {HERTZ} loss dashpot 0.2\n"
     "compute en all gran/hysteretic/energy\nthermo_style custom step c_en[*] f_wall[*]"
@@ -118,7 +122,12 @@ def resumed(script: str, restart: Path) -> str:
     """Script that goes on from a restart file, which holds spheres, groups and pair style."""
     words = ("neigh", "fix", "unfix", "compute", "thermo", "timestep", "variable")
     rest = [line for line in script.splitlines() if line.startswith(words)]
-    head = ["newton off", "atom_modify map yes", *re.findall("comm_modify vel yes", script), f"read_restart {restart}"]
+    head = [
+        "newton off",
+        "atom_modify map yes",
+        *re.findall("comm_modify vel yes", script),
+        f"read_restart {restart}",
+    ]
     return "\n".join([*head, *rest]) + "\n"
 
 
@@ -143,13 +152,16 @@ def test_a_run_that_goes_on_is_the_run(lammps, tmp_path, name, how):
 
 @pytest.mark.parametrize("name", ["whole.restart", "part.%.restart"])
 def test_restart_of_ranks_with_unlike_histories(log_of, lammps, tmp_path, name):
-    """The first rank has a sphere alone, the second one with six contacts: LAMMPS asks for the size of the largest."""
+    """The first rank has a sphere alone, the second one with six contacts: LAMMPS asks for the size
+    of the largest.
+    """
     places = [(-0.1, 0.0, 0.0)] + [(0.1, 0.0, 0.0)] * 7
     for k, (axis, side) in enumerate(((a, s) for a in range(3) for s in (-1, 1)), start=2):
         places[k] = tuple(x + side * (2 * R - 2e-5) * (a == axis) for a, x in enumerate(places[1]))
     script = script_of(places)
     log_of(f"processors 2 1 1\n{script}run 400\nwrite_restart {tmp_path}/{name}\n", ranks=2)
-    again, whole = lammps(f"{resumed(script, tmp_path / name)}run 400"), lammps(f"{script}run 800")
+    again = lammps(f"{resumed(script, tmp_path / name)}run 400")
+    whole = lammps(f"{script}run 800")
     same(*(state(lmp, "x", "v") for lmp in (whole, again)))
 
 
@@ -176,13 +188,17 @@ def resume(lmp, path, *fixes: str) -> None:
 
 
 def laws(data: bytes) -> int:
-    """Place of the state with the laws: behind format and settings, each state behind its size in bytes."""
+    """Place of the state with the laws: behind format and settings, each state behind its size in
+    bytes.
+    """
     at = data.index(b"gran/hysteretic\0") + len(b"gran/hysteretic\0") + 4
     return at + 4 + struct.unpack("<i", data[at : at + 4])[0] + 4
 
 
 def ours(data: bytes) -> list[int]:
-    """Places of our own bytes in a restart file: settings and laws, states of fixes, states with atoms."""
+    """Places of our own bytes in a restart file: settings and laws, states of fixes, states with
+    atoms.
+    """
     at = data.index(b"gran/hysteretic\0") + len(b"gran/hysteretic\0")
     places = [*range(at, laws(data) + struct.unpack("<i", data[laws(data) - 4 : laws(data)])[0])]
     for style in (b"wall/gran/hysteretic\0", b"gran/load\0"):
@@ -198,13 +214,20 @@ def ours(data: bytes) -> list[int]:
 
 
 def test_a_damaged_byte_is_an_error(lammps, tmp_path):
-    """Any byte of settings, laws, contacts, forgotten contacts, walls and loads, and no signal and no other result."""
+    """Any byte of settings, laws, contacts, forgotten contacts, walls and loads, and no signal and
+    no other result.
+    """
     lmp = lammps()
     places = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R)]
     text = rubbing(
-        places, f"{BRASS} friction {MU} loss time 1e-8", velocities=[(1, 0, 1), (0, 0, 0), (0, 0, -1)], gap=2e-5
+        places,
+        f"{BRASS} friction {MU} loss time 1e-8",
+        velocities=[(1, 0, 1), (0, 0, 0), (0, 0, -1)],
+        gap=2e-5,
     )
-    lmp.commands_string(f"{text}{WALL}\n{PUSH}\nrun 9000 post no\nwrite_restart {tmp_path}/good.restart")
+    lmp.commands_string(
+        f"{text}{WALL}\n{PUSH}\nrun 9000 post no\nwrite_restart {tmp_path}/good.restart"
+    )
     data = (tmp_path / "good.restart").read_bytes()
     chosen = ours(data)
     assert len(chosen) > 1500
@@ -222,9 +245,13 @@ def test_a_damaged_byte_is_an_error(lammps, tmp_path):
 
 def test_contacts_that_are_missing_are_an_error(lammps, tmp_path):
     """The name of the fix that holds them is damaged: LAMMPS alone would go on without them."""
-    lmp = lammps(rubbing([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, 1), (0, 0, 0)]) + "run 300 post no")
+    lmp = lammps(
+        rubbing([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, 1), (0, 0, 0)]) + "run 300 post no"
+    )
     lmp.command(f"write_restart {tmp_path}/a.restart")
     data = (tmp_path / "a.restart").read_bytes()
-    (tmp_path / "a.restart").write_bytes(data.replace(b"GRAN_HYSTERETIC_HISTORY", b"GRAN_HYSTERETIC_HISTORx"))
+    (tmp_path / "a.restart").write_bytes(
+        data.replace(b"GRAN_HYSTERETIC_HISTORY", b"GRAN_HYSTERETIC_HISTORx")
+    )
     with pytest.raises(Exception, match="damaged: it holds no contacts"):
         resume(lammps(), tmp_path / "a.restart")

@@ -1,4 +1,6 @@
-"""Compatibility with other LAMMPS commands, motion that is not finite, and tests of LAMMPS, YADE and MercuryDPM."""
+"""Compatibility with other LAMMPS commands, motion that is not finite, and tests of LAMMPS, YADE
+and MercuryDPM.
+"""
 
 from __future__ import annotations
 
@@ -14,7 +16,8 @@ from tests.helpers.two_spheres import BOX, PAIR, WALL, R, collide, value
 
 
 def test_omp_suffix_falls_back_to_the_plain_style(lammps):
-    plain, suffixed = lammps(), lammps(options=("-sf", "omp", "-pk", "omp", "1"))
+    plain = lammps()
+    suffixed = lammps(options=("-sf", "omp", "-pk", "omp", "1"))
     collide(plain)
     collide(suffixed)
     assert value(suffixed, "vz[1]") == pytest.approx(value(plain, "vz[1]"), rel=1e-13)
@@ -24,7 +27,9 @@ def test_omp_suffix_falls_back_to_the_plain_style(lammps):
 def test_frozen_sphere(lammps):
     """A fixed sphere acts as a wall of the same material: it absorbs momentum but no energy."""
     lmp = lammps()
-    collide(lmp, speed=0.0, steps=0, extra="group held id 2\nfix hold held freeze\nset atom 1 vz 1.0")
+    collide(
+        lmp, speed=0.0, steps=0, extra="group held id 2\nfix hold held freeze\nset atom 1 vz 1.0"
+    )
     lmp.command("run 20000")
     assert value(lmp, "vz[2]") == 0
     mass = value(lmp, "mass[1]")
@@ -47,7 +52,8 @@ def test_dents_do_not_go_into_data_files(lammps, tmp_path):
 
 def test_any_consistent_units(lammps):
     """Collision in centimeters, grams and seconds agrees with that in SI units."""
-    si, cgs = lammps(), lammps()
+    si = lammps()
+    cgs = lammps()
     collide(si)
     text = script_of(
         [(0, 0, 0), (0, 0, 200 * R)],
@@ -85,7 +91,13 @@ ALL = ("x", "v", "f", "omega", "torque")
 
 def packing(lammps, law: str, lists: str, extra: str = "", **options):
     """Simple cubic packing on a wall, two of whose spheres move."""
-    places = 2 * R * np.array([(x, y, z) for z in range(SHAPE[2]) for y in range(SHAPE[1]) for x in range(SHAPE[0])])
+    places = (
+        2
+        * R
+        * np.array(
+            [(x, y, z) for z in range(SHAPE[2]) for y in range(SHAPE[1]) for x in range(SHAPE[0])]
+        )
+    )
     speeds = np.zeros_like(places)
     speeds[8], speeds[-1] = (0.1, 0.3, 2.0), (-1.0, 0.0, 0.5)
     box = [-0.05, 0.1, -0.05, 0.1, -0.05, 0.2]
@@ -102,7 +114,9 @@ def test_the_same_as_with_new_lists_in_every_step(lammps, law):
         lmp = packing(lammps, law, lists)
         lmp.command("run 4000 post no")
         found.append(state(lmp, *ALL))
-    assert 0 < np.count_nonzero(found[0]["v"].any(axis=1)) < len(found[0]["v"]), "some spheres are still at rest"
+    assert 0 < np.count_nonzero(found[0]["v"].any(axis=1)) < len(found[0]["v"]), (
+        "some spheres are still at rest"
+    )
     same(*found)
 
 
@@ -125,7 +139,8 @@ def test_a_sphere_at_rest_is_woken_by_whatever_moves_it(lammps, mover):
     same(*found)
 
 
-# places, velocities, wall, timestep and steps: a sphere that comes from afar; a plane, on a soft support, thrown across several skins
+# places, velocities, wall, timestep and steps: a sphere that comes from afar; a plane, on a soft
+# support, thrown across several skins
 FAR = {
     "sphere": ([(0, 0, 0)], [(0, 0, 20)], WALL.format(z=0.03), 1e-8, 150000),
     "plane": ([(0, 0, 0), (0.02, 0, -0.0017)], [(0, 0, 20), (0, 0, 0)],
@@ -140,7 +155,8 @@ def test_walls_and_spheres_from_afar_meet(lammps, what):
     for lists in (SELDOM, EVERY_STEP):
         extra = f"{lists}\n{wall}\ntimestep {timestep}\n"
         lmp = lammps(
-            rubbing(places, BRASS, velocities=speeds, box=[-0.1, 0.1] * 3, extra=extra) + f"run {steps} post no"
+            rubbing(places, BRASS, velocities=speeds, box=[-0.1, 0.1] * 3, extra=extra)
+            + f"run {steps} post no"
         )
         by_id = np.argsort(lmp.numpy.extract_atom("id")[: len(places)])
         found.append(state(lmp, *ALL) | {"floor": lmp.numpy.extract_fix("floor", 1, 2)[by_id]})
@@ -151,16 +167,23 @@ def test_walls_and_spheres_from_afar_meet(lammps, what):
 @pytest.mark.parametrize("law", [BRASS, f"{BRASS} friction 0.3"])
 @pytest.mark.parametrize("radii", [(R, R), (R, 0.999 * R)])
 def test_the_order_in_memory_changes_no_bit(lammps, law, radii):
-    """In the order of their IDs rows of spheres are searched together, sorted into bins most of them alone."""
+    """In the order of their IDs rows of spheres are searched together, sorted into bins most of
+    them alone.
+    """
     places = 2 * R * np.array([(x, y, z) for z in range(4) for y in range(5) for x in range(11)])
     rng = np.random.default_rng(1)
-    speeds, radius = rng.uniform(-0.5, 0.5, places.shape), np.resize(radii, len(places)).tolist()
+    speeds = rng.uniform(-0.5, 0.5, places.shape)
+    radius = np.resize(radii, len(places)).tolist()
     found = []
     for sort in ("0 0", f"1 {4.2 * R}"):
         lmp = lammps()
         box = [-0.05, 0.2, -0.05, 0.1, -0.05, 0.1]
-        script = rubbing(places, law, radius=radius, velocities=speeds, density=8500.0, box=box, extra=SELDOM)
-        lmp.commands_string(script.replace("atom_modify map yes", f"atom_modify map yes sort {sort}"))
+        script = rubbing(
+            places, law, radius=radius, velocities=speeds, density=8500.0, box=box, extra=SELDOM
+        )
+        lmp.commands_string(
+            script.replace("atom_modify map yes", f"atom_modify map yes sort {sort}")
+        )
         lmp.command("run 1000 post no")
         ids = lmp.numpy.extract_atom("id")[: len(places)]
         assert (np.diff(ids) == 1).all() == (sort == "0 0")
@@ -196,14 +219,18 @@ def test_not_finite_at_the_start_of_a_run(lammps, amount, name, meaning, ident, 
         lmp.command("run 7")  # an odd step: detected nevertheless
     spoil(lmp, name, ident, amount)
     where = "position|velocity" if begin else meaning
-    refuses(lmp, f"run 200 {begin}", rf"The ({where}) of sphere {ident} is not finite \((nan|-?inf) ")
+    refuses(
+        lmp, f"run 200 {begin}", rf"The ({where}) of sphere {ident} is not finite \((nan|-?inf) "
+    )
 
 
 @pytest.mark.parametrize("positions, sphere", [(PAIR, 2), (ALONE, 3)])
 @pytest.mark.parametrize("check", ["check yes", "check no", "delay 1000000000 check yes"])
 @pytest.mark.parametrize("options", [{}, ROUGH], ids=["smooth", "rough"])
 def test_a_force_that_turns_into_nan(lammps, positions, sphere, check, options):
-    """LAMMPS with `check yes` does not rebuild neighbor lists for a sphere at NaN, as if it had not moved."""
+    """LAMMPS with `check yes` does not rebuild neighbor lists for a sphere at NaN, as if it had not
+    moved.
+    """
     lmp = lammps(script_of(positions, **options) + BAD)
     lmp.commands_string(
         f"neigh_modify every 1 {check}\nrun 250\ngroup hit id {sphere}\n"
@@ -254,9 +281,15 @@ def test_nan_is_found_before_it_is_reported(lammps):
 
 
 def test_a_prescribed_displacement_by_itself(lammps):
-    """Driven atoms follow their path for any force, but the work of a force that is not finite would be NaN."""
+    """Driven atoms follow their path for any force, but the work of a force that is not finite
+    would be NaN.
+    """
     push = f"{PUSH} displacement harmonic 1e-6 8e3\nunfix motion"
-    lmp = lammps(foreign(script_of(PAIR, box=BOX, extra=push)) + BAD + "run 7\nfix gone struck addforce 0.0 0.0 v_bad")
+    lmp = lammps(
+        foreign(script_of(PAIR, box=BOX, extra=push))
+        + BAD
+        + "run 7\nfix gone struck addforce 0.0 0.0 v_bad"
+    )
     refuses(lmp, "run 200", "Fix gran/load push: the force on its atoms is not finite")
 
 
@@ -279,7 +312,9 @@ def test_on_two_ranks(lmp, tmp_path, spoiled):
         done = lmp(script, ranks=2, timeout=60, screen=True)
         assert done.returncode != 0 and "finished" not in done.stdout
         texts.append(done.stdout + done.stderr)
-        if re.search(r"ERROR on proc \d: The (position|velocity) of sphere 7 is not finite", texts[-1]):
+        if re.search(
+            r"ERROR on proc \d: The (position|velocity) of sphere 7 is not finite", texts[-1]
+        ):
             return
     pytest.fail("\n".join(texts))
 
@@ -292,8 +327,8 @@ def dashpot(restitution: float) -> float:
 def chung_and_ooi(tangential: str) -> dict:
     """Test 4, with a restitution of 0.98 by the same dashpot.
 
-    Theirs may pull at the end, damps the tangential motion too and takes R as lever arm of the slip: that makes the difference, which is
-    largest in the spin.
+    Theirs may pull at the end, damps the tangential motion too and takes R as lever arm of the
+    slip: that makes the difference, which is largest in the spin.
     """
     return {
         "positions": [(0, 0, 0.00255)], "style": "hertz 7e10 0.33", "radius": 0.0025, "density": 2700.0, "timestep": 1e-8,
@@ -302,11 +337,19 @@ def chung_and_ooi(tangential: str) -> dict:
     }  # fmt: skip
 
 
-YADE = {"mass": 8 / 3 * math.pi, "rate": -math.log(0.3) / 0.2}  # restitution 0.3, contact time 0.2 s
-YADE["stiffness"] = YADE["mass"] / 0.2**2 * (math.pi**2 + math.log(0.3) ** 2) / 2  # of two springs in a row
+YADE = {
+    "mass": 8 / 3 * math.pi,
+    "rate": -math.log(0.3) / 0.2,
+}  # restitution 0.3, contact time 0.2 s
+YADE["stiffness"] = (
+    YADE["mass"] / 0.2**2 * (math.pi**2 + math.log(0.3) ** 2) / 2
+)  # of two springs in a row
 TILT = math.radians(15)
-HOP = 9.8 * math.cos(TILT) * math.sqrt(2000 * 4 / 3 * math.pi * 0.005**3 / 10000)  # of a sphere on its spring
-# tests of LAMMPS, YADE and MercuryDPM: spheres; then the first one's array and component after further steps, and how near it must be
+HOP = (
+    9.8 * math.cos(TILT) * math.sqrt(2000 * 4 / 3 * math.pi * 0.005**3 / 10000)
+)  # of a sphere on its spring
+# tests of LAMMPS, YADE and MercuryDPM: spheres; then the first one's array and component after
+# further steps, and how near it must be
 PUBLISHED = {
     "LAMMPS, dem02-hertzmaterial-twosphere-3d-si.yaml: 20 m/s": (
         {"positions": [(-0.0101, 0, 0), (0.0101, 0, 0)], "style": "hertz 4.8e10 0.2", "radius": 0.01, "density": 2800.0,
@@ -332,7 +375,8 @@ PUBLISHED = {
         [(3300, "v", 0, 1.9626341996620487, {"rel": 2e-4}), (0, "v", 2, 2.9278423105668629, {"rel": 2e-4}),
          (0, "omega", 1, 5.4426580033795710e02, {"rel": 3e-3})],
     ),
-    # at a quarter of their 2 m/s, at which the spheres would be pressed to half their size: everything is linear
+    # at a quarter of their 2 m/s, at which the spheres would be pressed to half their size:
+    # everything is linear
     "YADE, scripts/checks-and-tests/checks/checkViscElPM.py: displacement at 0.05 s": (
         {"positions": [(0, 0, 0), (0.2, 0, 0)], "radius": 0.1, "density": 2000.0, "velocities": [(0.5, 0, 0), (-0.5, 0, 0)], "timestep": 1e-5,
          "style": "power 1e9 0.3 constant {stiffness:.17g} exponent 1 loss time {time:.17g}".format(
@@ -355,7 +399,8 @@ PUBLISHED = {
 
 @pytest.mark.parametrize("name", PUBLISHED)
 def test_published_values(lammps, name):
-    spheres, stored = dict(PUBLISHED[name][0]), PUBLISHED[name][1]
+    spheres = dict(PUBLISHED[name][0])
+    stored = PUBLISHED[name][1]
     wall, extra, timestep = (spheres.pop(key, "") for key in ("wall", "extra", "timestep"))
     floor = f"fix floor all wall/gran/hysteretic zplane 0 NULL {wall}\n" if wall else ""
     text = script_of(
@@ -363,7 +408,9 @@ def test_published_values(lammps, name):
         box=[-20 * spheres["radius"], 20 * spheres["radius"]] * 3,
         extra=f"{floor}{extra}\ntimestep {timestep}",
     )
-    text = text.replace("newton off", "newton off\ncomm_modify vel yes").replace("all nve\n", "all nve/sphere\n")
+    text = text.replace("newton off", "newton off\ncomm_modify vel yes").replace(
+        "all nve\n", "all nve/sphere\n"
+    )
     lmp = lammps(text)
     for steps, array, component, expected, near in stored:
         lmp.command(f"run {steps} post no")

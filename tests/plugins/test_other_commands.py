@@ -1,4 +1,6 @@
-"""Other commands of LAMMPS: the rows of plugins/doc/other_commands.toml, of which the manual's table is made."""
+"""Other commands of LAMMPS: the rows of plugins/doc/other_commands.toml, of which the manual's
+table is made.
+"""
 
 from __future__ import annotations
 
@@ -21,20 +23,27 @@ ROOT = Path(__file__).parents[2]
 TABLE = tomllib.loads((PAGES / "other_commands.toml").read_text(encoding="utf-8"))
 ROWS = [row for section in TABLE["section"] for row in section["row"]]
 DENTED = f"{BRASS} friction {MU}"
-CUT, LENGTH = 1000, 3000
-PITCH, SIDE = 0.0099, 3  # of a periodic lattice
+CUT = 1000
+LENGTH = 3000
+# of a periodic lattice
+PITCH = 0.0099
+SIDE = 3
 HEADS_ON = [(0, 0, 1.0), (0, 0, -1.0)]
 STIFFNESS = 4 / 3 * 115e9 / (2 * (1 - 0.3**2))  # E*
 
 
 def lattice(law: str, pitch: float = PITCH, tilt: float | None = None, **options) -> str:
     """Periodic simple cubic lattice, in a box with a tilt `xy` if there is one."""
-    places = pitch * (np.array([(x, y, z) for z in range(SIDE) for y in range(SIDE) for x in range(SIDE)]) + 0.5)
+    places = pitch * (
+        np.array([(x, y, z) for z in range(SIDE) for y in range(SIDE) for x in range(SIDE)]) + 0.5
+    )
     side = SIDE * pitch
     if tilt is not None:
         shift = places[:, 1] * tilt / side
         places[:, 0] = shift + (places[:, 0] - shift) % side
-    text = rubbing(places, law, box=[0, side] * 3, **options).replace("boundary m m m", "boundary p p p")
+    text = rubbing(places, law, box=[0, side] * 3, **options).replace(
+        "boundary m m m", "boundary p p p"
+    )
     return text if tilt is None else tilted(text, tilt)
 
 
@@ -58,12 +67,16 @@ REFERENCES: dict[str, tuple[dict[str, np.ndarray], list[float]]] = {}
 def ends(lmp) -> tuple[dict[str, np.ndarray], list[float]]:
     """Motion of the first spheres, and energies of contacts and walls."""
     motion = {name: values[:32] for name, values in state(lmp, "x", "v", "omega").items()}
-    return motion, [value(lmp, f"c_en[{n}]") for n in (1, 6, 7)] + [value(lmp, f"f_floor[{n}]") for n in (4, 5, 9)]
+    return motion, [value(lmp, f"c_en[{n}]") for n in (1, 6, 7)] + [
+        value(lmp, f"f_floor[{n}]") for n in (4, 5, 9)
+    ]
 
 
 def reference(lammps, scene: str):
     if scene not in REFERENCES:
-        REFERENCES[scene] = ends(lammps(f"{SCENES[scene]}run {CUT} post no\nrun {LENGTH - CUT} post no"))
+        REFERENCES[scene] = ends(
+            lammps(f"{SCENES[scene]}run {CUT} post no\nrun {LENGTH - CUT} post no")
+        )
     return REFERENCES[scene]
 
 
@@ -74,12 +87,21 @@ def commands(row: dict) -> str:
         assert changed != script, word
         script = changed
     second = row.get("run", f"run {LENGTH - CUT} post no")
-    pieces = [row.get("first", ""), script, row.get("setup", ""), f"run {CUT} post no", row.get("between", ""), second]
+    pieces = [
+        row.get("first", ""),
+        script,
+        row.get("setup", ""),
+        f"run {CUT} post no",
+        row.get("between", ""),
+        second,
+    ]
     return "\n".join(pieces)
 
 
 @pytest.mark.parametrize(
-    "row", [row for row in ROWS if "message" in row or "same" in row], ids=lambda row: row["command"]
+    "row",
+    [row for row in ROWS if "message" in row or "same" in row],
+    ids=lambda row: row["command"],
 )
 def test_a_command_works_or_is_refused(lammps, tmp_path, monkeypatch, row):
     monkeypatch.chdir(tmp_path)
@@ -93,7 +115,9 @@ def test_a_command_works_or_is_refused(lammps, tmp_path, monkeypatch, row):
         if row["same"] == 0:
             assert np.array_equal(motion[name], values), name
         else:
-            assert motion[name] == pytest.approx(values, rel=row["same"], abs=row["same"] * np.abs(values).max()), name
+            assert motion[name] == pytest.approx(
+                values, rel=row["same"], abs=row["same"] * np.abs(values).max()
+            ), name
     assert energies == pytest.approx(as_much, rel=max(row["same"], 1e-12))
     assert as_much[0] > 0 or scene == "lossy"
 
@@ -113,11 +137,14 @@ def test_each_row_is_tried():
 # ---------------------------------------------------------------------- runs
 
 
-@pytest.mark.parametrize("between", ["timestep 5e-9", "timestep 2e-8", "set group all density 9000"])
+@pytest.mark.parametrize(
+    "between", ["timestep 5e-9", "timestep 2e-8", "set group all density 9000"]
+)
 def test_it_balances(lammps, between):
     places, speeds, spins = packing(2)
     lmp = lammps(
-        rubbing(places, DENTED, velocities=3 * speeds, spins=spins) + f"run {CUT} post no\n{between}\nrun 0 post no"
+        rubbing(places, DENTED, velocities=3 * speeds, spins=spins)
+        + f"run {CUT} post no\n{between}\nrun 0 post no"
     )
     before = value(lmp, TOTAL)
     lmp.command("run 3000 post no")
@@ -149,9 +176,12 @@ def test_it_minimizes(lammps, style):
 @pytest.mark.parametrize("style", ["cg", "sd"])
 def test_it_minimizes_elastic(lammps, style):
     lmp = lammps(
-        script_of(PAIR, style=HERTZ, extra=PRESSED.format(style)) + "min_modify dmax 1e-6\nminimize 0 1e-6 1000 10000"
+        script_of(PAIR, style=HERTZ, extra=PRESSED.format(style))
+        + "min_modify dmax 1e-6\nminimize 0 1e-6 1000 10000"
     )
-    assert value(lmp, "c_one[1]") == pytest.approx((400 / STIFFNESS / np.sqrt(R / 2)) ** (2 / 3), rel=1e-5)
+    assert value(lmp, "c_one[1]") == pytest.approx(
+        (400 / STIFFNESS / np.sqrt(R / 2)) ** (2 / 3), rel=1e-5
+    )
 
 
 @pytest.mark.parametrize("command", ["plugin unload pair gran/hysteretic", "plugin clear"])
@@ -183,7 +213,8 @@ def test_it_deletes(lammps, command):
     found = []
     for words in ("", command):
         lmp = lammps(
-            script_of([*FAR, *PAIR], velocities=HEADS_ON * 2) + f"group gone id 1 2\nrun {CUT}\n{words}\nrun {CUT}"
+            script_of([*FAR, *PAIR], velocities=HEADS_ON * 2)
+            + f"group gone id 1 2\nrun {CUT}\n{words}\nrun {CUT}"
         )
         found.append({name: values[-2:] for name, values in state(lmp, "x", "v").items()})
         if words:
@@ -201,18 +232,26 @@ def test_it_sets(lammps):
     kinds = [f"pair_coeff 1 1 {BRASS}", f"pair_coeff 2 2 {HERTZ}", f"pair_coeff 1 2 {HERTZ}"]
     lmp = lammps(
         script_of(
-            [*PAIR, (0.05, 0, 0)], types=[1, 1, 2], velocities=[*HEADS_ON, (0, 0, 0)], coefficients=kinds, extra=one
+            [*PAIR, (0.05, 0, 0)],
+            types=[1, 1, 2],
+            velocities=[*HEADS_ON, (0, 0, 0)],
+            coefficients=kinds,
+            extra=one,
         )
     )
     lmp.command("run 2500")
-    overlap, peak = value(lmp, "c_one[1]"), value(lmp, "c_one[3]")
+    overlap = value(lmp, "c_one[1]")
+    peak = value(lmp, "c_one[3]")
     assert 0 < overlap < peak
     lmp.commands_string("set atom 1*2 type 2\nrun 0")
     assert value(lmp, "c_one[2]") == pytest.approx(hertz(overlap, (R, R)), rel=1e-12)
     assert value(lmp, "fz[2]") == pytest.approx(hertz(overlap, (R, R)), rel=1e-12)
     lmp.commands_string(f"set atom 1*2 type 1\nset atom 2 diameter {2.02 * R}\nrun 0")
     larger = ContactLaw(
-        youngs_modulus=(115e9,) * 2, poisson_ratio=(0.3,) * 2, yield_strength=(550e6,) * 2, radius=(R, 1.01 * R)
+        youngs_modulus=(115e9,) * 2,
+        poisson_ratio=(0.3,) * 2,
+        yield_strength=(550e6,) * 2,
+        radius=(R, 1.01 * R),
     )
     assert value(lmp, "c_one[1]") == pytest.approx(overlap + 0.01 * R, rel=1e-12)
     force = larger.loading_force(overlap + 0.01 * R)
@@ -220,7 +259,9 @@ def test_it_sets(lammps):
 
 
 def test_it_grows(lammps):
-    """Nothing moves, so that no list is made again; at last the sphere presses on another one and on a wall."""
+    """Nothing moves, so that no list is made again; at last the sphere presses on another one and
+    on a wall.
+    """
     script = script_of(
         [*PAIR, (0.05, 0, 0)], radius=[R, R / 2, 1.1 * R], style=HERTZ, gap=1e-4,
         extra=f"fix top all wall/gran/hysteretic zplane NULL {3 * R:.17g} {HERTZ}\ncompute one all gran/hysteretic/contact 1 2\n"
@@ -238,13 +279,21 @@ def test_it_is_rigid(lammps):
     """A sphere meets two that are one body: it comes back with a third of its speed."""
     places = [*PAIR, (0, 0, 4 * R)]
     body = "unfix motion\ngroup body id 2 3\ngroup free id 1\nneigh_modify exclude group body body\nfix rigid body rigid single\nfix motion free nve"
-    lmp = lammps(script_of(places, style=HERTZ, velocities=[(0, 0, 1), (0, 0, 0), (0, 0, 0)], extra=body) + "run 20000")
-    assert [value(lmp, f"vz[{n}]") for n in (1, 2, 3)] == pytest.approx([-1 / 3, 2 / 3, 2 / 3], rel=1e-6)
+    lmp = lammps(
+        script_of(places, style=HERTZ, velocities=[(0, 0, 1), (0, 0, 0), (0, 0, 0)], extra=body)
+        + "run 20000"
+    )
+    assert [value(lmp, f"vz[{n}]") for n in (1, 2, 3)] == pytest.approx(
+        [-1 / 3, 2 / 3, 2 / 3], rel=1e-6
+    )
 
 
 def test_it_excludes(lammps):
-    lmp = lammps(script_of(PAIR, velocities=HEADS_ON) + f"run {CUT}\ngroup one id 1\ngroup two id 2")
-    lost, speed = value(lmp, "c_ep[1]"), value(lmp, "vz[1]")
+    lmp = lammps(
+        script_of(PAIR, velocities=HEADS_ON) + f"run {CUT}\ngroup one id 1\ngroup two id 2"
+    )
+    lost = value(lmp, "c_ep[1]")
+    speed = value(lmp, "vz[1]")
     lmp.commands_string("neigh_modify exclude group one two\nrun 100")
     assert value(lmp, "c_ep[1]") == lost > 0 and value(lmp, "pe") == 0
     assert value(lmp, "vz[1]") == speed and value(lmp, "fz[1]") == 0
@@ -263,7 +312,8 @@ def test_it_excludes(lammps):
 def test_it_deforms(lammps, command):
     """All contacts of a lattice that just touches are pressed by a thousandth of its pitch."""
     lmp = lammps(
-        lattice(BRASS, 2 * R, extra="unfix motion\ncompute dents all gran/hysteretic/local") + f"run 0\n{command}"
+        lattice(BRASS, 2 * R, extra="unfix motion\ncompute dents all gran/hysteretic/local")
+        + f"run 0\n{command}"
     )
     rows = lmp.numpy.extract_compute("dents", 2, 2) if lmp.command("run 0") is None else None
     overlap = 2e-3 * R
@@ -280,9 +330,12 @@ def tilted(script: str, tilt: float) -> str:
 
 
 def test_it_is_triclinic(lammps):
-    """The same lattice in a cell that is tilted by its length; then sheared, beside the energy of its contacts."""
+    """The same lattice in a cell that is tilted by its length; then sheared, beside the energy of
+    its contacts.
+    """
     rng = np.random.default_rng(4)
-    speeds, side = rng.uniform(-2, 2, (SIDE**3, 3)), SIDE * PITCH
+    speeds = rng.uniform(-2, 2, (SIDE**3, 3))
+    side = SIDE * PITCH
     found = []
     for tilt in (0.0, side):
         lmp = lammps(lattice(DENTED, tilt=tilt or None, velocities=speeds) + "run 4000 post no")
@@ -292,7 +345,9 @@ def test_it_is_triclinic(lammps):
     (one, energies), (other, as_much) = found
     assert energies == pytest.approx(as_much, rel=1e-6) and energies[0] > 0
     for name in one:
-        assert one[name] == pytest.approx(other[name], rel=1e-6, abs=1e-6 * np.abs(one[name]).max()), name
+        assert one[name] == pytest.approx(
+            other[name], rel=1e-6, abs=1e-6 * np.abs(one[name]).max()
+        ), name
     sheared = "unfix motion\nfix shear all deform 1 xy final 0.0029 units box remap x"
     lmp = lammps(lattice(HERTZ, tilt=0.0, extra=sheared) + "run 100\nunfix shear\nrun 0")
     overlaps = 2 * R - PITCH * np.array([1, 1, np.hypot(1, 0.0029 / side)])
@@ -304,9 +359,15 @@ def test_it_is_triclinic(lammps):
 def test_a_dent_in_a_wall_passes_the_boundary_of_a_tilted_box(lammps, tilt):
     """The place of the dent is that of an image: a second blow there is elastic."""
     floor = f"fix floor all wall/gran/hysteretic zplane {-R:.17g} NULL {BRASS}"
-    script = script_of([(0.01, 1e-9, 0)], box=[0, 0.0297] * 2 + [-0.02, 0.02], velocities=[(0, -1e-3, -2)], extra=floor)
+    script = script_of(
+        [(0.01, 1e-9, 0)],
+        box=[0, 0.0297] * 2 + [-0.02, 0.02],
+        velocities=[(0, -1e-3, -2)],
+        extra=floor,
+    )
     lmp = lammps(tilted(script.replace("boundary m m m", "boundary p p m"), tilt) + "run 8000")
-    lost, speed = value(lmp, "f_floor[5]"), value(lmp, "vz[1]")
+    lost = value(lmp, "f_floor[5]")
+    speed = value(lmp, "vz[1]")
     lmp.commands_string(f"set atom 1 vz {-speed}\nrun 30000")
     assert value(lmp, "y[1]") > 0.02 and value(lmp, "vz[1]") == pytest.approx(speed, rel=1e-6)
     assert value(lmp, "f_floor[5]") == pytest.approx(lost, rel=1e-12) and lost > 0
@@ -317,7 +378,8 @@ def test_a_dent_in_a_wall_passes_the_boundary_of_a_tilted_box(lammps, tilt):
 
 def test_it_has_metal_units(lammps):
     """The restitution of spheres of 5 nm, whose mass is in grams per mole, is that of any size."""
-    si, metal = lammps(), lammps()
+    si = lammps()
+    metal = lammps()
     collide(si)
     volume = 1e-30 / 1.602176634e-19  # energy per volume, from Pa
     script = script_of(
@@ -358,8 +420,11 @@ def test_unfixed_cylinders_are_there_until_the_next_run(lammps):
     fixes = f"fix floor all wall/gran/hysteretic zplane {-3 * R:.17g} NULL {HERTZ}\nfix round all gran/cylinder 1 0.02 1 0 0 2 0.02 0 1 0"
     lmp = lammps()
     kinds = {"types": [1, 2, 2], "coefficients": [f"pair_coeff * * {HERTZ}"]}
-    lmp.commands_string(rubbing(crossed, velocities=[(0, 0, -1)] * 3, extra=fixes, **kinds) + "run 800")
-    stored, on_wall = value(lmp, "c_en"), value(lmp, "f_floor[4]")
+    lmp.commands_string(
+        rubbing(crossed, velocities=[(0, 0, -1)] * 3, extra=fixes, **kinds) + "run 800"
+    )
+    stored = value(lmp, "c_en")
+    on_wall = value(lmp, "f_floor[4]")
     lmp.commands_string("unfix round\nset atom 3 diameter 0.01")
     assert value(lmp, "c_en") == stored > 0 and value(lmp, "f_floor[4]") == on_wall > 0
     lmp.command("run 0")

@@ -1,4 +1,6 @@
-"""Packings in random motion, with every kind of force: the ledger closes, losses grow, tables sum to it."""
+"""Packings in random motion, with every kind of force: the ledger closes, losses grow, tables sum
+to it.
+"""
 
 from __future__ import annotations
 
@@ -48,7 +50,8 @@ def text_of(name: str) -> str:
 def test_balance_and_passivity(lammps, name):
     law, *_, steps, error = PACKINGS[name]
     lmp = lammps(text_of(name) + "run 0 post no")
-    start, lost = value(lmp, LEDGER), np.zeros(len(LOSSES))
+    start = value(lmp, LEDGER)
+    lost = np.zeros(len(LOSSES))
     for _ in range(8):
         lmp.command(f"run {steps // 8} post no")
         assert value(lmp, LEDGER) == pytest.approx(start, rel=error)
@@ -59,7 +62,11 @@ def test_balance_and_passivity(lammps, name):
     assert lost.sum() > 0.01 * start
     dents = lmp.numpy.extract_compute("dents", 2, 2)
     grains = lmp.numpy.extract_compute("grains", 1, 2)[: lmp.get_natoms()]
-    stored, spent = (value(lmp, f"c_en[{a}]+c_en[{b}]+c_en[{c}]") for a, b, c in ((6, 9, 11), (7, 10, 12)))
+    stored, spent = (
+        value(lmp, f"c_en[{a}]+c_en[{b}]+c_en[{c}]") for a, b, c in ((6, 9, 11), (7, 10, 12))
+    )
     assert grains[:, 10:12].sum(axis=0) == pytest.approx([stored, spent], rel=1e-12)
     assert dents[:, 13:15].sum(axis=0) == pytest.approx([stored, spent], rel=1e-12)
-    assert np.all(dents[:, 12] <= MU * dents[:, 3] * (1 + 1e-12)) or "loss" in law or "cohesion" in law
+    assert (
+        np.all(dents[:, 12] <= MU * dents[:, 3] * (1 + 1e-12)) or "loss" in law or "cohesion" in law
+    )

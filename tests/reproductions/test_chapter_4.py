@@ -24,11 +24,16 @@ def struck(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
     directory = tmp_path_factory.mktemp("struck")
     slow = {"load.velocity": 0.1, "run.end_time": 2.0e-3, "packing.size": 75}
     fast = {"load.velocity": 4.0, "run.end_time": 4.4e-4, "packing.size": 75}
-    return [run(directory / "fast", "elastic-impact", fast | STEEL), run(directory / "slow", "elastic-impact", slow)]
+    return [
+        run(directory / "fast", "elastic-impact", fast | STEEL),
+        run(directory / "slow", "elastic-impact", slow),
+    ]
 
 
 def test_solitary_wave_of_any_like_beads(struck: list[gw.Run]) -> None:
-    """Brass and steel of two radii lie on one curve of powers 6/5 and 1/6, with the discrete chain's coefficients."""
+    """Brass and steel of two radii lie on one curve of powers 6/5 and 1/6, with the discrete
+    chain's coefficients.
+    """
     wave = study_of("thesis/chapter_4/solitary_wave.py", struck)
     assert row(wave, "Power of the peak force").ours == pytest.approx(1.2, abs=1e-4)
     assert row(wave, "Power of the wave's speed").ours == pytest.approx(1 / 6, abs=1e-4)
@@ -45,9 +50,13 @@ def test_solitary_wave_of_any_like_beads(struck: list[gw.Run]) -> None:
 def test_long_loading(tmp_path: Path) -> None:
     sizes = {"packing.size": 240, "run.end_time": 4.6e-3, "output.history": 600}
     study = study_of("thesis/chapter_4/long_load.py", [run(tmp_path, "elastic-long-load", sizes)])
-    assert row(study, "Peak force").ours == pytest.approx(92.4, rel=2e-3)  # the twin at contact 200; 92.8 at 470
+    assert row(study, "Peak force").ours == pytest.approx(
+        92.4, rel=2e-3
+    )  # the twin at contact 200; 92.8 at 470
     for name, theory in (("Lower", (78.15, 455.09)), ("Upper", (107.2, 479.71))):
-        assert row(study, f"{name} bound of the peak force").theory == pytest.approx(theory[0], rel=1e-4)
+        assert row(study, f"{name} bound of the peak force").theory == pytest.approx(
+            theory[0], rel=1e-4
+        )
         assert row(study, f"{name} bound of the speed").theory == pytest.approx(theory[1], rel=1e-4)
     assert row(study, "Speed of the front").ours == pytest.approx(474, rel=2e-3)
     assert row(study, "Force of the plateau").ours == pytest.approx(40, rel=5e-3)
@@ -59,29 +68,42 @@ def test_long_loading(tmp_path: Path) -> None:
 
 @pytest.fixture(scope="module")
 def pulses(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
-    """Runs of brass at 40 N and steel at 1000 N, with three durations each that are equal in the units of the chain."""
-    directory, runs = tmp_path_factory.mktemp("pulses"), []
+    """Runs of brass at 40 N and steel at 1000 N, with three durations each that are equal in the
+    units of the chain.
+    """
+    directory = tmp_path_factory.mktemp("pulses")
+    runs = []
     for changes, amplitude in (({}, 40.0), (STEEL, 1000.0)):
         probe = gw.theory.ChainScales(gw.case("elastic-long-load", changes))
         critical = 13.4 * probe.time * (amplitude / probe.force) ** (-1 / 6)
         for share in (0.04, 0.9, 1.1):
             # a pulse of 0.04 is weaker and slower by the power 1/6 of its peak force
             end = (95 if share > 0.5 else 172) * probe.diameter / probe.nesterenko(1.4 * amplitude)
-            load = {"load.amplitude": amplitude, "load.duration": share * critical, "run.end_time": end}
+            load = {
+                "load.amplitude": amplitude,
+                "load.duration": share * critical,
+                "run.end_time": end,
+            }
             sizes = {"packing.size": 105, "output.history": 700}
-            runs.append(run(directory / str(len(runs)), "elastic-long-load", sizes | load | changes))
+            runs.append(
+                run(directory / str(len(runs)), "elastic-long-load", sizes | load | changes)
+            )
     return runs
 
 
 def test_critical_duration(pulses: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_4/wave_train.py", pulses)
     assert row(study, "Power of the critical").ours == pytest.approx(-1 / 6, abs=1e-3)
-    assert row(study, "Critical loading time").ours == pytest.approx(13.4, rel=0.1)  # between runs 20 % apart
+    assert row(study, "Critical loading time").ours == pytest.approx(
+        13.4, rel=0.1
+    )  # between runs 20 % apart
     second = np.array(columns(study)["second_over_first_peak"])
     assert second[[0, 1, 3, 4]].max() < 0.01 < second[[2, 5]].min()
 
 
-@pytest.mark.filterwarnings("ignore:Mean of empty slice", "ignore:invalid value", "ignore:No artists")  # no long pulse
+@pytest.mark.filterwarnings(
+    "ignore:Mean of empty slice", "ignore:invalid value", "ignore:No artists"
+)  # no long pulse
 def test_all_pulses_on_one_curve(pulses: list[gw.Run]) -> None:
     study = study_of("thesis/chapter_4/pulses.py", pulses)
     assert row(study, "Short pulses").ours == pytest.approx(0.0755, rel=2e-3)
@@ -96,7 +118,10 @@ def short(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
     """Short pulses on bilinear chains of three beta."""
     directory = tmp_path_factory.mktemp("short")
     sizes = {"packing.size": 40, "run.end_time": 2.4e-4, "output.history": 1200}
-    return [run(directory / f"{b}", "bilinear-pulse", sizes | {"contact.beta": b}) for b in (0.7, 0.8, 0.9)]
+    return [
+        run(directory / f"{b}", "bilinear-pulse", sizes | {"contact.beta": b})
+        for b in (0.7, 0.8, 0.9)
+    ]
 
 
 def test_short_pulse_on_bilinear_chains(short: list[gw.Run]) -> None:
@@ -105,10 +130,16 @@ def test_short_pulse_on_bilinear_chains(short: list[gw.Run]) -> None:
         found = row(study, name)
         assert found.theory == pytest.approx(theory, abs=1e-5)
         assert found.ours == pytest.approx(theory, rel=2e-3)
-    for beta, transition, decay, by_4_28 in ((0.7, 9, 0.308, 0.212), (0.8, 6, 0.363, 0.259), (0.9, 3, 0.445, 0.322)):
+    for beta, transition, decay, by_4_28 in (
+        (0.7, 9, 0.308, 0.212),
+        (0.8, 6, 0.363, 0.259),
+        (0.9, 3, 0.445, 0.322),
+    ):
         found = row(study, f"Transition to the inverse regime, contact, beta {beta}")
         assert found.ours == found.theory == transition
-        assert row(study, f"Factor of sqrt(1 - beta) in 4.22, beta {beta}").ours == pytest.approx(0.599, rel=0.015)
+        assert row(study, f"Factor of sqrt(1 - beta) in 4.22, beta {beta}").ours == pytest.approx(
+            0.599, rel=0.015
+        )
         found = row(study, f"Decay of the leading peak per contact, contacts 1 to 2, beta {beta}")
         assert f"gives {by_4_28}" in found.remark
         assert by_4_28 < found.theory < found.ours == pytest.approx(decay, abs=1e-3)
@@ -120,22 +151,40 @@ def test_bilinear_chains_of_other_beads_and_an_impact(short: list[gw.Run], tmp_p
                "run.timestep": 2e-8, "output.history": 1500}  # fmt: skip
     other = run(tmp_path, "bilinear-pulse", STEEL | changes)
     script = "thesis/chapter_4/bilinear_pulse.py"
-    theirs, ours = study_of(script, short * 2), study_of(script, [short[0], other, short[2]] * 2)
-    factor, transition = (
-        "Factor of sqrt(1 - beta) in 4.22, beta 0.8",
-        "Transition to the inverse regime, contact, beta 0.8",
-    )
+    theirs = study_of(script, short * 2)
+    ours = study_of(script, [short[0], other, short[2]] * 2)
+    factor = "Factor of sqrt(1 - beta) in 4.22, beta 0.8"
+    transition = "Transition to the inverse regime, contact, beta 0.8"
     for name in ("v_m", "F_p", "F_2", factor, transition):
         assert row(ours, name).ours == pytest.approx(row(theirs, name).ours, rel=3e-3)
 
 
 def test_long_load_on_a_bilinear_chain(tmp_path: Path) -> None:
-    sizes = {"packing.size": 145, "load.duration": 7e-4, "run.end_time": 1.5e-3, "output.history": 400}
-    study = study_of("thesis/chapter_4/bilinear_long_load.py", [run(tmp_path, "bilinear-long-load", sizes)])
-    for name, tolerance in (("v1,", 0.02), ("vt,", 0.02), ("v2,", 0.03), ("F2,", 0.02), ("xt,", 0.05), ("F1,", 0.02)):
+    sizes = {
+        "packing.size": 145,
+        "load.duration": 7e-4,
+        "run.end_time": 1.5e-3,
+        "output.history": 400,
+    }
+    study = study_of(
+        "thesis/chapter_4/bilinear_long_load.py", [run(tmp_path, "bilinear-long-load", sizes)]
+    )
+    for name, tolerance in (
+        ("v1,", 0.02),
+        ("vt,", 0.02),
+        ("v2,", 0.03),
+        ("F2,", 0.02),
+        ("xt,", 0.05),
+        ("F1,", 0.02),
+    ):
         found = row(study, name)
         assert found.ours == pytest.approx(found.theory, rel=tolerance)
-    for name, theory in (("v1 as", 26.234), ("vt as", 14.502), ("v2 as", 10.021), ("F2 as", 3055.7)):
+    for name, theory in (
+        ("v1 as", 26.234),
+        ("vt as", 14.502),
+        ("v2 as", 10.021),
+        ("F2 as", 3055.7),
+    ):
         assert row(study, name).theory == pytest.approx(theory, rel=1e-4)
 
 
@@ -151,7 +200,9 @@ def point(directory: Path, name: str, fixed: dict[str, Any], varied: dict[str, A
 
 @pytest.fixture(scope="module")
 def packings(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
-    """Brass from 4 to 40 m/s, three spheres with the energy of one, and twice the modulus at equal normalised velocity."""
+    """Brass from 4 to 40 m/s, three spheres with the energy of one, and twice the modulus at equal
+    normalised velocity.
+    """
     folder = tmp_path_factory.mktemp("packings")
     varied: list[dict[str, Any]] = [
         {"load.velocity": velocity, "load.spheres": 1} for velocity in (4.0, 10.0, 16.0, 40.0)
@@ -166,7 +217,9 @@ def blocks(tmp_path_factory: pytest.TempPathFactory) -> list[gw.Run]:
     """Punches of 10 and 100 g with equal energies, and a block of twice the modulus."""
     folder = tmp_path_factory.mktemp("blocks")
     varied = [
-        {"punch.mass": mass, "punch.velocity": v / math.sqrt(10 * mass)} for mass in (0.01, 0.1) for v in (6.0, 16.0)
+        {"punch.mass": mass, "punch.velocity": v / math.sqrt(10 * mass)}
+        for mass in (0.01, 0.1)
+        for v in (6.0, 16.0)
     ]
     varied.append({"material.youngs_modulus": 230e9, "punch.velocity": 16 / math.sqrt(2)})
     return [point(folder, "half-space", BLOCK, one) for one in varied]
@@ -184,10 +237,15 @@ def test_packings_collapse(packings: list[gw.Run]) -> None:
 
 
 def test_forces_and_energies_of_spheres(packings: list[gw.Run]) -> None:
-    """The first layers bear most in the preferred directions; few spheres do most of the dissipation."""
+    """The first layers bear most in the preferred directions; few spheres do most of the
+    dissipation.
+    """
     study = study_of("thesis/chapter_5/spheres.py", packings[:5])
     energy = row(study, "Energy of a sphere at 16 m/s")
-    assert energy.ours == pytest.approx(math.pi / 6 * 1e-6 * 8500 * 16**2 / 2) and energy.source == 0.576
+    assert (
+        energy.ours == pytest.approx(math.pi / 6 * 1e-6 * 8500 * 16**2 / 2)
+        and energy.source == 0.576
+    )
     assert row(study, "Layers whose largest force").ours >= 3
     assert 0.1 < row(study, "Force straight below").ours < 0.4
     assert 10 < row(study, "Velocity of the largest force").ours < 40

@@ -1,4 +1,6 @@
-"""Composite chains, and the homogeneous chain of the same source, against closed forms and the twin."""
+"""Composite chains, and the homogeneous chain of the same source, against closed forms and the
+twin.
+"""
 
 from __future__ import annotations
 
@@ -55,7 +57,9 @@ def homogeneous(like: gw.Run) -> Study:
 
 
 def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
-    """Force and speed agree with theory to 0.2 %; finite elements of the source deviate by 0.7 to 71 and 2 to 18 %."""
+    """Force and speed agree with theory to 0.2 %; finite elements of the source deviate by 0.7 to
+    71 and 2 to 18 %.
+    """
     force = row(homogeneous, "Peak force; source: penalty 1.5, automatic solver")
     speed = row(homogeneous, "Wave speed; source: penalty 1.5, automatic solver")
     assert (force.source, speed.source) == (27.22, 595)
@@ -65,20 +69,26 @@ def test_homogeneous_chain_is_the_discrete_wave(homogeneous: Study) -> None:
 
 
 def test_contact_of_two_beads_of_the_homogeneous_chain(homogeneous: Study) -> None:
-    """Force against approach is Hertz's; the beads part when the twin's do, ten times sooner than the source prints."""
+    """Force against approach is Hertz's; the beads part when the twin's do, ten times sooner than
+    the source prints.
+    """
     exponent = row(homogeneous, "Exponent of force against approach, beads 5 and 6")
     assert (exponent.source, exponent.theory) == (1.554, 1.5)
     assert exponent.ours == pytest.approx(1.5, abs=1e-4)
     parting = row(homogeneous, "Beads 5 and 6 part")
     bead = Bead(radius=2.38e-3, strength=None, **STEEL)
-    twin = twin_of.Chain([bead] * 15, "hertz", right=WALL).run(1e-4, 2e-8, velocity={0: 0.626}, every=1)
+    twin = twin_of.Chain([bead] * 15, "hertz", right=WALL).run(
+        1e-4, 2e-8, velocity={0: 0.626}, every=1
+    )
     force = twin.forces[:, 4]
     over = np.flatnonzero((np.arange(len(force)) > force.argmax()) & (force <= 0))[0]
     assert parting.source == 0.6
     assert parting.ours == pytest.approx(1e3 * twin.times[over], abs=3e-4)
 
 
-def test_a_force_on_disk_moves_every_row_that_measures_it(like: gw.Run, homogeneous: Study, tmp_path: Path) -> None:
+def test_a_force_on_disk_moves_every_row_that_measures_it(
+    like: gw.Run, homogeneous: Study, tmp_path: Path
+) -> None:
     unchecked = shutil.ignore_patterns(MARKER)  # it holds the sizes of the files
     shutil.copytree(like.directory, tmp_path / "copy", ignore=unchecked)
     with h5py.File(tmp_path / "copy" / "result.h5", "r+") as file:
@@ -100,7 +110,8 @@ def test_a_force_on_disk_moves_every_row_that_measures_it(like: gw.Run, homogene
 
 def test_speed_of_the_discrete_wave() -> None:
     """Comparison with a wave after 65 contacts of the twin, at its force there."""
-    bead, force = Bead(radius=2.38e-3, strength=None, **STEEL), []
+    bead = Bead(radius=2.38e-3, strength=None, **STEEL)
+    force = []
     twin = twin_of.Chain([bead] * 75, "hertz").run(5.6e-4, 5e-8, velocity={0: 0.626}, every=2)
     for contact in (45, 65):
         wave = twin.forces[:, contact]
@@ -126,10 +137,16 @@ STRENGTHS = {
 
 @pytest.fixture(scope="module")
 def chains(tmp_path_factory: pytest.TempPathFactory) -> dict[tuple[int, str], gw.Run]:
-    """Chains with N2 = 3 and 6 of brass, elastic and yielding; the shorter ones until the output pulse has passed."""
+    """Chains with N2 = 3 and 6 of brass, elastic and yielding; the shorter ones until the output
+    pulse has passed.
+    """
     folder = tmp_path_factory.mktemp("composite")
     return {
-        (n, law): run(folder / f"{n}-{law}", "composite-chain", {**SIX, **STRENGTHS, **length, "contact.law": law})
+        (n, law): run(
+            folder / f"{n}-{law}",
+            "composite-chain",
+            {**SIX, **STRENGTHS, **length, "contact.law": law},
+        )
         for n, length in ((3, THREE), (6, {}))
         for law in ("hertz", "elastoplastic")
     }
@@ -141,10 +158,17 @@ def brass(chains: dict[tuple[int, str], gw.Run]) -> Study:
 
 
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
-def test_composite_chain_against_the_twin(chains: dict[tuple[int, str], gw.Run], brass: Study, law: str) -> None:
+def test_composite_chain_against_the_twin(
+    chains: dict[tuple[int, str], gw.Run], brass: Study, law: str
+) -> None:
     """Peak force of every contact, sensor peaks and V of the chain of N2 = 6."""
-    chain, elastic = Chain(chains[6, law]), law == "hertz"
-    beads = [STEEL_BEAD] * 8 + [Bead(103e9, 0.34, None if elastic else 550e6, 5e-3, 8398.0)] * 6 + [STEEL_BEAD] * 27
+    chain = Chain(chains[6, law])
+    elastic = law == "hertz"
+    beads = (
+        [STEEL_BEAD] * 8
+        + [Bead(103e9, 0.34, None if elastic else 550e6, 5e-3, 8398.0)] * 6
+        + [STEEL_BEAD] * 27
+    )
     twin = twin_of.Chain(beads, law, right=WALL).run(3.5e-4, 4e-8, velocity={0: 0.626}, every=5)
     before = chain.time <= 3.5e-4
     ours = chain.force[before].max(axis=0)[: len(twin.peak_force)]
@@ -155,22 +179,33 @@ def test_composite_chain_against_the_twin(chains: dict[tuple[int, str], gw.Run],
     peaks = [0.5 * (twin.forces[:, k - 1] + twin.forces[:, k]).max() for k in (6, 15)]
     assert chain.sensors["incident"].max() == pytest.approx(peaks[0], rel=1e-3)
     kind = "elastic" if elastic else "yielding at 550 MPa"
-    assert row(brass, f"lambda, N2 = 6, {kind}").ours == pytest.approx(peaks[1] / peaks[0], rel=3e-3)
-    assert row(brass, f"V, N2 = 6, {kind}").ours == pytest.approx(491.3 if elastic else 450.1, rel=2e-3)
+    assert row(brass, f"lambda, N2 = 6, {kind}").ours == pytest.approx(
+        peaks[1] / peaks[0], rel=3e-3
+    )
+    assert row(brass, f"V, N2 = 6, {kind}").ours == pytest.approx(
+        491.3 if elastic else 450.1, rel=2e-3
+    )
 
 
 def test_loss_in_the_section_lowers_the_pulse(brass: Study) -> None:
-    """Elastic: the ratio hardly depends on the length; yielding: the pulse is lower and later, more so in the longer."""
+    """Elastic: the ratio hardly depends on the length; yielding: the pulse is lower and later, more
+    so in the longer.
+    """
     data = columns(brass, "length")
-    elastic, yielding = data["elastic_ratio"], data["yielding_at_550_MPa_ratio"]
+    elastic = data["elastic_ratio"]
+    yielding = data["yielding_at_550_MPa_ratio"]
     assert elastic[1] == pytest.approx(elastic[0], rel=0.01)
     assert yielding[1] < 0.75 * yielding[0] < 0.5
     assert np.all(data["yielding_at_550_MPa_speed_m_s"] < data["elastic_speed_m_s"])
 
 
 def test_reflections(brass: Study) -> None:
-    """The pulse reflected at the end returns at the time given in the source; the back reflection is weak and earlier."""
-    incident, back, end = (row(brass, name) for name in ("Incident", "Back reflection", "Pulse back"))
+    """The pulse reflected at the end returns at the time given in the source; the back reflection
+    is weak and earlier.
+    """
+    incident, back, end = (
+        row(brass, name) for name in ("Incident", "Back reflection", "Pulse back")
+    )
     assert (end.unit, end.source) == ("ms", 1.25)
     assert end.ours == pytest.approx(1.25, rel=0.03)
     assert incident.ours < back.ours < end.ours
@@ -184,10 +219,16 @@ def test_rows_beside_the_source(brass: Study) -> None:
     assert row(brass, "V, N2 = 3, elastic").ours == pytest.approx(511.6, rel=2e-3)
     assert row(brass, "V, N2 = 6, yielding at 550 MPa").source is None
     stress = row(brass, "Largest pressure, first contact of the section, N2 = 6, elastic")
-    assert stress.source == 1200 and "largest von Mises stress 1319 MPa" in stress.remark  # compressive, not von Mises
-    assert not [one for one in brass.rows if one.ours is None and one.theory is None], "it compares nothing"
+    assert (
+        stress.source == 1200 and "largest von Mises stress 1319 MPa" in stress.remark
+    )  # compressive, not von Mises
+    assert not [one for one in brass.rows if one.ours is None and one.theory is None], (
+        "it compares nothing"
+    )
     speed = row(brass, "Speed of the striker")
-    assert speed.ours is None and speed.theory == pytest.approx(np.sqrt(2 * 9.81 * np.sin(np.pi / 60) * 0.01))
+    assert speed.ours is None and speed.theory == pytest.approx(
+        np.sqrt(2 * 9.81 * np.sin(np.pi / 60) * 0.01)
+    )
 
 
 @pytest.fixture(scope="module")
@@ -204,12 +245,16 @@ def ptfe(soft: gw.Run) -> Study:
 
 @pytest.fixture(scope="module")
 def ptfe_twin() -> Record:
-    chain = twin_of.Chain([STEEL_BEAD] * 8 + [PTFE_BEAD] * 6 + [STEEL_BEAD] * 27, "hertz", right=WALL)
+    chain = twin_of.Chain(
+        [STEEL_BEAD] * 8 + [PTFE_BEAD] * 6 + [STEEL_BEAD] * 27, "hertz", right=WALL
+    )
     return chain.run(1e-3, 1e-7, velocity={0: 0.626}, every=5)
 
 
 def test_output_of_ptfe_has_two_peaks(ptfe: Study, ptfe_twin: Record) -> None:
-    """Times and heights of both at the second contact behind the section, and of the train before it, by the twin."""
+    """Times and heights of both at the second contact behind the section, and of the train before
+    it, by the twin.
+    """
     for name, contact in (
         ("Second output peak over the first", 15),
         ("Second wave into the section over the first", 7),
@@ -235,18 +280,30 @@ def test_the_train_needs_no_reflection() -> None:
 
 def test_energy_by_section(soft: gw.Run, ptfe: Study, ptfe_twin: Record) -> None:
     """The sum is that of the ledger; shares are the twin's."""
-    data, twin = columns(ptfe, "waves"), ptfe_twin
+    data = columns(ptfe, "waves")
+    twin = ptfe_twin
     time = data["elastic_time_s"]
-    shares = np.stack([data[f"elastic_{part}_over_input"] for part in ("first_steel", "light", "second_steel")], axis=1)
+    shares = np.stack(
+        [data[f"elastic_{part}_over_input"] for part in ("first_steel", "light", "second_steel")],
+        axis=1,
+    )
     before = time < 9e-4  # the wall bears nothing yet
-    ledger = np.interp(time[before], soft.energies.index, soft.energies.input / soft.energies.input.iloc[-1])
+    ledger = np.interp(
+        time[before], soft.energies.index, soft.energies.input / soft.energies.input.iloc[-1]
+    )
     assert shares.sum(axis=1)[before] == pytest.approx(ledger, rel=1e-5)
     mass = np.array([7925.0] * 8 + [1870.0] * 6 + [7925.0] * 27) * np.pi / 6 * 1e-6
-    stored = 0.4 * twin.forces[:, :40] * np.maximum(twin.displacements[:, :-1] - twin.displacements[:, 1:], 0)
+    stored = (
+        0.4
+        * twin.forces[:, :40]
+        * np.maximum(twin.displacements[:, :-1] - twin.displacements[:, 1:], 0)
+    )
     beads = 0.5 * mass * twin.velocities**2
     beads[:, :-1] += 0.5 * stored
     beads[:, 1:] += 0.5 * stored
-    theirs = np.stack([beads[:, part].sum(axis=1) for part in (slice(0, 8), slice(8, 14), slice(14, 41))], axis=1)
+    theirs = np.stack(
+        [beads[:, part].sum(axis=1) for part in (slice(0, 8), slice(8, 14), slice(14, 41))], axis=1
+    )
     for moment in (2e-4, 4e-4, 6e-4, 8e-4):
         k = int(np.argmin(np.abs(twin.times - moment)))
         ours = [np.interp(twin.times[k], time, share) for share in shares.T]
@@ -254,14 +311,19 @@ def test_energy_by_section(soft: gw.Run, ptfe: Study, ptfe_twin: Record) -> None
 
 
 def test_energy_turns_back_in_ptfe_not_in_brass(brass: Study, ptfe: Study) -> None:
-    """Shares of the energy out of the section, at its third contact: of PTFE a hundred times as much as of brass."""
+    """Shares of the energy out of the section, at its third contact: of PTFE a hundred times as
+    much as of brass.
+    """
     assert row(brass, "Energy back").ours < 0.01 and row(ptfe, "Energy back").ours > 0.5
 
 
 def test_pressures_are_those_of_hertz(chains: dict[tuple[int, str], gw.Run], brass: Study) -> None:
-    """(6 F E*^2/(pi^3 R*^2))^(1/3) at the force of the run; the source's two stresses have a ratio, ours stays near one."""
+    """(6 F E*^2/(pi^3 R*^2))^(1/3) at the force of the run; the source's two stresses have a ratio,
+    ours stays near one.
+    """
     chain = Chain(chains[6, "hertz"])
-    modulus, force = 103e9 / (2 * (1 - 0.34**2)), chain.force[:, chain.contact_between(8)].max()
+    modulus = 103e9 / (2 * (1 - 0.34**2))
+    force = chain.force[:, chain.contact_between(8)].max()
     expected = (6 * force * modulus**2 / (np.pi**3 * 2.5e-3**2)) ** (1 / 3)
     first = row(brass, "Largest pressure, first contact of the section, N2 = 6, elastic")
     assert first.ours == pytest.approx(1e-6 * expected, rel=1e-3)
@@ -270,7 +332,9 @@ def test_pressures_are_those_of_hertz(chains: dict[tuple[int, str], gw.Run], bra
 
 
 def test_friction_of_the_holder(tmp_path: Path) -> None:
-    """Friction of the weight takes little of the pulse; the ledger is friction times weight times path."""
+    """Friction of the weight takes little of the pulse; the ledger is friction times weight times
+    path.
+    """
     runs = [
         run(tmp_path / f"{n}-{mu}", "composite-chain", changes | {"boundary.holder_friction": mu})
         for n, changes in ((3, THREE), (6, {"run.end_time": 4e-4}))
@@ -288,7 +352,10 @@ def test_losses_in_the_contacts(tmp_path: Path) -> None:
     """The output pulse falls along the section; the source's speeds are beside ours."""
     loss = {"contact.loss": {"dashpot": {"restitution": 0.97}}}
     long = {"replace.1.index": {"first": 8, "last": 31}, "sensor.2.id": 33, "run.end_time": 8e-4}
-    runs = [run(tmp_path / f"{n}", "composite-chain", part | loss) for n, part in ((3, THREE), (24, long))]
+    runs = [
+        run(tmp_path / f"{n}", "composite-chain", part | loss)
+        for n, part in ((3, THREE), (24, long))
+    ]
     study = study_in("contact_losses", runs)
     speed = row(study, "V, N2 = 3, brass-composite, restitution 0.97")
     assert speed.source == 469.0 and speed.ours == pytest.approx(508.2, rel=1e-3)
@@ -311,4 +378,7 @@ def test_scans_have_their_sensor_on_the_second_bead_behind(name: str) -> None:
     for point in load_scan(FOLDER / "composite_chains" / f"{name}.toml").points:
         section = point.case.replace[0].index
         assert section[0] == 8
-        assert {sensor.name: sensor.id for sensor in point.case.sensor} == {"incident": 6, "output": section[-1] + 2}
+        assert {sensor.name: sensor.id for sensor in point.case.sensor} == {
+            "incident": 6,
+            "output": section[-1] + 2,
+        }

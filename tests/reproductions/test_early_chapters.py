@@ -66,7 +66,9 @@ def test_speed(pulses: list[gw.Run]) -> None:
 
 def test_dissipation(pulses: list[gw.Run]) -> None:
     found = study("elastoplastic_dissipation", pulses)
-    assert row(found, "Dissipated up to contact 87 over F_y alpha_y, I 0.46").deviation == pytest.approx(0, abs=0.06)
+    assert row(
+        found, "Dissipated up to contact 87 over F_y alpha_y, I 0.46"
+    ).deviation == pytest.approx(0, abs=0.06)
     fitted = [row(found, f"d{n} of 2.28").theory for n in range(3)]
     assert fitted == pytest.approx([1.10e-4, -7.7e-7, 1.840e-8], rel=0.01)
     model = columns(found)["model_integral_20 kN, 10 µs"]
@@ -81,41 +83,74 @@ def test_elastic_chain_beside(pulses: list[gw.Run]) -> None:
 
 def test_unlike_spheres_follow_the_law(tmp_path: Path) -> None:
     """Loading and unloading; values at 0.4 mm of the independent law (tests/helpers/twin.py) in kN."""
-    probed = {"packing.diameter": 0.00952, "run.end_time": 4e-5, "output.probes": [{"contact": [1, 2]}]}
+    probed = {
+        "packing.diameter": 0.00952,
+        "run.end_time": 4e-5,
+        "output.probes": [{"contact": [1, 2]}],
+    }
     cases = {
         "like": {"load.velocity": 50.5},
         "radii": {"load.velocity": 72.8, "replace": [{"index": 2, "diameter": 0.03808}]},
         "weak": {"load.velocity": 48.5, "material": {"preset": "brass", "yield_strength": 500e6}},
         "unlike": {"load.velocity": 52.6, "replace": [{"index": 2, "material": "steel"}]},
     }
-    found = study("unlike_spheres", [run(tmp_path / n, "two-spheres", probed | case) for n, case in cases.items()])
+    found = study(
+        "unlike_spheres",
+        [run(tmp_path / n, "two-spheres", probed | case) for n, case in cases.items()],
+    )
     assert {one.kind for one in found.rows} == {"verification"}  # the law, looked up through itself
     assert row(found, "Largest distance of 4 recorded curves").ours < 0.1  # %
-    for what, force in (("sigma_y 550 MPa", 8.972), ("sigma_y 500 MPa", 8.266), ("brass on steel", 9.251)):
+    for what, force in (
+        ("sigma_y 550 MPa", 8.972),
+        ("sigma_y 500 MPa", 8.266),
+        ("brass on steel", 9.251),
+    ):
         assert row(found, f"Force at 0.4 mm, {what}").ours == pytest.approx(force, rel=2e-4)
     data = found.pictures[0].drawing.columns
     assert data["overlap_over_radius_2"].max() > 0.199
-    of_yield, alike = data["force_of_radius_2_over_yield_force"], data["force_of_radius_1_over_yield_force"]
+    of_yield = data["force_of_radius_2_over_yield_force"]
+    alike = data["force_of_radius_1_over_yield_force"]
     assert of_yield.max() == pytest.approx(alike.max(), rel=0.01)  # the law scales with R*
 
 
-SHORT = {"packing.size": 8, "bar.length": 1.2, "bar.elements": 120, "run.end_time": 4e-4, "load.amplitude": 2e3}
+SHORT = {
+    "packing.size": 8,
+    "bar.length": 1.2,
+    "bar.elements": 120,
+    "run.end_time": 4e-4,
+    "load.amplitude": 2e3,
+}
 
 
 def of_shape(study: Study, start: str, shape: str) -> gw.Row:
-    (found,) = [one for one in study.rows if one.quantity.startswith(start) and f", {shape} " in one.quantity]
+    (found,) = [
+        one
+        for one in study.rows
+        if one.quantity.startswith(start) and f", {shape} " in one.quantity
+    ]
     return found
 
 
 def test_pulses_in_a_bar(tmp_path: Path) -> None:
-    """A half-sine on two meshes, and a rectangle; energy converges with the square of the element, kinks with 2/3."""
+    """A half-sine on two meshes, and a rectangle; energy converges with the square of the element,
+    kinks with 2/3.
+    """
     short = {"incident_bar.length": 1.0, "load.duration": 4e-5, "run.end_time": 3e-4}
     runs = [
-        run(tmp_path / f"{shape}{n}", "bar-pulse", short | {"load.shape": shape, "incident_bar.elements": n})
+        run(
+            tmp_path / f"{shape}{n}",
+            "bar-pulse",
+            short | {"load.shape": shape, "incident_bar.elements": n},
+        )
         for shape, n in (("half-sine", 100), ("half-sine", 200), ("rectangle", 200))
     ]
     study = study_of("thesis/chapter_3/elastic_bar.py", runs)
-    for start, tolerance in (("Speed", 2e-4), ("Impedance", 1e-3), ("Peak at a section", 5e-3), ("Energy", 1e-3)):
+    for start, tolerance in (
+        ("Speed", 2e-4),
+        ("Impedance", 1e-3),
+        ("Peak at a section", 5e-3),
+        ("Energy", 1e-3),
+    ):
         found = of_shape(study, start, "half-sine")
         assert found.ours == pytest.approx(found.theory, rel=tolerance)
     assert of_shape(study, "Largest deviation", "half-sine").ours < 0.08
@@ -133,23 +168,40 @@ def test_places_of_an_odd_bead(tmp_path: Path) -> None:
     kinds += [("brass", "aluminium", place) for place in (2, 5, 8)] + [("brass", "steel", 8)]
     runs = []
     for base, odd, place in kinds:
-        changes = {"material": base, "replace.1.material": odd, "replace.1.index": place, "output.history": 0}
+        changes = {
+            "material": base,
+            "replace.1.material": odd,
+            "replace.1.index": place,
+            "output.history": 0,
+        }
         runs.append(run(tmp_path / f"{base}{odd}{place}", "intruder", SHORT | changes))
     study = study_of("thesis/chapter_3/intruder_place.py", runs)
     least = row(study, "Transmitted energy, aluminium: least")
-    assert least.quantity.endswith("at place 8") and least.ours < row(study, "Transmitted energy, all brass").ours
+    assert (
+        least.quantity.endswith("at place 8")
+        and least.ours < row(study, "Transmitted energy, all brass").ours
+    )
     assert columns(study)["place_of_aluminium"].tolist() == [2, 5, 8]
     assert len(study.verdict) == 1
 
 
 def test_properties_of_an_odd_bead(tmp_path: Path) -> None:
     """Heavier and softer ones transmit less."""
-    changes = SHORT | {"output.history": 0, "replace.1.index": 4, "run.end_time": 6e-4, "bar.length": 1.6}
+    changes = SHORT | {
+        "output.history": 0,
+        "replace.1.index": 4,
+        "run.end_time": 6e-4,
+        "bar.length": 1.6,
+    }
     steel = {"preset": "steel"}
     kinds: list[Any] = ["steel", *(steel | {"density": r * 7850} for r in (5, 20))]
     kinds += [steel | {"yield_strength": r * 7e8} for r in (0.1, 0.3)]
     runs = [
-        run(tmp_path / str(n), "intruder", changes | {"material": "steel", "replace.1.material": kind})
+        run(
+            tmp_path / str(n),
+            "intruder",
+            changes | {"material": "steel", "replace.1.material": kind},
+        )
         for n, kind in enumerate(kinds)
     ]
     data = columns(study_of("thesis/chapter_3/intruder_properties.py", runs))
@@ -160,13 +212,23 @@ def test_properties_of_an_odd_bead(tmp_path: Path) -> None:
 
 
 def test_split_hopkinson(tmp_path: Path) -> None:
-    changes = {"packing.size": 4, "replace.1.index": 2, "bar.elements": 200, "incident_bar.elements": 200}
+    changes = {
+        "packing.size": 4,
+        "replace.1.index": 2,
+        "bar.elements": 200,
+        "incident_bar.elements": 200,
+    }
     changes |= {"run.end_time": 8e-4, "output.history": 400}
     found = run(tmp_path, "split-hopkinson", changes)
     study = study_of("thesis/chapter_3/split_hopkinson.py", [found])
     assert row(study, "Peak force, incident").ours == pytest.approx(30, rel=1e-2)
-    transmitted, reflected = (row(study, f"Energy, {one} over incident").ours for one in ("transmitted", "reflected"))
+    transmitted, reflected = (
+        row(study, f"Energy, {one} over incident").ours for one in ("transmitted", "reflected")
+    )
     assert 0 < transmitted < 0.1 < reflected < 1
     assert of_shape(study, "Speed", "table").ours == pytest.approx((200e9 / 8100) ** 0.5, rel=1e-3)
-    assert [picture.name for picture in study.pictures] == ["split_hopkinson", "split_hopkinson_map"]
+    assert [picture.name for picture in study.pictures] == [
+        "split_hopkinson",
+        "split_hopkinson_map",
+    ]
     assert found["energy_balance_error"] < 1e-5

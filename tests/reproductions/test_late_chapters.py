@@ -14,17 +14,24 @@ from tests.helpers.scripts import FOLDER, row, study_of
 
 CHAPTER = FOLDER / "thesis" / "chapter_6"
 waves, theory, yielding = (
-    load_study(str(CHAPTER / f"confined_{name}.py")) for name in ("waves", "asymptotics", "yielding")
+    load_study(str(CHAPTER / f"confined_{name}.py"))
+    for name in ("waves", "asymptotics", "yielding")
 )
 
 
 def run_of(case: str, directory: Path, beads: int, **changes: Any) -> gw.Run:
-    keys = {"packing.size": beads, "grains.1.repeat.times": beads - 1, "hold.1.index": [1, beads]} | changes
+    keys = {
+        "packing.size": beads,
+        "grains.1.repeat.times": beads - 1,
+        "hold.1.index": [1, beads],
+    } | changes
     return gw.run(case, keys, directory=directory, progress=False)
 
 
 def test_sizes_constants_and_balance() -> None:
-    """Check values of an independent program; legends follow from a balance without rings, but for 12.5 and 18.4."""
+    """Check values of an independent program; legends follow from a balance without rings, but for
+    12.5 and 18.4.
+    """
     study = study_of("thesis/chapter_6/confined_sizes.py", [None])  # type: ignore[list-item]
     checked = [row for row in study.rows if row.verification]
     assert len(checked) == 4 * 7 + 4 and all(abs(row.deviation or 0.0) < 3e-4 for row in checked)
@@ -44,9 +51,13 @@ def test_waves_of_an_independent_program() -> None:
     row = waves.Rows.fitting([8, 8, 9], [0.0, 1.9e-3, 1.2e-3])
     force, time = waves.leading_wave(row, 1.0, struck=10, last=51)
     scaled = 1e4 * force / waves.FORCE
-    assert scaled[:, [20, 50]] == pytest.approx(np.array([[3.208, 2.499], [1.316, 1.266], [1.587, 1.547]]), abs=1.5e-3)
+    assert scaled[:, [20, 50]] == pytest.approx(
+        np.array([[3.208, 2.499], [1.316, 1.266], [1.587, 1.547]]), abs=1.5e-3
+    )
     assert -np.diff(np.log(scaled[0, [30, 40, 50]])) / 10 == pytest.approx(8.33e-3, rel=0.01)
-    assert 10 * 0.015 / np.diff(time[1:, [40, 50]]).ravel() == pytest.approx([637.6, 676.5], rel=2e-3)
+    assert 10 * 0.015 / np.diff(time[1:, [40, 50]]).ravel() == pytest.approx(
+        [637.6, 676.5], rel=2e-3
+    )
 
 
 def test_similar_rows() -> None:
@@ -57,7 +68,11 @@ def test_similar_rows() -> None:
 
 
 def test_a_run_beside_the_equations(tmp_path: Path) -> None:
-    changes = {"load.index": [4], "precompression": {"kind": "walls", "tube": 9e-6}, "run.end_time": 6e-4}
+    changes = {
+        "load.index": [4],
+        "precompression": {"kind": "walls", "tube": 9e-6},
+        "run.end_time": 6e-4,
+    }
     run = waves.ConfinedRun(run_of("confined-row", tmp_path, 32, **changes))
     assert (run.n, run.struck) == (8, 4) and run.a == pytest.approx(1.2e-3) and run.passed > 20
     assert run.inward == pytest.approx(run.rows.inward[0], rel=1e-4)
@@ -76,7 +91,9 @@ def test_asymptotic_theory() -> None:
     assert speed == pytest.approx(1.0217, abs=1e-4) and speed == pytest.approx(low.speed, rel=3e-4)
     z = np.linspace(-3, 3, 31)
     assert theory.series_at(z, coefficients) == pytest.approx(low.displacement(z), abs=4e-3)
-    assert low.tails == pytest.approx([1.91, 0.154], rel=0.01) and high.tails == pytest.approx([1.15, 0.042], rel=0.02)
+    assert low.tails == pytest.approx([1.91, 0.154], rel=0.01) and high.tails == pytest.approx(
+        [1.15, 0.042], rel=0.02
+    )
     assert low.energy_decay > 2 * high.energy_decay > 0
 
 
@@ -86,7 +103,9 @@ def test_rows_that_yield(tmp_path: Path) -> None:
         "load.table": pushes, "load.index": [4], "run.end_time": 4.2e-4, "run.timestep": 5e-8, "contact.law": "hertz",
         "output.probes": [{"contact": [8, 9]}, {"contact": [12, 13]}],
     }  # fmt: skip
-    plastic = run_of("confined-steel", tmp_path / "plastic", 24, **changes | {"contact.law": "elastoplastic"})
+    plastic = run_of(
+        "confined-steel", tmp_path / "plastic", 24, **changes | {"contact.law": "elastoplastic"}
+    )
     elastic = run_of("confined-steel", tmp_path / "elastic", 24, **changes)
     (found,) = yielding.select([plastic, elastic])
     assert [run.words for run in found] == ["elastic, a = 0", "yielding, a = 0"]
@@ -120,11 +139,19 @@ def test_grains_in_holes(tmp_path: Path) -> None:
         "packing.size": [3, 4, 46], "load.index": {"first": 1, "last": 12}, "run.end_time": 6e-4, "run.frames": 121,
     }  # fmt: skip
     runs = [
-        gw.run("interstitial-fcc", size | change, directory=tmp_path / name, figures=False, progress=False)
+        gw.run(
+            "interstitial-fcc",
+            size | change,
+            directory=tmp_path / name,
+            figures=False,
+            progress=False,
+        )
         for name, change in (("empty", {"grains": []}), ("steel", {"grains.1.material": "steel"}))
     ]
     study = study_of("thesis/chapter_7/interstitial_fcc.py", runs)
-    empty, steel = (row(study, f"Speed of the pulse, {what}").ours for what in ("empty holes", "steel"))
+    empty, steel = (
+        row(study, f"Speed of the pulse, {what}").ours for what in ("empty holes", "steel")
+    )
     assert empty < steel < 1.01 * empty
     assert 1.05 < row(study, "Peak at the bottom over that with empty holes, steel").ours < 1.1
 
@@ -135,7 +162,12 @@ def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
 
 def test_row_without_cylinders(tmp_path: Path) -> None:
     """Peaks of the second solver, and how far a wave moves a sphere."""
-    bare = {"grains": [], "guide": [{"free": "z"}], "boundary.sides": "free", "run.end_time": 3.3e-4}
+    bare = {
+        "grains": [],
+        "guide": [{"free": "z"}],
+        "boundary.sides": "free",
+        "run.end_time": 3.3e-4,
+    }
     runs = [
         run(tmp_path / str(n), "gap-switch-loose", bare | changes)
         for n, changes in enumerate((
@@ -150,8 +182,13 @@ def test_row_without_cylinders(tmp_path: Path) -> None:
 
 
 def test_where_plates_put_cylinders(tmp_path: Path) -> None:
-    """Width of open gaps, and the place of loose cylinders; rigid plates make the first peak another."""
-    gaps = {n: [[k, width] for k in range(14, 19)] for n, width in (("usual", 3.45424064e-4), ("wide", 3.72866858e-4))}
+    """Width of open gaps, and the place of loose cylinders; rigid plates make the first peak
+    another.
+    """
+    gaps = {
+        n: [[k, width] for k in range(14, 19)]
+        for n, width in (("usual", 3.45424064e-4), ("wide", 3.72866858e-4))
+    }
     opened = {
         "boundary.friction": 0.185, "run.end_time": 1e-6,
         "grains.1.ring": {"n": 2, "radius": "touching", "gap": [14, 15, 16, 17, 18]},
@@ -159,12 +196,26 @@ def test_where_plates_put_cylinders(tmp_path: Path) -> None:
     runs = [
         run(tmp_path / "usual", "gap-switch", opened | {"packing.gaps": gaps["usual"]}),
         run(tmp_path / "wide", "gap-switch", opened | {"packing.gaps": gaps["wide"]}),
-        run(tmp_path / "rigid", "gap-switch", opened | {"packing.gaps": gaps["usual"], "boundary.sides": "wall"}),
+        run(
+            tmp_path / "rigid",
+            "gap-switch",
+            opened | {"packing.gaps": gaps["usual"], "boundary.sides": "wall"},
+        ),
         run(tmp_path / "loose", "gap-switch-loose", {"run.end_time": 1e-6}),
     ]
     study = study_of("thesis/chapter_8/plates.py", runs)
-    for start in ("Width of the open gaps, plates 15.975", "Width of the open gaps, plates 15.95", "Distance", "Gap"):
+    for start in (
+        "Width of the open gaps, plates 15.975",
+        "Width of the open gaps, plates 15.95",
+        "Distance",
+        "Gap",
+    ):
         for one in (one for one in study.rows if one.quantity.startswith(start)):
             assert one.ours == pytest.approx(one.theory, rel=1e-5)
-    assert row(study, "First peak at sphere 21, open gaps, 10 cylinders, friction 0.185, rigid plates")
-    assert row(study, "First peak at sphere 21, open gaps, 10 cylinders, friction 0.185, plates 15.95 mm apart")
+    assert row(
+        study, "First peak at sphere 21, open gaps, 10 cylinders, friction 0.185, rigid plates"
+    )
+    assert row(
+        study,
+        "First peak at sphere 21, open gaps, 10 cylinders, friction 0.185, plates 15.95 mm apart",
+    )

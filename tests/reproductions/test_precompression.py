@@ -1,4 +1,6 @@
-"""Packings and chains with a past: precompressed, settled, pressed and hit before; and what their scripts say of them."""
+"""Packings and chains with a past: precompressed, settled, pressed and hit before; and what their
+scripts say of them.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,11 @@ FOLDER = Path(__file__).parents[2] / "reproductions" / "precompression"
 DENTED = {"packing__kind": "fcc", "packing__size": [4, 4, 3], "run__end_time": 5e-4}
 ROWS: dict[str, dict[str, Any]] = {
     "falling row": {"packing__size": 5, "load__index": [1, 2, 3, 4, 5], "run__end_time": 1e-3},
-    "loose row": {"packing__size": 10, "packing__gaps": [[n, 1e-4] for n in range(1, 10)], "run__end_time": 3e-3},
+    "loose row": {
+        "packing__size": 10,
+        "packing__gaps": [[n, 1e-4] for n in range(1, 10)],
+        "run__end_time": 3e-3,
+    },
     "pressed": DENTED | {"contact__initial_overlap": {"force": 3e3}},
     "fresh": DENTED,
 }
@@ -33,7 +39,8 @@ def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
     small = {"packing__size": [6, 6, 4], "run__end_time": 1.5e-4}
     pressed = {"precompression": {"kind": "uniform", "pressure": 1e5}}
     without, under = runs = [
-        run("fcc-small", directory=tmp_path / f"{n}", **small, **more) for n, more in enumerate(({}, pressed))
+        run("fcc-small", directory=tmp_path / f"{n}", **small, **more)
+        for n, more in enumerate(({}, pressed))
     ]
     assert 0.5 < under["dissipated_fraction"] < 0.95
     assert under["base_arrival_s"] < without["base_arrival_s"]
@@ -43,20 +50,34 @@ def test_impact_on_top_of_pressure(tmp_path: Path) -> None:
 
 
 def test_more_than_the_input_is_dissipated(tmp_path: Path) -> None:
-    """A weak impact on contacts near yield causes the packing to settle under its load, and the script says so."""
-    weak = {"packing__size": [5, 5, 3], "run__end_time": 2e-4, "load__velocity": 0.2, "precompression__kind": "uniform"}
-    runs = [run("fcc-small", directory=tmp_path / f"{p:g}", precompression__pressure=p, **weak) for p in (1e4, 1.4e5)]
+    """A weak impact on contacts near yield causes the packing to settle under its load, and the
+    script says so.
+    """
+    weak = {
+        "packing__size": [5, 5, 3],
+        "run__end_time": 2e-4,
+        "load__velocity": 0.2,
+        "precompression__kind": "uniform",
+    }
+    runs = [
+        run("fcc-small", directory=tmp_path / f"{p:g}", precompression__pressure=p, **weak)
+        for p in (1e4, 1.4e5)
+    ]
     assert runs[1]["dissipated_fraction"] > 1 > runs[0]["dissipated_fraction"]
     assert runs[1]["energy_elastic_J"] < 0 and runs[1]["energy_balance_error"] < 1e-5
     assert "More than 100 %" in made("impacts.py", *runs).verdict[0]
 
 
 def test_settled_packing_beside_the_same_as_placed(tmp_path: Path) -> None:
-    """Packings settled without friction have about three contacts per sphere, including those with the bottom."""
+    """Packings settled without friction have about three contacts per sphere, including those with
+    the bottom.
+    """
     small = {"packing__size": [5, 6, 5], "run__end_time": 2e-4}
     settled = run("settled-fcc", directory=tmp_path / "settled", **small)
     scatter = {"packing__diameter_scatter": 5e-6, "packing__seed": 1}
-    placed = run("fcc-small", directory=tmp_path / "placed", **small, boundary__sides="periodic", **scatter)
+    placed = run(
+        "fcc-small", directory=tmp_path / "placed", **small, boundary__sides="periodic", **scatter
+    )
     ideal = run("fcc-small", directory=tmp_path / "ideal", **small, boundary__sides="periodic")
     assert settled["precompression_residual"] < 1e-6
     assert 2.5 < settled.result["prestage/contacts"][-1] / settled["n_spheres"] < 5
@@ -81,12 +102,18 @@ def test_preconditioned_chain_is_elastic_up_to_its_level(tmp_path: Path) -> None
 
 
 def test_packing_hit_three_times(tmp_path: Path) -> None:
-    """A hit starts from the dents of the previous one, and dissipates less, farther away from the struck sphere."""
+    """A hit starts from the dents of the previous one, and dissipates less, farther away from the
+    struck sphere.
+    """
     small = {"packing__size": [6, 6, 4], "run__end_time": 3e-4}
     runs = [run("fcc-small", directory=tmp_path / "hit1", **small)]
     for n in (2, 3):
         dents = str(runs[-1].directory / "result.h5")
-        runs.append(run("fcc-small", directory=tmp_path / f"hit{n}", contact__initial_overlap=dents, **small))
+        runs.append(
+            run(
+                "fcc-small", directory=tmp_path / f"hit{n}", contact__initial_overlap=dents, **small
+            )
+        )
     first, second, third = (one["dissipated_fraction"] for one in runs)
     assert third < second < 0.9 * first
     study = made("hits.py", *runs[::-1])
@@ -129,7 +156,9 @@ def test_where_a_dent_is_met_again_it_counts(kept_and_forgotten: dict[str, list[
     assert kept == 0 and forgotten > 0.01  # a blow below what pressed it before
 
 
-def test_the_table_of_dents_has_a_line_for_each_pair(kept_and_forgotten: dict[str, list[gw.Run]]) -> None:
+def test_the_table_of_dents_has_a_line_for_each_pair(
+    kept_and_forgotten: dict[str, list[gw.Run]],
+) -> None:
     study = made("dents.py", *(one for pair in kept_and_forgotten.values() for one in pair))
     table, note = study.tables
     assert len(table.rows) == len(ROWS)

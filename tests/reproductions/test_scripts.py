@@ -1,4 +1,6 @@
-"""Scripts of the reproductions: on the public Python door alone, short, and each named by a scan or suite beside it; captions of their figures."""
+"""Scripts of the reproductions: on the public Python door alone, short, and each named by a scan or
+suite beside it; captions of their figures.
+"""
 
 from __future__ import annotations
 
@@ -34,7 +36,9 @@ def test_imports(path: Path) -> None:
             assert node.level == 0
             names = [node.module or ""]
         for name in names:
-            assert name in DOORS if name.startswith("granwave") else True, f"{path.name} imports {name}"
+            assert name in DOORS if name.startswith("granwave") else True, (
+                f"{path.name} imports {name}"
+            )
 
 
 def test_length() -> None:
@@ -75,18 +79,26 @@ def _text(node):
 
 
 def _captions(file):
-    """Longest text of the caption of each figure of a script, without the numbers that it puts into it."""
+    """Longest text of the caption of each figure of a script, without the numbers that it puts into
+    it.
+    """
     for function in ast.parse(file.read_text(encoding="utf-8")).body:
         texts = {}
         for node in ast.walk(function):
             if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name):
                 texts.setdefault(node.targets[0].id, []).append(_text(node.value))
         for node in ast.walk(function):
-            if isinstance(node, ast.AugAssign) and isinstance(node.target, ast.Name) and node.target.id in texts:
+            if (
+                isinstance(node, ast.AugAssign)
+                and isinstance(node.target, ast.Name)
+                and node.target.id in texts
+            ):
                 texts[node.target.id] = [text + _text(node.value) for text in texts[node.target.id]]
         for node in ast.walk(function):
             if isinstance(node, ast.Call) and ast.unparse(node.func) == "gw.Picture":
-                names = {part.id for part in ast.walk(node.args[1]) if isinstance(part, ast.Name)} & set(texts)
+                names = {
+                    part.id for part in ast.walk(node.args[1]) if isinstance(part, ast.Name)
+                } & set(texts)
                 yield _text(node.args[1]) + "".join(max(texts[name], key=len) for name in names)
 
 

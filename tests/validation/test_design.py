@@ -15,7 +15,12 @@ pytest.importorskip("sklearn")
 SEEDS = range(1, 21)
 HERTZ = {"law": "hertz"}
 BEADS = {"kind": "chain", "size": 6, "diameter": 0.010}
-CHAIN = {"material": "stainless-steel", "packing": BEADS, "contact": HERTZ, "load": {"velocity": 2.0}}
+CHAIN = {
+    "material": "stainless-steel",
+    "packing": BEADS,
+    "contact": HERTZ,
+    "load": {"velocity": 2.0},
+}
 CHAIN["run"] = {"end_time": 6e-4, "frames": 2}
 PLATE = {"plate": {"mass": 0.5, "stiffness": 2e7}, "material": "steel"}
 PACKING = {
@@ -55,9 +60,13 @@ def test_the_best_of_all_in_a_third_of_the_evaluations(name, tmp_path):
     assert len(found.table) == space.size
     forces = {}
     for _, row in found.table.iterrows():
-        values = {one.key: next(c for c in one.choices if str(c) == str(row[one.key])) for one in space.variables}
+        values = {
+            one.key: next(c for c in one.choices if str(c) == str(row[one.key]))
+            for one in space.variables
+        }
         forces[repr(values)] = row["target_peak_force_N"]
-    best, third = min(forces.values()), int(space.size) // 3
+    best = min(forces.values())
+    third = int(space.size) // 3
     solved = 0
     for seed in SEEDS:
         known = []
@@ -72,7 +81,9 @@ def test_the_best_of_all_in_a_third_of_the_evaluations(name, tmp_path):
 def test_better_than_random_search(tmp_path):
     """Diameters of a tapered chain of eight beads, within a length."""
     chain = {**CHAIN, "packing": {**BEADS, "size": 8}, "load": {"velocity": 3.0}}
-    tables = problem(tmp_path, "taper", chain, {"layers": {"diameters": [0.4, 1.2]}}, evaluations=40)
+    tables = problem(
+        tmp_path, "taper", chain, {"layers": {"diameters": [0.4, 1.2]}}, evaluations=40
+    )
     tables["limits"] = {"height_m": 0.07}
     medians = {}
     for sampler in ("model", "random"):

@@ -1,4 +1,6 @@
-"""Builds of the plugin with the sanitizers of the compiler, with which the tests of the plugin run without any report; CONTRIBUTING.md."""
+"""Builds of the plugin with the sanitizers of the compiler, with which the tests of the plugin run
+without any report; CONTRIBUTING.md.
+"""
 
 from __future__ import annotations
 
@@ -14,13 +16,17 @@ import pytest
 pytestmark = pytest.mark.validation
 ROOT = Path(__file__).parents[2]
 BIN = Path(sys.prefix) / "bin"
-OURS = re.compile(r"granwave(plugin|styles)\.so|_contact_laws\.|_number_reader\.|plugins/(styles|laws|bindings)/")
-COMMAND = "create<LAMMPS_NS::Command"  # LAMMPS itself does not delete a command that ends in an error
+OURS = re.compile(
+    r"granwave(plugin|styles)\.so|_contact_laws\.|_number_reader\.|plugins/(styles|laws|bindings)/"
+)
+# LAMMPS itself does not delete a command that ends in an error
+COMMAND = "create<LAMMPS_NS::Command"
 KINDS = {
     "address": ("address,undefined", ["libasan.so", "libubsan.so"], ["tests/plugins"]),
     "thread": ("thread", ["libtsan.so"], ["tests/plugins/test_threads.py"]),
 }
-# places of Python's and MPI's own that never are given back do not concern us, races need both sides instrumented
+# places of Python's and MPI's own that never are given back do not concern us, races need both
+# sides instrumented
 OPTIONS = {
     "ASAN_OPTIONS": "detect_leaks=1:abort_on_error=1:detect_stack_use_after_return=1:alloc_dealloc_mismatch=0",
     "LSAN_OPTIONS": "exitcode=0:max_leaks=0:report_objects=0",
@@ -30,11 +36,16 @@ OPTIONS = {
 
 
 def build(kind: str) -> Path:
-    """Build into build/sanitize; return a folder whose package `granwave` has these libraries and the sources of this tree."""
+    """Build into build/sanitize; return a folder whose package `granwave` has these libraries and
+    the sources of this tree.
+    """
     import granwave
 
-    folder, site = ROOT / "build" / "sanitize" / kind, ROOT / "build" / "sanitize" / f"{kind}-python"
-    dirs = subprocess.run([sys.executable, "-m", "pybind11", "--cmakedir"], capture_output=True, text=True, check=True)
+    folder = ROOT / "build" / "sanitize" / kind
+    site = ROOT / "build" / "sanitize" / f"{kind}-python"
+    dirs = subprocess.run(
+        [sys.executable, "-m", "pybind11", "--cmakedir"], capture_output=True, text=True, check=True
+    )
     environment = {**os.environ, "PATH": f"{BIN}{os.pathsep}{os.environ['PATH']}"}
     settings = {
         "GRANWAVE_SANITIZE": KINDS[kind][0],
@@ -61,7 +72,9 @@ def build(kind: str) -> Path:
 
 
 def reports(folder: Path) -> list[str]:
-    """Reports of the sanitizers: of leaks those with a function of ours, and where leaks could not be looked for."""
+    """Reports of the sanitizers: of leaks those with a function of ours, and where leaks could not
+    be looked for.
+    """
     found = []
     for path in sorted(folder.glob("report.*")):
         text = path.read_text(encoding="utf-8", errors="replace")
@@ -78,16 +91,28 @@ def test_no_report(kind, tmp_path):
     _, libraries, tests = KINDS[kind]
     site = build(kind)
     paths = [
-        subprocess.run(["gcc", f"-print-file-name={name}"], capture_output=True, text=True, check=True).stdout.strip()
+        subprocess.run(
+            ["gcc", f"-print-file-name={name}"], capture_output=True, text=True, check=True
+        ).stdout.strip()
         for name in libraries
     ]
     environment = {name: f"{words}:log_path={tmp_path}/report" for name, words in OPTIONS.items()}
-    environment |= {"LD_PRELOAD": ":".join(paths), "PYTHONPATH": str(site), "PYTHONMALLOC": "malloc"}
-    # of MPI's library UCX: libasan takes places in another process that it reads for its own, libtsan and it replace the same functions
+    environment |= {
+        "LD_PRELOAD": ":".join(paths),
+        "PYTHONPATH": str(site),
+        "PYTHONMALLOC": "malloc",
+    }
+    # of MPI's library UCX: libasan takes places in another process that it reads for its own,
+    # libtsan and it replace the same functions
     environment |= {"UCX_TLS": "^cma", "UCX_MEM_EVENTS": "no"}
     command = [sys.executable, "-m", "pytest", "-q", "-n", "0", "-p", "no:cacheprovider", *tests]
     done = subprocess.run(
-        ["setarch", "-R", *command], cwd=ROOT, env=os.environ | environment, capture_output=True, text=True, check=False
+        ["setarch", "-R", *command],
+        cwd=ROOT,
+        env=os.environ | environment,
+        capture_output=True,
+        text=True,
+        check=False,
     )
     found = reports(tmp_path)
     assert not found, f"{len(found)} reports, the first:\n{found[0][:4000]}"

@@ -63,10 +63,16 @@ def test_same_bits_on_any_number_of_ranks(process, tmp_path):
     """Complete impact: all fields of all contacts, spheres and snapshots."""
     words = ["--set", "packing.size=[16,16,10]", "--set", "run.end_time=2e-4"]
     for ranks in (1, 2, 3, 4):
-        done = process("run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900)
+        done = process(
+            "run", "fcc-impact", *words, "--np", ranks, "-o", tmp_path / str(ranks), timeout=900
+        )
         assert done.returncode == 0, done.stderr
     with Result(tmp_path / "1") as one:
-        fields = [f"{group}/{name}" for group in ("contacts", "spheres", "wall_contacts") for name in one.names(group)]
+        fields = [
+            f"{group}/{name}"
+            for group in ("contacts", "spheres", "wall_contacts")
+            for name in one.names(group)
+        ]
         for ranks in (2, 3, 4):
             with Result(tmp_path / str(ranks)) as other:
                 for name in fields:
@@ -74,10 +80,17 @@ def test_same_bits_on_any_number_of_ranks(process, tmp_path):
                     assert np.array_equal(one[name], other[name], equal_nan=floats), (ranks, name)
                 for frame in range(one.n_frames):
                     for name in ("displacement", "velocity", "contact_force"):
-                        assert np.array_equal(one.frame(frame, name), other.frame(frame, name)), (ranks, frame, name)
+                        assert np.array_equal(one.frame(frame, name), other.frame(frame, name)), (
+                            ranks,
+                            frame,
+                            name,
+                        )
                 for name in ("kinetic", "elastic", "dissipated"):
                     assert np.allclose(
-                        other[f"energy/{name}"], one[f"energy/{name}"], rtol=1e-12, atol=1e-14 * one.energy_input
+                        other[f"energy/{name}"],
+                        one[f"energy/{name}"],
+                        rtol=1e-12,
+                        atol=1e-14 * one.energy_input,
                     )
 
 
@@ -94,9 +107,9 @@ def test_normalised_velocities(process, tmp_path, velocity, normalised):
         "run.frames=2",
     ]
     assert process("run", "fcc-small", "-o", tmp_path / "r", *sets).returncode == 0
-    assert json.loads((tmp_path / "r" / "summary.json").read_text())["velocity_normalised"] == pytest.approx(
-        normalised, rel=2e-3
-    )
+    assert json.loads((tmp_path / "r" / "summary.json").read_text())[
+        "velocity_normalised"
+    ] == pytest.approx(normalised, rel=2e-3)
 
 
 def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
@@ -110,8 +123,15 @@ def test_timestep_converges_long_before_2_ns(lmp, tmp_path):
         deck = write_deck(case, tmp_path / f"{dt:g}")
         assert lmp(deck.script, timeout=900).returncode == 0
         e = read_energy(deck.directory)
-        error = np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0]
-        rows[dt] = (e["dissipated"][-1] / e["input"][0], e["largest_force"][-1], e["contacts_yielded"][-1], error)
+        error = (
+            np.abs(e["kinetic"] + e["elastic"] + e["dissipated"] - e["input"]).max() / e["input"][0]
+        )
+        rows[dt] = (
+            e["dissipated"][-1] / e["input"][0],
+            e["largest_force"][-1],
+            e["contacts_yielded"][-1],
+            error,
+        )
         print(
             f"\n{1e9 * dt:6.1f} ns: dissipated {rows[dt][0]:.6f}, peak {rows[dt][1]:.4f} N, yielded {rows[dt][2]:.0f}, balance {error:.1e}",
             end="",
@@ -137,7 +157,10 @@ SMALL = ["packing.size=[16,16,8]"]
         ("fcc-small", [*SMALL, "contact.law=hertz"]),
         ("fcc-small", [*SMALL, "contact.friction=0.3"]),
         ("fcc-small", ["packing.kind=bcc", "packing.size=[12,12,12]", "material=aluminium"]),
-        ("fcc-small", ["packing.kind=sc", "packing.size=[10,10,10]", "material=stainless-steel-316"]),
+        (
+            "fcc-small",
+            ["packing.kind=sc", "packing.size=[10,10,10]", "material=stainless-steel-316"],
+        ),
         ("hcp-small", [*SMALL, "material=steel"]),
         ("fcc-small", ["packing.size=[12,12,8]", "material=aluminium-2017", "load.velocity=20"]),
         ("square-out-of-plane", []),
@@ -147,13 +170,18 @@ SMALL = ["packing.size=[16,16,8]"]
     ],
 )
 def test_an_automatic_timestep_changes_nothing_that_matters(tmp_path, case, changes):
-    """Against the fixed timestep that it begins with, to the end, when the spheres rattle: weak contacts differ most."""
+    """Against the fixed timestep that it begins with, to the end, when the spheres rattle: weak
+    contacts differ most.
+    """
     found = {}
     chosen = library.load_case(case, changes)
     for name, more in (("automatic", {}), ("fixed", {"run.timestep": auto_timestep(chosen)})):
-        run = library.load_case(case, [*changes, *(f"{key}={value!r}" for key, value in more.items())])
+        run = library.load_case(
+            case, [*changes, *(f"{key}={value!r}" for key, value in more.items())]
+        )
         found[name] = run_case(run, tmp_path / name, figures=False).summary
-    one, other = found["automatic"], found["fixed"]
+    one = found["automatic"]
+    other = found["fixed"]
     assert one["energy_balance_error"] < chosen.run.energy_tolerance
     assert one["n_steps"] < other["n_steps"]
     assert one["dissipated_fraction"] == pytest.approx(other["dissipated_fraction"], abs=5e-5)
@@ -169,7 +197,8 @@ def test_an_automatic_timestep_changes_nothing_that_matters(tmp_path, case, chan
     new, old = (np.array([forces[name][pair] for pair in both]) for name in ("automatic", "fixed"))
     strong = old > 1e-3 * old.max()
     apart = np.abs(new - old)
-    most, median = apart.max() / old.max(), float(np.median(apart[strong] / old[strong]))
+    most = apart.max() / old.max()
+    median = float(np.median(apart[strong] / old[strong]))
     print(
         f"\n{case} {' '.join(changes)}: steps {other['n_steps']} -> {one['n_steps']}, balance "
         f"{other['energy_balance_error']:.1e} -> {one['energy_balance_error']:.1e}; peak forces apart by {most:.1e} of the largest, "
@@ -179,11 +208,16 @@ def test_an_automatic_timestep_changes_nothing_that_matters(tmp_path, case, chan
     assert most < 1e-3 and median < 5e-4
 
 
-@pytest.mark.parametrize(("velocity", "apart"), [(1, 1e-4), (5, 1e-4), (10, 1e-4), (40, 2e-3), (80, 5e-3)])
+@pytest.mark.parametrize(
+    ("velocity", "apart"), [(1, 1e-4), (5, 1e-4), (10, 1e-4), (40, 2e-3), (80, 5e-3)]
+)
 def test_fixed_normals_part_from_true_geometry_at_high_velocity(velocity, apart):
-    """Effect of the fixed initial contact normals of the thesis (5.1 to 5.3) on the dissipated fraction."""
+    """Effect of the fixed initial contact normals of the thesis (5.1 to 5.3) on the dissipated
+    fraction.
+    """
     case = load_case(library.find("fcc-small"), ["packing.size=[12,12,8]", "boundary.bottom=free"])
-    packing, struck = build_packing(case), struck_spheres(assemble(case).lattice, 1)[0] - 1
+    packing = build_packing(case)
+    struck = struck_spheres(assemble(case).lattice, 1)[0] - 1
     fractions = []
     for fixed in (True, False):
         twin = Network(packing.positions, packing.contacts - 1, 0.005, fixed_normals=fixed)
@@ -191,7 +225,10 @@ def test_fixed_normals_part_from_true_geometry_at_high_velocity(velocity, apart)
         dt = 1e-7 if velocity < 20 else 5e-8
         twin.run(dt, int(2e-4 / dt))
         fractions.append(twin.dissipated() / (0.5 * twin.mass * velocity**2))
-    print(f"\n{velocity} m/s: fixed normals {fractions[0]:.5f}, true geometry {fractions[1]:.5f}", end="")
+    print(
+        f"\n{velocity} m/s: fixed normals {fractions[0]:.5f}, true geometry {fractions[1]:.5f}",
+        end="",
+    )
     assert abs(fractions[0] - fractions[1]) < apart
     if velocity >= 40:
         assert fractions[0] - fractions[1] > 5e-4
@@ -205,7 +242,9 @@ _ELEMENTS = 1000  # of a finite-element mesh
 
 
 def smallest(scan: Scan) -> Scan:
-    """The points that cost least, cut short; among them one with the last value of the first key, to vary it."""
+    """The points that cost least, cut short; among them one with the last value of the first key,
+    to vary it.
+    """
     cheap = sorted(scan.distinct.values(), key=lambda point: point.plan.wall_time)
     first = scan.varied[0]
     unlike = [point for point in cheap if point.labels[first] != cheap[0].labels[first]]
@@ -235,7 +274,9 @@ def short(point: Point) -> Point:
 def test_a_built_in_scan_ends_with_its_report(tmp_path, name):
     scan = smallest(load_scan(name, here=False))
     outcome = run_scan(scan, tmp_path / name, jobs=1)
-    reasons = [point.reason for point in ScanResult(outcome.directory).points if point.status != "done"]
+    reasons = [
+        point.reason for point in ScanResult(outcome.directory).points if point.status != "done"
+    ]
     assert outcome.complete, reasons
     text = (outcome.directory / "report.html").read_text(encoding="utf-8")
     assert "could not be made" not in text

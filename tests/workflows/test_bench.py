@@ -12,16 +12,30 @@ from granwave.workflows.cli.main import main
 
 @pytest.fixture(autouse=True)
 def small(monkeypatch):
-    small = {"STUDY": "fcc-small", "TIMED": "two-spheres", "IMPACT_TIME": 2e-5, "SIZES": ([8, 8, 4], [10, 10, 4])}
+    small = {
+        "STUDY": "fcc-small",
+        "TIMED": "two-spheres",
+        "IMPACT_TIME": 2e-5,
+        "SIZES": ([8, 8, 4], [10, 10, 4]),
+    }
     for name, value in small.items():
         monkeypatch.setattr(bench, name, value)
 
 
 def test_styles_in_both_states(capsys):
     found = bench.bench(("styles",), repeats=2)
-    assert found["repeats"] == 2 and len(found["load_before"]) == 3 and found["triad_GB_per_s"] > 0.1
+    assert (
+        found["repeats"] == 2 and len(found["load_before"]) == 3 and found["triad_GB_per_s"] > 0.1
+    )
     struck, rattling = (found["styles"][state] for state in ("struck", "rattling"))
-    assert 0 < struck["loaded_contacts_per_sphere"] < 1 < 2 < rattling["loaded_contacts_per_sphere"] < 6
+    assert (
+        0
+        < struck["loaded_contacts_per_sphere"]
+        < 1
+        < 2
+        < rattling["loaded_contacts_per_sphere"]
+        < 6
+    )
     for state in (struck, rattling):
         assert list(state["table"]) == list(bench.STYLES)
         for name, values in state["table"].items():
@@ -41,12 +55,18 @@ def test_sizes_and_ranks():
     ranks = bench.compare_ranks(1)
     for name, n_spheres in (("strong", [400, 400]), ("weak", [400, 800])):
         one, two = ranks[name]
-        assert [one["n_spheres"], two["n_spheres"]] == n_spheres and [one["n_ranks"], two["n_ranks"]] == [1, 2]
+        assert [one["n_spheres"], two["n_spheres"]] == n_spheres and [
+            one["n_ranks"],
+            two["n_ranks"],
+        ] == [1, 2]
         assert one["ghosts"] == 0 < two["ghosts"] and two["rates"][0] > 0
 
 
 def test_parts_of_a_study_as_json(tmp_path, capsys):
-    assert main(["bench", "--parts", "study", "--repeats", "1", "--json", str(tmp_path / "b.json")]) == 0
+    assert (
+        main(["bench", "--parts", "study", "--repeats", "1", "--json", str(tmp_path / "b.json")])
+        == 0
+    )
     found = json.loads((tmp_path / "b.json").read_text())["study"]
     assert found["n_steps"] > 100 and all(len(found[part]) == 1 for part in bench.STUDY_PARTS)
     assert found["analysis"][0] > 0.1 and found["steps"][0] > 0

@@ -17,7 +17,12 @@ BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30}
 MODULUS = 115e9 / (1 - 0.3**2)  # one brass body on a rigid one, Pa
 BALL = {"shape": "sphere", "radius": 4.7625e-3, "material": "brass"}
 ROD = {"shape": "cylinder", "diameter": 4.76e-3, "length": 9.525e-3, "material": BRASS}
-SOFT = {"shape": "cylinder", "radius": 6.35e-3, "length": 1.0, "material": {"youngs_modulus": 90e6, "poisson_ratio": 0}}
+SOFT = {
+    "shape": "cylinder",
+    "radius": 6.35e-3,
+    "length": 1.0,
+    "material": {"youngs_modulus": 90e6, "poisson_ratio": 0},
+}
 
 
 def test_a_sphere_on_a_cylinder_of_the_thesis():
@@ -29,18 +34,24 @@ def test_a_sphere_on_a_cylinder_of_the_thesis():
 
 def test_a_cylinder_on_a_plane_of_the_thesis():
     """Thesis 7.1, half-space of the length of the cylinder."""
-    assert gw.contact_force("hertz", [ROD, {"shape": "plane"}], 1e-6) == pytest.approx(266.272, rel=1e-6)
+    assert gw.contact_force("hertz", [ROD, {"shape": "plane"}], 1e-6) == pytest.approx(
+        266.272, rel=1e-6
+    )
     assert gw.contact_stiffness("hertz", ["plane", ROD], 1e-6) == pytest.approx(2.86441e8, rel=2e-6)
     # two such bodies of finite stiffness give way as one of half the modulus
     both = gw.contact_force("hertz", [ROD, {"shape": "plane", "material": BRASS}], 1e-6)
-    half = gw.contact_force("hertz", [{**ROD, "material": {**BRASS, "youngs_modulus": 57.5e9}}, "plane"], 1e-6)
+    half = gw.contact_force(
+        "hertz", [{**ROD, "material": {**BRASS, "youngs_modulus": 57.5e9}}, "plane"], 1e-6
+    )
     assert both == pytest.approx(half, rel=1e-12)
 
 
 def test_parallel_cylinders_in_plane_strain():
     """Johnson 1985, section 5.6: E* 45 MPa, R 6.35 mm."""
     pair = [SOFT, SOFT]
-    assert gw.contact_force("line", pair, [1e-5, 1e-4, 1e-3]) == pytest.approx([144.00, 1962.05, 32040.4], rel=3e-5)
+    assert gw.contact_force("line", pair, [1e-5, 1e-4, 1e-3]) == pytest.approx(
+        [144.00, 1962.05, 32040.4], rel=3e-5
+    )
     assert gw.contact_energy("line", pair, 1e-4) == pytest.approx(0.0912949, rel=1e-6)
 
 
@@ -55,39 +66,68 @@ def test_parallel_cylinders_of_finite_length_have_their_effective_radius():
 
 
 @pytest.mark.parametrize(
-    "r, tube, factor", [(1 / 3, 1.0, 1.4806), (0.231915, 0.76642, 1.4630), (0.171573, 0.61991, 1.4490)]
+    "r, tube, factor",
+    [(1 / 3, 1.0, 1.4806), (0.231915, 0.76642, 1.4630), (0.171573, 0.61991, 1.4490)],
 )
 def test_a_sphere_in_a_tube(r, tube, factor):
     """Thesis chapter 6: K/(E* sqrt(r)); 4/3 on a plane."""
-    bodies = [{"shape": "tube", "radius": tube}, {"shape": "sphere", "radius": r, "material": "brass"}]
-    assert gw.contact_force("hertz", bodies, 1e-6) / (MODULUS * math.sqrt(r) * 1e-9) == pytest.approx(factor, rel=5e-5)
+    bodies = [
+        {"shape": "tube", "radius": tube},
+        {"shape": "sphere", "radius": r, "material": "brass"},
+    ]
+    assert gw.contact_force("hertz", bodies, 1e-6) / (
+        MODULUS * math.sqrt(r) * 1e-9
+    ) == pytest.approx(factor, rel=5e-5)
 
 
 def test_crossed_cylinders_follow_the_elliptic_integrals():
     """Johnson 1985, section 4.2, with scipy's integrals."""
-    thin, thick = {**ROD, "diameter": 2e-3, "axis": "x"}, {**ROD, "diameter": 6e-3, "axis": "y"}
-    low, high, m = 1 / 3e-3, 1 / 1e-3, 0.0
-    lower, upper = 1e-9, 1 - 1e-9
+    thin = {**ROD, "diameter": 2e-3, "axis": "x"}
+    thick = {**ROD, "diameter": 6e-3, "axis": "y"}
+    low = 1 / 3e-3
+    high = 1 / 1e-3
+    m = 0.0
+    lower = 1e-9
+    upper = 1 - 1e-9
     for _ in range(100):
         m = (lower + upper) / 2
         ratio = (ellipe(m) / (1 - m) - ellipk(m)) / (ellipk(m) - ellipe(m))
         lower, upper = (m, upper) if ratio < high / low else (lower, m)
-    stiff = 2 * np.pi * (MODULUS / 2) / 3 * ellipk(m) ** -1.5 * np.sqrt((ellipk(m) - ellipe(m)) / (m * low / 2))
+    stiff = (
+        2
+        * np.pi
+        * (MODULUS / 2)
+        / 3
+        * ellipk(m) ** -1.5
+        * np.sqrt((ellipk(m) - ellipe(m)) / (m * low / 2))
+    )
     assert gw.contact_force("hertz", [thin, thick], 1e-6) == pytest.approx(stiff * 1e-9, rel=1e-7)
 
 
 def test_first_yield():
-    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as runs take them."""
+    """Thesis 2: the closed forms of alpha_y and F_y of two brass spheres of 10 mm, as runs take
+    them.
+    """
     sphere = {"shape": "sphere", "diameter": 0.010, "material": "brass"}
     law = contact_of([material("brass")], [0.005])
-    assert gw.contact_yield("elastoplastic", [sphere, sphere]) == (law.yield_overlap, law.yield_force)
+    assert gw.contact_yield("elastoplastic", [sphere, sphere]) == (
+        law.yield_overlap,
+        law.yield_force,
+    )
     assert gw.contact_yield("hertz", [sphere, "plane"]) == (math.inf, math.inf)
 
 
 def test_power_is_what_it_says():
-    bodies = [{"shape": "sphere", "radius": 1e-3}, {"shape": "cylinder", "radius": 1e-3, "length": 1e-3}]
-    assert gw.contact_force("power", bodies, [1e-6, 2e-6], constant=3e6, exponent=2) == pytest.approx([3e-6, 12e-6])
-    assert gw.contact_overlap("power", bodies, 12e-6, constant=3e6, exponent=2) == pytest.approx(2e-6, rel=1e-14)
+    bodies = [
+        {"shape": "sphere", "radius": 1e-3},
+        {"shape": "cylinder", "radius": 1e-3, "length": 1e-3},
+    ]
+    assert gw.contact_force(
+        "power", bodies, [1e-6, 2e-6], constant=3e6, exponent=2
+    ) == pytest.approx([3e-6, 12e-6])
+    assert gw.contact_overlap("power", bodies, 12e-6, constant=3e6, exponent=2) == pytest.approx(
+        2e-6, rel=1e-14
+    )
 
 
 @pytest.mark.parametrize(
@@ -103,10 +143,13 @@ def test_power_is_what_it_says():
 )
 def test_overlap_stiffness_and_energy_belong_to_the_force(law, bodies):
     overlap = np.geomspace(1e-9, 3e-5, 7)
-    force, slope = gw.contact_force(law, bodies, overlap), gw.contact_stiffness(law, bodies, overlap)
+    force = gw.contact_force(law, bodies, overlap)
+    slope = gw.contact_stiffness(law, bodies, overlap)
     assert gw.contact_overlap(law, bodies, force) == pytest.approx(overlap, rel=1e-13)
     step = 1e-5 * overlap
-    rise = gw.contact_force(law, bodies, overlap + step) - gw.contact_force(law, bodies, overlap - step)
+    rise = gw.contact_force(law, bodies, overlap + step) - gw.contact_force(
+        law, bodies, overlap - step
+    )
     assert slope == pytest.approx(rise / (2 * step), rel=1e-4)
     # of unloading from the peak: the energy that it gives back
     peak = overlap[-1]
@@ -120,7 +163,8 @@ def test_the_law_is_that_of_a_run():
     ball = {"shape": "sphere", "diameter": case.packing.diameter, "material": "steel"}
     overlap = np.array([1e-7, 1e-6, 1e-5])
     assert (
-        gw.contact_force("elastoplastic", [ball, ball], overlap) == pair_contact(case, 1, 2).loading_force(overlap)
+        gw.contact_force("elastoplastic", [ball, ball], overlap)
+        == pair_contact(case, 1, 2).loading_force(overlap)
     ).all()
     less = gw.contact_force("elastoplastic", [ball, ball], overlap, pressure_limit=2.0)
     assert (less <= gw.contact_force("elastoplastic", [ball, ball], overlap)).all() and less[-1] > 0
@@ -128,7 +172,13 @@ def test_the_law_is_that_of_a_run():
 
 def test_crystals_in_plane_strain_give_that_law():
     """Law line of a case, for a pair of its grains."""
-    grain = {"kind": "square", "size": [3, 3], "diameter": 12.7e-3, "shape": "cylinder", "length": 1.0}
+    grain = {
+        "kind": "square",
+        "size": [3, 3],
+        "diameter": 12.7e-3,
+        "shape": "cylinder",
+        "length": 1.0,
+    }
     case = gw.case({"name": "crystal", "material": {**SOFT["material"], "density": 1000},
                     "packing": grain, "contact": {"law": "line"}, "load": {"velocity": 0.01}})  # fmt: skip
     assert pair_contact(case, 1, 2).loading_force(1e-4) == pytest.approx(1962.05, rel=1e-5)
@@ -152,12 +202,22 @@ def test_overlaps_beyond_the_law_and_lines_of_laws_that_yield_warn(caplog):
         ("hertz", [BALL, 3], "bodies[1]: found 3", {}),
         ("hertz", [BALL, "plain"], 'bodies[1].shape: found "plain"', {}),
         ("hertz", ["plane", "plane"], "found a plane and a plane", {}),
-        ("hertz", [BALL, {"shape": "plane", "radius": 1}], "bodies[1].radius: found with a plane", {}),
+        (
+            "hertz",
+            [BALL, {"shape": "plane", "radius": 1}],
+            "bodies[1].radius: found with a plane",
+            {},
+        ),
         ("hertz", [{**BALL, "length": 1}, "plane"], "bodies[0].length: found with a sphere", {}),
         ("hertz", [{**BALL, "diameter": 1}, "plane"], "beside a diameter", {}),
         ("hertz", [{"shape": "sphere", "radius": 1}, "plane"], "bodies[0].material: missing", {}),
         ("hertz", [{**BALL, "material": "bras"}, "plane"], "did you mean brass", {}),
-        ("hertz", [{"shape": "sphere", "material": "brass"}, "plane"], "bodies[0].diameter: missing", {}),
+        (
+            "hertz",
+            [{"shape": "sphere", "material": "brass"}, "plane"],
+            "bodies[0].diameter: missing",
+            {},
+        ),
         ("hertz", [{**BALL, "radius": -1}, "plane"], "bodies[0].radius: found -1", {}),
         ("hertz", [{**ROD, "length": None}, "plane"], "bodies[0].length", {}),
         ("hertz", [BALL, {"shape": "tube", "radius": 4e-3}], "expected a smaller one", {}),

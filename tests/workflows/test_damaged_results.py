@@ -1,4 +1,6 @@
-"""Files that are not what the run wrote, truncated, lost or edited: refused, or made again with --resume, never mixed."""
+"""Files that are not what the run wrote, truncated, lost or edited: refused, or made again with
+--resume, never mixed.
+"""
 
 from __future__ import annotations
 
@@ -32,13 +34,18 @@ def cut(path: Path, size: int = 100) -> None:
 
 
 def resumed(directory: Path, whole: Path) -> str:
-    """Resume, and check that results are unchanged: "kept", "analysed" or "run", by modification times and the result."""
+    """Resume, and check that results are unchanged: "kept", "analysed" or "run", by modification
+    times and the result.
+    """
     before = directory / "result.h5"
     number = before.stat().st_ino if before.exists() else None
     outcome = run_case(TWO_SPHERES, directory, resume=True, figures=False)
     assert outcome.state == "finished" and outcome.summary == summary(directory)
-    one, two = summary(whole), summary(directory)
-    assert {k: v for k, v in one.items() if k not in CLOCK} == {k: v for k, v in two.items() if k not in CLOCK}
+    one = summary(whole)
+    two = summary(directory)
+    assert {k: v for k, v in one.items() if k not in CLOCK} == {
+        k: v for k, v in two.items() if k not in CLOCK
+    }
     assert (directory / "case.toml").read_bytes() == (whole / "case.toml").read_bytes()
     assert json.loads((directory / "run.json").read_text())["state"] == "finished"
     if one["wall_time_s"] != two["wall_time_s"]:
@@ -120,7 +127,9 @@ def test_an_edited_case_is_refused(run, tmp_path, capsys):
     assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
     (run / "case.toml").unlink()
     assert main(["analyse", str(run), "--no-figures"]) == 0
-    assert (run / "case.toml").read_bytes() == before[run / "case.toml"].replace(b"velocity = 1", b"velocity = ")
+    assert (run / "case.toml").read_bytes() == before[run / "case.toml"].replace(
+        b"velocity = 1", b"velocity = "
+    )
 
 
 def test_an_edited_case_is_refused_without_a_marker_too(run):
@@ -152,7 +161,9 @@ def small_disk(tmp_path):
     """Disk of 3 MB."""
     disk = tmp_path / "disk"
     disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", disk], capture_output=True).returncode:
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=3m", "tmpfs", disk], capture_output=True
+    ).returncode:
         pytest.skip("no disk can be mounted here")
     yield disk
     subprocess.run(["umount", "-l", disk], check=True)
@@ -222,18 +233,30 @@ def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, m
         run_case(TWO_SPHERES, tmp_path / "r", figures=False)
     message = str(caught.value)
     assert message.startswith(f"{tmp_path / 'r'}: the disk is full: stopped at step ")
-    assert "need about" in message and "1e-06 GB are free there" in message and "from the checkpoint at step" in message
+    assert (
+        "need about" in message
+        and "1e-06 GB are free there" in message
+        and "from the checkpoint at step" in message
+    )
     record = json.loads((tmp_path / "r" / "run.json").read_text())
     assert record["state"] == "failed" and (tmp_path / "r" / record["checkpoint"]["file"]).exists()
     monkeypatch.undo()
     assert run_case(TWO_SPHERES, tmp_path / "r", resume=True, figures=False).state == "finished"
-    one, two = summary(whole), summary(tmp_path / "r")
+    one = summary(whole)
+    two = summary(tmp_path / "r")
     for key in ("n_steps", "peak_force_N", "energy_dissipated_J", "restitution"):
         assert two[key] == pytest.approx(one[key], rel=1e-9)
     assert not [name for name in read_marker(tmp_path / "r").files if name.startswith("checkpoint")]
 
 
-READERS = ("report {} -o {}.md", "film {} -o {}.gif", "figures {}", "export {} --to csv", "view {}", "infer {}")
+READERS = (
+    "report {} -o {}.md",
+    "film {} -o {}.gif",
+    "figures {}",
+    "export {} --to csv",
+    "view {}",
+    "infer {}",
+)
 
 
 def damage(path: Path, share: float = 0.6) -> None:
@@ -259,7 +282,9 @@ def test_a_dump_that_changed_is_refused_and_computed_again(run, whole, capsys, n
     assert str(path) in line and "--resume" in line
     assert [(run / one).read_bytes() for one in ("result.h5", "summary.json")] == results
     assert run_case(TWO_SPHERES, run, resume=True, figures=False).state == "finished"
-    assert path.read_bytes() == (whole / "dumps" / name).read_bytes() and values(run) == values(whole)
+    assert path.read_bytes() == (whole / "dumps" / name).read_bytes() and values(run) == values(
+        whole
+    )
 
 
 @pytest.mark.parametrize("command", READERS)
@@ -302,13 +327,19 @@ def test_a_checkpoint_that_changed_is_not_gone_on_with(interrupted, whole, caplo
     name = name or saved["file"]
     damage(interrupted / name)
     assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
-    assert f"{interrupted / name}: is not what the run wrote" in caplog.text and "begins again" in caplog.text
+    assert (
+        f"{interrupted / name}: is not what the run wrote" in caplog.text
+        and "begins again" in caplog.text
+    )
     assert values(interrupted) == values(whole)
 
 
 def test_a_whole_checkpoint_is_gone_on_with_and_analysed(interrupted, caplog):
     assert run_case(TWO_SPHERES, interrupted, resume=True, figures=False).state == "finished"
-    assert "begins again" not in caplog.text and "read_restart" in (interrupted / "log.lammps").read_text()
+    assert (
+        "begins again" not in caplog.text
+        and "read_restart" in (interrupted / "log.lammps").read_text()
+    )
     assert main(["analyse", str(interrupted), "--no-figures"]) == 0
 
 
@@ -342,7 +373,10 @@ def test_swapped_points_are_refused(scan, tmp_path, capsys, way):
         one.rename(place / "x")
         two.rename(one)
         (place / "x").rename(two)
-        messages = {f"{one}: holds the point {two.name}", f"{two}: holds the point {one.name}"}  # the first of the scan
+        messages = {
+            f"{one}: holds the point {two.name}",
+            f"{two}: holds the point {one.name}",
+        }  # the first of the scan
     else:
         for path in (*two.iterdir(), two / MARKER):
             if path.is_file() and path.name not in ("point.json", "point.toml"):

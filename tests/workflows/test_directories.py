@@ -1,4 +1,6 @@
-"""Directories for results, invalid places and full disks, and files that are replaced completely or not at all."""
+"""Directories for results, invalid places and full disks, and files that are replaced completely or
+not at all.
+"""
 
 from __future__ import annotations
 
@@ -83,7 +85,9 @@ def test_results_behind_a_link_are_kept(filled, monkeypatch):
     link = filled.with_name("link")
     link.symlink_to(filled)
     assert results_directory(link) == link
-    with pytest.raises(InputError, match=f"is a link to {filled}, and --force removes nothing through a link"):
+    with pytest.raises(
+        InputError, match=f"is a link to {filled}, and --force removes nothing through a link"
+    ):
         ask(link, force=True)
     link.with_name("circle").symlink_to(link.with_name("circle"))
     with pytest.raises(InputError, match="choose another directory"):
@@ -93,9 +97,14 @@ def test_results_behind_a_link_are_kept(filled, monkeypatch):
 def test_disk_that_is_too_small(tmp_path):
     check_disk(tmp_path / "not" / "yet", 1.0)
     check_disk(tmp_path, 0.0, spare=1e30)
-    with pytest.raises(InputError, match=r"the points need about 1e\+21 GB, [\d.e+]+ GB are free there; choose"):
+    with pytest.raises(
+        InputError, match=r"the points need about 1e\+21 GB, [\d.e+]+ GB are free there; choose"
+    ):
         check_disk(tmp_path, 1e30, what="the points")
-    with pytest.raises(InputError, match=r"the results need about 1e-06 GB and 1e\+21 GB must stay free, [\d.e+]+ GB"):
+    with pytest.raises(
+        InputError,
+        match=r"the results need about 1e-06 GB and 1e\+21 GB must stay free, [\d.e+]+ GB",
+    ):
         check_disk(tmp_path, 1e3, spare=1e30)
 
 
@@ -117,7 +126,9 @@ def test_an_error_of_the_system_names_its_file(tmp_path):
         file.write("x" * 100_000)
     assert caught.value.filename == str(path) and caught.value.strerror == os.strerror(28)
     with pytest.raises(OSError) as caught, naming(path):
-        raise OSError("Can't write data (file write failed: errno = 28, error message = ...)")  # as in h5py
+        raise OSError(
+            "Can't write data (file write failed: errno = 28, error message = ...)"
+        )  # as in h5py
     assert (caught.value.errno, caught.value.filename) == (28, str(path))
     with pytest.raises(FileNotFoundError) as caught, naming(path):
         (tmp_path / "b.txt").read_text()
@@ -140,4 +151,9 @@ def test_plain_numbers_survive_json(tmp_path):
         "d": {"e": None, "f": np.bool_(True)},
     }
     text = json.dumps(plain(found), allow_nan=False)
-    assert json.loads(text) == {"a": 1.5, "b": None, "c": [3, None, "x"], "d": {"e": None, "f": True}}
+    assert json.loads(text) == {
+        "a": 1.5,
+        "b": None,
+        "c": [3, None, "x"],
+        "d": {"e": None, "f": True},
+    }

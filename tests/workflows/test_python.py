@@ -38,12 +38,23 @@ PAIR = {
 
 @pytest.mark.parametrize("name", ["run", "scan", "bands", "modes", "transmission", "infer"])
 def test_options_of_commands_are_keywords(name):
-    """Options of a command are keywords of its function, with the same defaults; keys of cases are keywords."""
+    """Options of a command are keywords of its function, with the same defaults; keys of cases are
+    keywords.
+    """
     (command,) = (command for command in COMMANDS if command.name == name)
-    options = [one for option in command.options for one in (option if isinstance(option, list) else [option])]
+    options = [
+        one
+        for option in command.options
+        for one in (option if isinstance(option, list) else [option])
+    ]
     parser = argparse.ArgumentParser()
     actions = [parser.add_argument(*option.names, **option.settings) for option in options]
-    own = {"overrides", "json", "plan", *(("figures",) if name in ("bands", "modes", "transmission") else ())}
+    own = {
+        "overrides",
+        "json",
+        "plan",
+        *(("figures",) if name in ("bands", "modes", "transmission") else ()),
+    }
     keywords = inspect.signature(getattr(gw, name)).parameters
     for action in actions:
         if action.option_strings and action.dest not in own:
@@ -78,14 +89,26 @@ assert callable(run) and issubclass(InputError, ValueError)
 
 
 def test_commands_do_without_pandas(tmp_path):
-    words = ["run", "fcc-small", "--no-figures", *(f"--set={key}={value}" for key, value in TINY.items())]
+    words = [
+        "run",
+        "fcc-small",
+        "--no-figures",
+        *(f"--set={key}={value}" for key, value in TINY.items()),
+    ]
     code = f"""
 import sys
 from granwave.workflows.cli.main import main
 assert main(["cases"]) == main({words!r}) == 0
 assert not {{"pandas", "xarray"}} & set(sys.modules)
 """
-    subprocess.run([sys.executable, "-c", code], check=True, env=PLAIN, cwd=tmp_path, timeout=60, capture_output=True)
+    subprocess.run(
+        [sys.executable, "-c", code],
+        check=True,
+        env=PLAIN,
+        cwd=tmp_path,
+        timeout=60,
+        capture_output=True,
+    )
 
 
 def test_there_is_no_other_name():
@@ -96,11 +119,15 @@ def test_there_is_no_other_name():
 
 def test_types_see_what_is_there():
     """The names for type checkers, those of __all__ and those of the module are the same."""
-    template = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["tool"]["scikit-build"]
+    template = tomllib.loads((Path(__file__).parents[2] / "pyproject.toml").read_text())["tool"][
+        "scikit-build"
+    ]
     text = template["generate"][0]["template"]
     typed = text.partition("import (\n")[2].partition(")")[0].replace(",", "").split()
     modules = {"measures", "theory"}
-    assert typed == api.__all__ and gw.__all__ == sorted([*typed, *modules], key=lambda name: (name.islower(), name))
+    assert typed == api.__all__ and gw.__all__ == sorted(
+        [*typed, *modules], key=lambda name: (name.islower(), name)
+    )
 
 
 def test_run(tiny, directory):
@@ -120,7 +147,9 @@ def test_results_are_kept_continued_or_replaced(tiny, directory, tmp_path):
     before = (directory / "result.h5").stat().st_mtime_ns
     assert gw.run("fcc-small", TINY, directory=directory, resume=True) == tiny
     assert (directory / "result.h5").stat().st_mtime_ns == before
-    with pytest.raises(gw.InputError, match=r"holds another case .different: load.; force=True replaces it"):
+    with pytest.raises(
+        gw.InputError, match=r"holds another case .different: load.; force=True replaces it"
+    ):
         gw.run("fcc-small", TINY, directory=directory, resume=True, load__velocity=7)
     first = gw.run(PAIR, directory=tmp_path / "pair")
     faster = gw.run(PAIR, directory=tmp_path / "pair", force=True, load__velocity=7)
@@ -130,7 +159,9 @@ def test_results_are_kept_continued_or_replaced(tiny, directory, tmp_path):
 
 def test_directory_is_named_after_the_case(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(run_figures, "FIGURES", {"energies": run_figures.FIGURES["energies"]})  # the others take time
+    monkeypatch.setattr(
+        run_figures, "FIGURES", {"energies": run_figures.FIGURES["energies"]}
+    )  # the others take time
     assert gw.run(PAIR, figures=True).directory == tmp_path / "pair"
     assert (tmp_path / "pair" / "figures" / "energies.png").exists()
     monkeypatch.setenv("HOME", str(tmp_path))
@@ -170,7 +201,9 @@ def test_ways_to_give_a_case(tmp_path):
     tables = tomllib.loads(path.read_text())
     for source in ("fcc-small", path, str(path), tables, gw.case("fcc-small")):
         assert gw.case(source, values) == expected
-        assert gw.case(source, load__velocity=7, material="steel", packing__size=(4, 4, 3)) == expected
+        assert (
+            gw.case(source, load__velocity=7, material="steel", packing__size=(4, 4, 3)) == expected
+        )
     numbers = {"load.velocity": np.float32(7), "packing.size": np.array([4, 4, 3])}
     assert gw.case("fcc-small", numbers, material={"preset": "steel"}) == expected
     again = tmp_path / "again.toml"
@@ -180,7 +213,11 @@ def test_ways_to_give_a_case(tmp_path):
 
 
 def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):
-    wrong = {**PAIR, "load": {"velocity": -1, "speed": 3}, "packing": {"kind": "fcx", "size": [4, 4], "diameter": 0.01}}
+    wrong = {
+        **PAIR,
+        "load": {"velocity": -1, "speed": 3},
+        "packing": {"kind": "fcx", "size": [4, 4], "diameter": 0.01},
+    }
     (tmp_path / "case.toml").write_text(
         'name = "pair"\nmaterial = "brass"\nload = {velocity = -1, speed = 3}\nboundary.bottom = "free"\n'
         'run.end_time = 5e-5\npacking = {kind = "fcx", size = [4, 4], diameter = 0.01}\n'
@@ -200,32 +237,59 @@ def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):
     [
         (lambda: gw.run("fcc-smal"), "neither a file nor a built-in case; did you mean fcc-small"),
         (lambda: gw.run("restitution"), "is a scan, expected a case"),
-        (lambda: gw.run(3), "case: found 3, expected a name, the path of a file, a mapping or a case"),
-        (lambda: gw.run(PAIR, load__velocty=3), "^load.velocty: unknown key; did you mean velocity"),
-        (lambda: gw.run(PAIR, load_velocity=3), "^load_velocity: unknown key; did you mean load__velocity, with two"),
+        (
+            lambda: gw.run(3),
+            "case: found 3, expected a name, the path of a file, a mapping or a case",
+        ),
+        (
+            lambda: gw.run(PAIR, load__velocty=3),
+            "^load.velocty: unknown key; did you mean velocity",
+        ),
+        (
+            lambda: gw.run(PAIR, load_velocity=3),
+            "^load_velocity: unknown key; did you mean load__velocity, with two",
+        ),
         (lambda: gw.run(PAIR, velocity=3), "velocity: unknown key; did you mean load.velocity"),
         (lambda: gw.run(PAIR, load__velocity=None), "load.velocity: found None, expected a number"),
         (
             lambda: gw.run(PAIR, load__velocity=print),
             "load.velocity: found <built-in function print>, expected a number",
         ),
-        (lambda: gw.run(PAIR, {"load.velocity": 1}, load__velocity=2), "load.velocity: given twice"),
-        (lambda: gw.run(PAIR, "load.velocity=3"), 'expected a mapping such as {"load.velocity": 10}'),
+        (
+            lambda: gw.run(PAIR, {"load.velocity": 1}, load__velocity=2),
+            "load.velocity: given twice",
+        ),
+        (
+            lambda: gw.run(PAIR, "load.velocity=3"),
+            'expected a mapping such as {"load.velocity": 10}',
+        ),
         (lambda: gw.run(PAIR, directory=""), "found the empty name"),
         (lambda: gw.run(PAIR, directory="/"), "the root directory.* with directory="),
         (lambda: gw.run(PAIR, ranks=0), "ranks: found 0, expected a whole number"),
         (lambda: gw.run(PAIR, checkpoint=0), "checkpoint: found 0, expected a number above 0"),
-        (lambda: gw.run(PAIR, force=True, resume=True), "resume=True and force=True exclude each other"),
-        (lambda: gw.run("half-space", ranks=2), "ranks: found 2, expected 1: half-space is a continuum case"),
+        (
+            lambda: gw.run(PAIR, force=True, resume=True),
+            "resume=True and force=True exclude each other",
+        ),
+        (
+            lambda: gw.run("half-space", ranks=2),
+            "ranks: found 2, expected 1: half-space is a continuum case",
+        ),
         (lambda: gw.scan("restitutio"), "did you mean restitution"),
         (lambda: gw.scan("fcc-small"), "is a case, expected a scan"),
         (lambda: gw.scan("protection"), "is a suite of scans, expected one scan: one of"),
         (lambda: gw.scan(5), "scan: found 5, expected a name"),
         (lambda: gw.scan({"case": "fcc-small"}), "scan: grid: nothing varies"),
-        (lambda: gw.scan({"case": PAIR, "grid": {"load.velocty": [1, 2]}}), "load.velocty: unknown key"),
+        (
+            lambda: gw.scan({"case": PAIR, "grid": {"load.velocty": [1, 2]}}),
+            "load.velocty: unknown key",
+        ),
         (lambda: gw.scan({"case": {}, "grid": {"load.velocity": [1, 2]}}), "packing: missing"),
         (lambda: gw.scan("restitution", jobs=0), "jobs: found 0, expected a whole number"),
-        (lambda: gw.scan("restitution", executor="here"), 'executor: found "here", expected local or slurm'),
+        (
+            lambda: gw.scan("restitution", executor="here"),
+            'executor: found "here", expected local or slurm',
+        ),
     ],
 )
 def test_wrong_input_is_refused_before_anything_runs(ask, message, tmp_path, monkeypatch):
@@ -249,19 +313,26 @@ def test_scan(tmp_path):
     asked = {"name": "pairs", "case": case, "grid": {"load.velocity": np.array([1.0, 2.0])}}
     scan = gw.scan(asked, directory=tmp_path / "pairs", jobs=1, run__end_time=6e-5)
     assert isinstance(scan, gw.ScanRuns) and scan.name == "pairs" and len(scan) == 2
-    assert scan.table["load.velocity"].tolist() == [1.0, 2.0] and scan.table["status"].tolist() == ["done", "done"]
+    assert scan.table["load.velocity"].tolist() == [1.0, 2.0] and scan.table["status"].tolist() == [
+        "done",
+        "done",
+    ]
     alone = gw.run(case, directory=tmp_path / "alone", load__velocity=2.0, run__end_time=6e-5)
     assert scan[2]["peak_force_N"] == alone["peak_force_N"] == scan.table.loc[2, "peak_force_N"]
     assert scan[2].contacts.equals(alone.contacts)
     assert gw.load(tmp_path / "pairs").table.equals(scan.table)
     text = (tmp_path / "pairs" / "scan.toml").read_text()
     assert tomllib.loads(text)["case"] == "pair" and '# kind = "chain"' in text
-    with pytest.raises(gw.InputError, match=r"resume=True does what is missing, force=True replaces them"):
+    with pytest.raises(
+        gw.InputError, match=r"resume=True does what is missing, force=True replaces them"
+    ):
         gw.scan(asked, directory=tmp_path / "pairs")
 
 
 def test_points_that_fail_are_reported(tmp_path, caplog):
-    scan = gw.scan({"case": PAIR, "grid": {"run.timestep": [1e-8, 5e-6]}}, directory=tmp_path, jobs=1)
+    scan = gw.scan(
+        {"case": PAIR, "grid": {"run.timestep": [1e-8, 5e-6]}}, directory=tmp_path, jobs=1
+    )
     assert scan.table["status"].tolist() == ["done", "failed"] and len(scan) == 1
     assert "the energy balance was refused" in scan.table.loc[2, "reason"]
     assert f"{tmp_path}: of 2 points 1 failed; table.reason tells why" in caplog.text

@@ -1,4 +1,6 @@
-"""Files of the working directory that are named as modules or settings, and Python without assertions and docstrings."""
+"""Files of the working directory that are named as modules or settings, and Python without
+assertions and docstrings.
+"""
 
 from __future__ import annotations
 
@@ -43,7 +45,12 @@ def do(place: Path, *words: str, **variables: str) -> str:
     """Run the command there; it does its work and takes nothing of the folder."""
     environment = PLAIN | variables
     done = subprocess.run(
-        [BIN / "granwave", *words], cwd=place, env=environment, capture_output=True, text=True, timeout=300
+        [BIN / "granwave", *words],
+        cwd=place,
+        env=environment,
+        capture_output=True,
+        text=True,
+        timeout=300,
     )
     assert done.returncode == 0, done.stderr
     assert not [path.name for path in place.rglob("*.taken")]
@@ -56,7 +63,9 @@ def test_a_run_on_ranks_its_report_film_and_figures(place, tmp_path_factory):
     elsewhere = tmp_path_factory.mktemp("elsewhere")
     do(elsewhere, "run", "fcc-small", *TINY, "-o", "out")
     for figure in (elsewhere / "out" / "figures").glob("*.png"):
-        assert figure.read_bytes() == (place / "out" / "figures" / figure.name).read_bytes(), figure.name
+        assert figure.read_bytes() == (place / "out" / "figures" / figure.name).read_bytes(), (
+            figure.name
+        )
     do(place, "report", "out", "-o", "page.html")
     do(place, "film", "out", "-o", "film.gif", "--width", "200")
     assert (place / "film.gif").stat().st_size
@@ -76,7 +85,14 @@ def test_settings_of_the_user(place, tmp_path):
     """Settings that name a colour map or a typesetter that is not there."""
     (place / "matplotlibrc").rename(place / "settings")
     (place / "settings").write_bytes(SETTINGS)
-    do(place, "law", "-o", "law.png", MATPLOTLIBRC=str(place / "settings"), MPLCONFIGDIR=str(tmp_path))
+    do(
+        place,
+        "law",
+        "-o",
+        "law.png",
+        MATPLOTLIBRC=str(place / "settings"),
+        MPLCONFIGDIR=str(tmp_path),
+    )
     assert not os.path.exists(place / "law.taken")
 
 
@@ -92,7 +108,9 @@ except ImportError as error:
 
 def _run(*words: str) -> subprocess.CompletedProcess[str]:
     environment = {**PLAIN, "PYTHONOPTIMIZE": "2", "PYTHONDONTWRITEBYTECODE": "1"}
-    return subprocess.run([sys.executable, *words], capture_output=True, text=True, timeout=300, env=environment)
+    return subprocess.run(
+        [sys.executable, *words], capture_output=True, text=True, timeout=300, env=environment
+    )
 
 
 def test_what_runs_and_draws_needs_no_docstrings_and_what_does_says_so() -> None:
@@ -104,5 +122,18 @@ def test_what_runs_and_draws_needs_no_docstrings_and_what_does_says_so() -> None
 
 
 def test_bad_input_is_refused_all_the_same(tmp_path: os.PathLike[str]) -> None:
-    done = _run("-m", "granwave.workflows", "run", "fcc-small", "-o", f"{tmp_path}/r", "--set", "load.velocity=-1")
-    assert done.returncode == 2 and "load.velocity: found -1" in done.stderr and "Traceback" not in done.stderr
+    done = _run(
+        "-m",
+        "granwave.workflows",
+        "run",
+        "fcc-small",
+        "-o",
+        f"{tmp_path}/r",
+        "--set",
+        "load.velocity=-1",
+    )
+    assert (
+        done.returncode == 2
+        and "load.velocity: found -1" in done.stderr
+        and "Traceback" not in done.stderr
+    )

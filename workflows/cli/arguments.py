@@ -17,7 +17,16 @@ if TYPE_CHECKING:
     from numpy.typing import NDArray
 
 #: Kinds of files that a user writes.
-FILE_KINDS = ("case", "continuum", "sphere-contact", "scan", "suite", "profile", "inference", "design")
+FILE_KINDS = (
+    "case",
+    "continuum",
+    "sphere-contact",
+    "scan",
+    "suite",
+    "profile",
+    "inference",
+    "design",
+)
 BENCH_PARTS = ("styles", "sizes", "ranks", "study")
 _MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
 _LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
@@ -60,7 +69,9 @@ def _number(
     return read
 
 
-positive = _number("a whole number, 1 or more", lambda value: value.is_integer() and value >= 1, int)
+positive = _number(
+    "a whole number, 1 or more", lambda value: value.is_integer() and value >= 1, int
+)
 count = _number("a whole number, 0 or more", lambda value: value.is_integer() and value >= 0, int)
 seconds = _number("a number above 0 (s)", lambda value: 0 < value < math.inf)
 hertz = _number("a number above 0 (Hz)", lambda value: 0 < value < math.inf)
@@ -68,10 +79,14 @@ speed = _number("a number above 0 (m/s)", lambda value: 0 < value < math.inf)
 #: Rate sensitivity, as `Material.rate_sensitivity`.
 sensitivity = _number("a number from 0 to 0.2", lambda value: 0 <= value <= 0.2)
 #: An overlap over that at first yield.
-overlap = _number(f"a number above 0 and at most {_LARGEST_OVERLAP:g}", lambda value: 0 < value <= _LARGEST_OVERLAP)
+overlap = _number(
+    f"a number above 0 and at most {_LARGEST_OVERLAP:g}",
+    lambda value: 0 < value <= _LARGEST_OVERLAP,
+)
 #: A radius, m; infinite: a plane, if the command allows one.
 radius = _number(
-    f"a length from {_SHORTEST:g} to {_LONGEST:g} m", lambda value: _SHORTEST <= value <= _LONGEST or value == math.inf
+    f"a length from {_SHORTEST:g} to {_LONGEST:g} m",
+    lambda value: _SHORTEST <= value <= _LONGEST or value == math.inf,
 )
 
 
@@ -87,7 +102,9 @@ def bench_parts(text: str) -> tuple[str, ...]:
     """Read names of parts of the bench."""
     found = words(text)
     if unknown := [name for name in found if name not in BENCH_PARTS]:
-        raise argparse.ArgumentTypeError(f"found {unknown[0]}, expected some of {','.join(BENCH_PARTS)}")
+        raise argparse.ArgumentTypeError(
+            f"found {unknown[0]}, expected some of {','.join(BENCH_PARTS)}"
+        )
     return found
 
 
@@ -95,7 +112,9 @@ def shares(text: str) -> tuple[float, ...]:
     """Read shares, 0 or from 1e-12 to 10, with commas between them."""
     found = tuple(number(word) for word in words(text))
     if not all(value == 0 or 1e-12 <= value <= 10 for value in found):
-        raise argparse.ArgumentTypeError(f"found {text}, expected 0, or shares from 1e-12 to 10, such as 0.05 for 5 %")
+        raise argparse.ArgumentTypeError(
+            f"found {text}, expected 0, or shares from 1e-12 to 10, such as 0.05 for 5 %"
+        )
     return found
 
 
@@ -103,7 +122,9 @@ def ids(text: str) -> list[int]:
     """Read ids with commas between them."""
     found = text.split(",")
     if not all(one.strip().isdigit() and int(one) > 0 for one in found):
-        raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected ids from 1 up with commas between them")
+        raise argparse.ArgumentTypeError(
+            f"found {text or 'nothing'}, expected ids from 1 up with commas between them"
+        )
     return [int(one) for one in found]
 
 

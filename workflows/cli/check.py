@@ -1,4 +1,6 @@
-"""Command ``granwave check``: what a run would be, its inputs, and the case that it compares with, as a table."""
+"""Command ``granwave check``: what a run would be, its inputs, and the case that it compares with,
+as a table.
+"""
 
 from __future__ import annotations
 
@@ -19,21 +21,34 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves
 from granwave.workflows.cli.terminal import print_json, warn
-from granwave.workflows.counterpart import Inputs, continuum_of, inputs_of_continuum, inputs_of_packing, packing_of
+from granwave.workflows.counterpart import (
+    Inputs,
+    continuum_of,
+    inputs_of_continuum,
+    inputs_of_packing,
+    packing_of,
+)
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 Rows = Iterable[tuple[str, str]]
 
 _KILO = 1e-3  # kHz in a Hz
 _GIB = 2**30
-_TIMES = {"static stage": "static", "steps": "steps", "set-up and analysis": "rest", "figures": "figures"}
+_TIMES = {
+    "static stage": "static",
+    "steps": "steps",
+    "set-up and analysis": "rest",
+    "figures": "figures",
+}
 
 
 def check(options: argparse.Namespace) -> int:
     """Plan a case and check that this machine can run it; return the exit status."""
     path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb, library.DESIGN)
     if library.verb_of(path) == library.DESIGN:
-        from granwave.workflows.cli.design import plan_of_design  # loads SciPy, which takes longer than most checks
+        from granwave.workflows.cli.design import (
+            plan_of_design,
+        )  # loads SciPy, which takes longer than most checks
 
         return plan_of_design(path, options)
     kind = solver_of(read_toml(path))
@@ -41,21 +56,37 @@ def check(options: argparse.Namespace) -> int:
     expected = kind.cost(case, options.ranks, True)
     inputs = counterpart = waves = None
     if kind is GRANULAR:
-        inputs, counterpart, waves = inputs_of_packing(case), continuum_of(case), small_waves(case)
+        inputs = inputs_of_packing(case)
+        counterpart = continuum_of(case)
+        waves = small_waves(case)
     elif kind is CONTINUUM:
-        inputs, counterpart = inputs_of_continuum(case), packing_of(case)
+        inputs = inputs_of_continuum(case)
+        counterpart = packing_of(case)
     warnings: list[str] = []
     if isinstance(expected, Plan):
-        slow = f"the run takes about {duration(expected.wall_time)}: {expected.slowness}" if expected.slowness else ""
+        slow = (
+            f"the run takes about {duration(expected.wall_time)}: {expected.slowness}"
+            if expected.slowness
+            else ""
+        )
         warnings = [one for one in (slow, expected_cut(expected.zone)) if one]
     if options.json:
         kind.check(case, expected, Path(case.name).absolute())
-        found: dict[str, Any] = {"name": case.name, "command": kind.verb, f"n_{kind.parts}": kind.size(case)}
+        found: dict[str, Any] = {
+            "name": case.name,
+            "command": kind.verb,
+            f"n_{kind.parts}": kind.size(case),
+        }
         if isinstance(expected, Plan):
             found |= packing_values(case, expected) | {"small_waves": waves}
-        found |= {"memory_bytes": expected.memory, "disk_bytes": expected.disk, "wall_time_s": expected.wall_time}
+        found |= {
+            "memory_bytes": expected.memory,
+            "disk_bytes": expected.disk,
+            "wall_time_s": expected.wall_time,
+        }
         if inputs is not None:
-            normalised, energy_continuum = inputs.energy_normalised, inputs.energy_continuum
+            normalised = inputs.energy_normalised
+            energy_continuum = inputs.energy_continuum
             found |= {
                 "energy_input_J": inputs.energy,
                 "energy_input_at_most": kind is GRANULAR and _is_bound(case),
@@ -64,7 +95,10 @@ def check(options: argparse.Namespace) -> int:
                 "velocity_normalised": inputs.velocity_normalised,
             }
         if counterpart is not None:
-            found["counterpart"] = {"command": counterpart.command or None, "reason": counterpart.reason or None}
+            found["counterpart"] = {
+                "command": counterpart.command or None,
+                "reason": counterpart.reason or None,
+            }
         print_json(found | {"warnings": warnings})
         return 0
     if kind is GRANULAR:
@@ -99,7 +133,10 @@ def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows
 
 
 def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Rows:
-    schedule, times, values, assembly = plan.schedule, plan.times, packing_values(case, plan), assemble(case)
+    schedule = plan.schedule
+    times = plan.times
+    values = packing_values(case, plan)
+    assembly = assemble(case)
     grains = f"{plan.n_spheres}"
     if assembly.grains_called == GRAINS:
         grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
@@ -107,36 +144,60 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
     yield assembly.grains_called, grains
     yield "contacts at the start", f"{plan.n_contacts}"
     across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
-    yield "packing", f"{values['packing_mass_kg']:.4g} kg, {values['packing_height_m']:.4g} m high, {across} m wide"
+    yield (
+        "packing",
+        f"{values['packing_mass_kg']:.4g} kg, {values['packing_height_m']:.4g} m high, {across} m wide",
+    )
     if (struck := values["struck"]) is not None:
-        aside = f"{struck['aside_m']:.3g} m beside the middle of the top" if struck["aside_m"] else ""
+        aside = (
+            f"{struck['aside_m']:.3g} m beside the middle of the top" if struck["aside_m"] else ""
+        )
         below = f"{struck['below_m']:.3g} m below the top" if struck["below_m"] else ""
-        yield "struck", ", ".join(filter(None, [f"sphere {struck['sphere']}", struck["where"], aside, below]))
+        yield (
+            "struck",
+            ", ".join(filter(None, [f"sphere {struck['sphere']}", struck["where"], aside, below])),
+        )
     if (found := values["coordination"]) is not None:
-        numbers = ", ".join(f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found["grains"].items())
+        numbers = ", ".join(
+            f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found["grains"].items()
+        )
         yield "contacts of a grain", f"{found['mean']:.3g} in the mean: {numbers}"
     yield "precompression", _static(case)
     yield from waves
     yield from _inputs(inputs, at_most="at most " * _is_bound(case))
     memory = f"about {plan.memory / _GIB:.2f} GiB"
     if plan.n_ranks > 1:
-        first, other = plan.first_rank / _GIB, plan.other_rank / _GIB
-        memory += f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
+        first = plan.first_rank / _GIB
+        other = plan.other_rank / _GIB
+        memory += (
+            f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
+        )
     yield "memory", memory
     yield "disk", f"about {plan.disk / 1e9:.3g} GB"
-    timestep, steps = f"{schedule.timestep:.4g} s", f"{schedule.n_steps}"
+    timestep = f"{schedule.timestep:.4g} s"
+    steps = f"{schedule.n_steps}"
     if schedule.adaptive:
-        timestep = f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: "
+        timestep = (
+            f"{schedule.first_timestep:.4g} s at first, {schedule.largest_timestep:.4g} s at most: "
+        )
         timestep += f"energy balance to {schedule.energy_tolerance:g} of the input"
         steps = f"{schedule.n_steps // schedule.first_step} if all were as long as the first"
     at_most = "at most " if schedule.block_steps else ""  # such a run ends by itself
     yield "timestep", timestep
-    yield "", f"set by {plan.limit.cause}; a contact alone would allow {plan.allowed:.2g} s" if plan.limit else ""
+    yield (
+        "",
+        f"set by {plan.limit.cause}; a contact alone would allow {plan.allowed:.2g} s"
+        if plan.limit
+        else "",
+    )
     yield "steps", f"{at_most}{steps}, to {schedule.end_time:.4g} s"
     yield "snapshots", f"{at_most}{schedule.n_frames}"
     parts = {name: getattr(times, part) for name, part in _TIMES.items()}
-    longer = ", ".join(f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5)
-    usual, most = duration(times.total), duration(times.longest)
+    longer = ", ".join(
+        f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5
+    )
+    usual = duration(times.total)
+    most = duration(times.longest)
     yield "expected time", f"about {usual}: {longer}"
     yield "", f"at most {most}" if at_most and most != usual else ""
     yield "static stage", static_stage_note([times]) if times.most_static > times.static else ""
@@ -150,7 +211,8 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
         overlap += " - beyond 0.2 R*, where the contact law ends"
     yield "largest overlap", overlap
     if (rate := values["rate"]) is not None:
-        first, last = rate["factor_at_yield"], rate["factor_at_largest_overlap"]
+        first = rate["factor_at_yield"]
+        last = rate["factor_at_largest_overlap"]
         at = f"at first yield, {last:.4g} at the largest overlap, at {rate['velocity_m_s']:.4g} m/s"
         yield "yield strength", f"times {first:.4g} {at}"
     for name, loss in (values["loss"] or {}).items():
@@ -249,6 +311,9 @@ def expected_cut(zone: ExpectedZone | None) -> str:
 
 
 def static_stage_note(times: Sequence[WallTime], jobs: float = 1.0) -> str:
-    """Return the plan's note on static stages whose length cannot be known, with so many jobs at once."""
-    counted, most = sum(time.static for time in times) / jobs, sum(time.most_static for time in times) / jobs
+    """Return the plan's note on static stages whose length cannot be known, with so many jobs at
+    once.
+    """
+    counted = sum(time.static for time in times) / jobs
+    most = sum(time.most_static for time in times) / jobs
     return f"counted with {duration(counted)}, but cannot be known where there is disorder: up to {duration(most)}"

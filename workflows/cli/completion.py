@@ -1,7 +1,8 @@
-"""Tab completion: commands, options, built-in cases and scans, presets, and keys for ``--set`` with their values.
+"""Tab completion: commands, options, built-in cases and scans, presets, and keys for ``--set`` with
+their values.
 
-The shell calls ``granwave`` with ``_ARGCOMPLETE`` set, see https://kislyuk.github.io/argcomplete. Names are collected
-when they are asked for, as most need modules that the parser does without.
+The shell calls ``granwave`` with ``_ARGCOMPLETE`` set, see https://kislyuk.github.io/argcomplete.
+Names are collected when they are asked for, as most need modules that the parser does without.
 """
 
 from __future__ import annotations
@@ -30,7 +31,9 @@ Names = Callable[[argparse.Namespace], Iterable[str]]
 
 
 def completion(options: argparse.Namespace) -> int:
-    """Execute ``granwave completion``: print the code that switches it on in a shell; return the exit status."""
+    """Execute ``granwave completion``: print the code that switches it on in a shell; return the
+    exit status.
+    """
     from argcomplete.shell_integration import shellcode
 
     print(shellcode(["granwave"], shell=options.shell))
@@ -45,8 +48,12 @@ def complete(parser: argparse.ArgumentParser) -> None:
 
 
 def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
-    """Add completers to the arguments of all commands; those without one complete the names of files."""
-    (verbs,) = (action for action in parser._actions if isinstance(action, argparse._SubParsersAction))
+    """Add completers to the arguments of all commands; those without one complete the names of
+    files.
+    """
+    (verbs,) = (
+        action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
+    )
     for name, verb in verbs.choices.items():
         for action in verb._actions:
             completer = _COMPLETERS.get((name, action.dest)) or _COMPLETERS.get(("", action.dest))
@@ -84,7 +91,11 @@ def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[s
     key, equals, written = prefix.partition("=")
     if equals:
         return [f"{key}={value}" for value in _values(key) if value.startswith(written)]
-    return [f"{name}=" for name in _keys(_kind_of_file(parsed_args), first=".1") if name.startswith(prefix)]
+    return [
+        f"{name}="
+        for name in _keys(_kind_of_file(parsed_args), first=".1")
+        if name.startswith(prefix)
+    ]
 
 
 def _keys(*files: str, first: str = "") -> dict[str, Key]:
@@ -92,7 +103,9 @@ def _keys(*files: str, first: str = "") -> dict[str, Key]:
     from granwave.workflows.cli.keys import tables
 
     return {
-        f"{table.name}{first if table.heading.startswith('[[') else ''}.{key.name}" if table.heading else key.name: key
+        f"{table.name}{first if table.heading.startswith('[[') else ''}.{key.name}"
+        if table.heading
+        else key.name: key
         for table in reversed(tables())  # the first of several counts
         for key in table.keys
         if table.file in (files or (table.file,))
@@ -100,14 +113,18 @@ def _keys(*files: str, first: str = "") -> dict[str, Key]:
 
 
 def _kind_of_file(options: argparse.Namespace) -> str:
-    """Return the kind of the case on the command line, as `granwave.workflows.cli.keys.FILES` calls it."""
+    """Return the kind of the case on the command line, as `granwave.workflows.cli.keys.FILES` calls
+    it.
+    """
     from granwave.workflows.cli import keys
 
     try:
         tables = read_toml(library.find(getattr(options, "case", None) or ""))
     except InputError:  # none is given yet
         return keys.CONTINUUM if options.command.name == CONTINUUM.verb else keys.CASE
-    return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(solver_of(tables), keys.CASE)
+    return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(
+        solver_of(tables), keys.CASE
+    )
 
 
 def _values(name: str) -> list[str]:
@@ -116,22 +133,32 @@ def _values(name: str) -> list[str]:
         return list(presets())
     key = _keys().get(re.sub(r"\.\d+", "", name))
     accepts = key.accepts if key else ""
-    listed = accepts.partition(";")[0].removeprefix("one of ").split(", ") if accepts.startswith("one of ") else []
+    listed = (
+        accepts.partition(";")[0].removeprefix("one of ").split(", ")
+        if accepts.startswith("one of ")
+        else []
+    )
     return [word.strip('"') for word in listed] or _WORD.findall(accepts)
 
 
 def _tables(_: argparse.Namespace) -> Iterable[str]:
     from granwave.workflows.cli.keys import tables
 
-    return dict.fromkeys([table.name for table in tables()] + [f"{t.name}.{k.name}" for t in tables() for k in t.keys])
+    return dict.fromkeys(
+        [table.name for table in tables()]
+        + [f"{t.name}.{k.name}" for t in tables() for k in t.keys]
+    )
 
 
 def _table(module: str, name: str) -> Names:
-    """Return the names in a table of `granwave.analysis`, whose module is loaded when they are asked for."""
+    """Return the names in a table of `granwave.analysis`, whose module is loaded when they are
+    asked for.
+    """
     return lambda _: getattr(importlib.import_module(f"granwave.analysis.{module}"), name)
 
 
-_OVERRIDES, _PRESETS = "overrides", _names(lambda _: presets())
+_OVERRIDES = "overrides"
+_PRESETS = _names(lambda _: presets())
 #: Completers by command and name of the argument; an empty command stands for all.
 _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("", _OVERRIDES): _overrides,
@@ -141,7 +168,9 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("check", "case"): _studies(library.CASES),
     ("scan", "scan"): _studies(library.SCANS),
     ("scan", "executor"): _names(lambda _: EXECUTORS),
-    ("show", "name"): _names(lambda _: [*library.names(library.CASES), *library.names(library.SCANS)]),
+    ("show", "name"): _names(
+        lambda _: [*library.names(library.CASES), *library.names(library.SCANS)]
+    ),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
     ("figures", "only"): _names(_table("figures.run_figures", "FIGURES")),

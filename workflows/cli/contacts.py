@@ -1,4 +1,6 @@
-"""Commands about single contacts: laws, fits, and forces inferred from measurements; each returns the exit status."""
+"""Commands about single contacts: laws, fits, and forces inferred from measurements; each returns
+the exit status.
+"""
 
 from __future__ import annotations
 
@@ -30,31 +32,52 @@ def law(options: argparse.Namespace) -> int:
     from granwave.analysis.contact_law import curves
 
     output = options.output or Path("restitution.png" if options.restitution else "law.png")
-    contact_law, rate, speed = LAWS[options.law], options.rate_sensitivity, options.velocity
+    contact_law = LAWS[options.law]
+    rate = options.rate_sensitivity
+    speed = options.velocity
     _at_most_two(options)
     takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.options
-    other = "takes all velocities: leave out --restitution" if rate else "matters to none: give --rate-sensitivity"
+    other = (
+        "takes all velocities: leave out --restitution"
+        if rate
+        else "matters to none: give --rate-sensitivity"
+    )
     for wrong, fault in (
         (
             output.suffix not in (".png", ".pdf", ".csv"),
             f"-o {output}: expected a name that ends in .png, .pdf or .csv",
         ),
-        (not output.absolute().parent.is_dir(), f"-o {output}: there is no directory {output.absolute().parent}"),
-        (not all(math.isfinite(radius) for radius in options.radius), "--radius: expected positive lengths in m"),
+        (
+            not output.absolute().parent.is_dir(),
+            f"-o {output}: there is no directory {output.absolute().parent}",
+        ),
+        (
+            not all(math.isfinite(radius) for radius in options.radius),
+            "--radius: expected positive lengths in m",
+        ),
         (
             options.restitution and not contact_law.yields,
             f"--restitution: a contact of law {options.law} gives all back; choose another --law",
         ),
-        (rate and not takes_rate, f"--rate-sensitivity: found with law {options.law}, which knows no strain rate"),
+        (
+            rate and not takes_rate,
+            f"--rate-sensitivity: found with law {options.law}, which knows no strain rate",
+        ),
         (
             rate and options.variant != "continuous",
             f"--rate-sensitivity: found with variant {options.variant}, expected continuous",
         ),
-        (speed and (not rate or options.restitution), f"--velocity: found {speed:g}, which {other}"),
+        (
+            speed and (not rate or options.restitution),
+            f"--velocity: found {speed:g}, which {other}",
+        ),
     ):
         if wrong:
             raise InputError(fault)
-    materials = [dataclasses.replace(material(name), rate_sensitivity=rate or None) for name in options.material]
+    materials = [
+        dataclasses.replace(material(name), rate_sensitivity=rate or None)
+        for name in options.material
+    ]
     cohesion = _cohesion(options)
     spheres = contact_of(materials, options.radius, options.law, options.variant, cohesion=cohesion)
     names = " on ".join(options.material)
@@ -62,10 +85,17 @@ def law(options: argparse.Namespace) -> int:
         title = f"{names}, {speed:g} m/s" if speed else names
         curves.write_law(spheres, output, options.max_overlap, title, speed)
     else:
-        pair = zip((materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True)
+        pair = zip(
+            (materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True
+        )
         first, second = (sphere_mass(m, r) for m, r in pair)
-        wall = contact_of((materials[0], None), (options.radius[0], math.inf), options.law, options.variant)
-        contacts = {"two spheres": (spheres, first * second / (first + second)), "sphere and rigid wall": (wall, first)}
+        wall = contact_of(
+            (materials[0], None), (options.radius[0], math.inf), options.law, options.variant
+        )
+        contacts = {
+            "two spheres": (spheres, first * second / (first + second)),
+            "sphere and rigid wall": (wall, first),
+        }
         title = f"{names}, {options.law}"
         curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
     print(output)
@@ -106,22 +136,34 @@ def fit(options: argparse.Namespace) -> int:
 
     _at_most_two(options)
     if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):
-        raise InputError("--radius: expected positive lengths in m (the second may be inf, a plane)")
+        raise InputError(
+            "--radius: expected positive lengths in m (the second may be inf, a plane)"
+        )
     pair: list[str] | None = options.pair
     directory: Path = options.directory or Path("fit")
     if not results_directory(directory, force=options.force).parent.is_dir():
         raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
     if not options.force and set(WRITTEN) & set(results_in(directory)):
-        raise InputError(f"{directory}: already holds a fit; --force replaces it, or choose another with -o")
+        raise InputError(
+            f"{directory}: already holds a fit; --force replaces it, or choose another with -o"
+        )
     refuse_foreign(directory, WRITTEN)
     materials = [_material(text) for text in options.material]
-    found = fit_law(read_curve(options.curve), materials, options.radius, options.free, fit_yield=options.fit_yield)
+    found = fit_law(
+        read_curve(options.curve),
+        materials,
+        options.radius,
+        options.free,
+        fit_yield=options.fit_yield,
+    )
     with held(directory.absolute()):
         written = write_fit(found, directory, pair)
     print(fit_summary(found))
     if pair:
         print(f"\n{pair_toml(found, pair)}")
-    print(f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}")
+    print(
+        f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}"
+    )
     return 0
 
 
@@ -131,16 +173,22 @@ def fit_summary(found: Fit) -> str:
 
     rows = [["constant", "value", "+-", "published", ""]]
     for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
-        rows.append([name, f"{value:.5g}", f"{spread:.2g}" if spread == spread else "", f"{published:.5g}", how])
+        rows.append(
+            [
+                name,
+                f"{value:.5g}",
+                f"{spread:.2g}" if spread == spread else "",
+                f"{published:.5g}",
+                how,
+            ]
+        )
     fits = [["off by, per cent", "rows", "rms", "largest", "published rms", "largest"]]
     for part, n_rows, *numbers in found.misfit.itertuples(index=False):
         fits.append([part, str(n_rows), *(f"{number:.3g}" for number in numbers)])
     text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
     text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
     if found.correlation:
-        text += (
-            f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
-        )
+        text += f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
     return text
 
 
@@ -151,7 +199,9 @@ def _material(text: str) -> Material:
         return material(text)
     known = load_materials(path)
     if name not in known:
-        raise InputError(f"--material {text}: found no {name} in {path}, expected one of {', '.join(known)}")
+        raise InputError(
+            f"--material {text}: found no {name} in {path}, expected one of {', '.join(known)}"
+        )
     return known[name]
 
 
@@ -164,5 +214,7 @@ def infer(options: argparse.Namespace) -> int:
     how = chosen(options, inference.infer)
     found = inference.infer(options.measurement, options.case, progress=True, **how)
     inference.save(found, directory, figures=options.figures)
-    print_json(found.summary) if options.json else print(f"{in_words(found.summary)}\n\nresults in {directory}")
+    print_json(found.summary) if options.json else print(
+        f"{in_words(found.summary)}\n\nresults in {directory}"
+    )
     return 0

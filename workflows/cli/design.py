@@ -41,12 +41,19 @@ def design(options: argparse.Namespace) -> int:
     )  # fmt: skip
     found = read_json(directory / DESIGN_OUTCOME)
     if stopped or found is None:
-        print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
+        print(
+            "granwave: stopped before its end; the same command with --resume goes on",
+            file=sys.stderr,
+        )
         return 130
     print_json(found) if options.json else print(outcome_text(found, str(directory / SCAN_REPORT)))
-    none, failed = not study.best(), sum(one.state == FAILED for one in study.designs)
+    none = not study.best()
+    failed = sum(one.state == FAILED for one in study.designs)
     if none:
-        print("granwave: no design that was run meets the limits; designs.csv tells why", file=sys.stderr)
+        print(
+            "granwave: no design that was run meets the limits; designs.csv tells why",
+            file=sys.stderr,
+        )
     elif failed:
         print(f"granwave: {failed} designs failed; designs.csv tells why", file=sys.stderr)
     return int(none or bool(failed))
@@ -67,10 +74,15 @@ def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
     """Return the values of a planned search; units are part of the names."""
     designs = [
         new_design(problem, n, values)
-        for n, values in zip(range(_DRAWN), random_designs(problem.space, problem.search.seed), strict=False)
+        for n, values in zip(
+            range(_DRAWN), random_designs(problem.space, problem.search.seed), strict=False
+        )
     ]
     fit = [one for one in designs if one.state != REFUSED]
-    times = [plan(problem.case(problem.tables_of(one.values)), n_ranks=ranks).wall_time for one in fit[:8]]
+    times = [
+        plan(problem.case(problem.tables_of(one.values)), n_ranks=ranks).wall_time
+        for one in fit[:8]
+    ]
     size = problem.space.size
     n = min(problem.search.evaluations, size)
     return {
@@ -87,8 +99,11 @@ def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
 
 def plan_text(problem: Problem, values: dict[str, Any]) -> str:
     """Return the table of a planned search."""
-    goals = [f"{'smallest' if one.sign > 0 else 'largest'} {one.name}" for one in problem.objectives]
-    n, seconds = values["n_designs"], values["wall_time_s"]
+    goals = [
+        f"{'smallest' if one.sign > 0 else 'largest'} {one.name}" for one in problem.objectives
+    ]
+    n = values["n_designs"]
+    seconds = values["wall_time_s"]
     return lines(
         [
             ("design", problem.name),
@@ -98,7 +113,12 @@ def plan_text(problem: Problem, values: dict[str, Any]) -> str:
             ("within limits", f"{100 * values['share_within_limits']:.0f} % of designs at random"),
             ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
             *(
-                [("expected time", f"about {duration(seconds)}, without checks and neighbours of the best")]
+                [
+                    (
+                        "expected time",
+                        f"about {duration(seconds)}, without checks and neighbours of the best",
+                    )
+                ]
                 if seconds
                 else []
             ),
@@ -111,7 +131,12 @@ def outcome_text(found: dict[str, Any], report: str) -> str:
     best = found["best"]
     if best is None:
         return f"no design meets the limits; report in {report}"
-    rows = [("best design", f"number {best['number']}, in {best['directory']}; {found['evaluations']} were run")]
+    rows = [
+        (
+            "best design",
+            f"number {best['number']}, in {best['directory']}; {found['evaluations']} were run",
+        )
+    ]
     rows += [(key, show(value)) for key, value in best["variables"].items()]
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)

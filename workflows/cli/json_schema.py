@@ -1,8 +1,9 @@
-"""JSON Schema (2020-12) of the files that a user writes, made of the records of their keys; editors complete from it.
+"""JSON Schema (2020-12) of the files that a user writes, made of the records of their keys; editors
+complete from it.
 
-What a field says of its values is there: types, bounds, words. What concerns several keys is not: ``granwave check``
-says that. Where a key has a reader of its own, its schema is as wide as the types that this reader, its example and its
-description name.
+What a field says of its values is there: types, bounds, words. What concerns several keys is not:
+``granwave check`` says that. Where a key has a reader of its own, its schema is as wide as the
+types that this reader, its example and its description name.
 """
 
 from __future__ import annotations
@@ -38,13 +39,30 @@ def schema_of(file: str) -> Schema:
     for table in sorted((one for one in found if one.heading), key=lambda one: one.name.count(".")):
         _put(root, table, table.name.split("."))
     if "material" in root["properties"]:
-        of_material = [one for one in tables() if one.name == "material"]  # first that of cases, which others share
-        root["$defs"] = {"material": _object(next((one for one in of_material if one.file == file), of_material[0]))}
+        of_material = [
+            one for one in tables() if one.name == "material"
+        ]  # first that of cases, which others share
+        root["$defs"] = {
+            "material": _object(
+                next((one for one in of_material if one.file == file), of_material[0])
+            )
+        }
         root["properties"]["material"] = _MATERIAL
     if file == CASE:
-        root["properties"][MATERIALS] = {"type": "object", "additionalProperties": {"$ref": "#/$defs/material"}}
-        root["properties"][RECORD] = {"type": "object", "description": "derived values of a run; ignored"}
-    return {"$schema": DIALECT, "$comment": f"granwave {__version__}", "title": TITLES[file], **root}
+        root["properties"][MATERIALS] = {
+            "type": "object",
+            "additionalProperties": {"$ref": "#/$defs/material"},
+        }
+        root["properties"][RECORD] = {
+            "type": "object",
+            "description": "derived values of a run; ignored",
+        }
+    return {
+        "$schema": DIALECT,
+        "$comment": f"granwave {__version__}",
+        "title": TITLES[file],
+        **root,
+    }
 
 
 _MATERIAL: Schema = {
@@ -58,17 +76,22 @@ def _put(root: Schema, table: Table, path: list[str]) -> None:
     here = root
     for name in path[:-1]:
         here = _table_of(here, name)
-    made, name = _object(table), path[-1]
+    made = _object(table)
+    name = path[-1]
     if table.heading.startswith("[["):
         made = {"type": "array", "items": made, "description": table.description}
     elif here is root and made.get("required") and name not in _MAY_BE_MISSING:
         root.setdefault("required", []).append(name)
     there = here["properties"].get(name)
-    here["properties"][name] = {"anyOf": [there, made], "description": table.description} if there else made
+    here["properties"][name] = (
+        {"anyOf": [there, made], "description": table.description} if there else made
+    )
 
 
 def _table_of(parent: Schema, name: str) -> Schema:
-    """Return the table of a name; a key that takes other values too gets one beside these, with a material."""
+    """Return the table of a name; a key that takes other values too gets one beside these, with a
+    material.
+    """
     there = parent["properties"].setdefault(name, _object(None))
     if "properties" in there:
         return there  # type: ignore[no-any-return]
@@ -86,7 +109,9 @@ def _object(table: Table | None) -> Schema:
     found["description"] = table.description
     found["properties"] = {key.name: _of_key(key) for key in table.keys}
     required = [
-        key.name for key in table.keys if key.required and not _NOT_ALWAYS.fullmatch(f"{table.name}.{key.name}")
+        key.name
+        for key in table.keys
+        if key.required and not _NOT_ALWAYS.fullmatch(f"{table.name}.{key.name}")
     ]
     return found | ({"required": required} if required else {})
 
@@ -96,11 +121,19 @@ def _of_key(key: Key) -> Schema:
     if key.name == "material" and "table" in key.accepts:
         return dict(_MATERIAL)
     unit = f", {key.unit}" if key.unit else ""
-    found: Schema = {"description": f"{key.description}{unit}; {key.accepts}", "examples": [_value(key.example)]}
+    found: Schema = {
+        "description": f"{key.description}{unit}; {key.accepts}",
+        "examples": [_value(key.example)],
+    }
     found |= key.json
     if not isinstance(key.json.get("type"), str):
         told = [_SIGNS, *([] if key.json else [_WORDS])]
-        wide = {kind for signs in told for kind, words in signs.items() if any(word in key.accepts for word in words)}
+        wide = {
+            kind
+            for signs in told
+            for kind, words in signs.items()
+            if any(word in key.accepts for word in words)
+        }
         wide |= {type_of(_value(key.example)), *found.pop("type", ())}
         found |= {} if key.json.keys() - {"type"} else {"type": sorted(wide)}
     with contextlib.suppress(tomllib.TOMLDecodeError):  # of defaults in words

@@ -1,7 +1,8 @@
 """Reference of the keys of all files that a user writes, collected from the code that reads them.
 
-``granwave keys`` prints it, and the site of the documents shows it. Description, unit and default are those of the
-field, the accepted values are the words of its validator, and the examples stand in `key_examples.toml`.
+``granwave keys`` prints it, and the site of the documents shows it. Description, unit and default
+are those of the field, the accepted values are the words of its validator, and the examples stand
+in `key_examples.toml`.
 """
 
 from __future__ import annotations
@@ -47,9 +48,7 @@ TITLES = {
 }
 _MATERIAL = "the name of a material, or a table of its values as in [material]"
 _TABLE_OF_KEYS = "a table of dotted keys of the case"
-_LISTS_OF_VALUES = (
-    "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
-)
+_LISTS_OF_VALUES = "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
 #: Values of all types, by which is found what a reader of its own accepts.
 _PROBES: tuple[Any, ...] = (
     True, 1, 3, 0.5, "x", "z", "all", "auto", "centre", "mean", "none", "x.py", [], [1], [1, 2], [0.1, 1.0], [0, 0, 1],
@@ -117,21 +116,38 @@ def tables() -> tuple[Table, ...]:
         *(_of_section(CASE, heading, section) for heading, section in TABLES.items()),
         _pair(),
         _table(CONTINUUM, "", "name, material and the tables below", _TOP),
-        *(_of_section(CONTINUUM, f"[{name}]", section) for name, section in ContinuumCase.SECTIONS.items()),
+        *(
+            _of_section(CONTINUUM, f"[{name}]", section)
+            for name, section in ContinuumCase.SECTIONS.items()
+        ),
         _table(SPHERE_CONTACT, "", "name, material and the tables below", _TOP),
-        *(_of_section(SPHERE_CONTACT, f"[{name}]", section) for name, section in SphereContactCase.SECTIONS.items()),
-        _of_section(SPHERE_CONTACT, "[partner]", Sphere, "the second sphere, if it differs from the first"),
+        *(
+            _of_section(SPHERE_CONTACT, f"[{name}]", section)
+            for name, section in SphereContactCase.SECTIONS.items()
+        ),
+        _of_section(
+            SPHERE_CONTACT, "[partner]", Sphere, "the second sphere, if it differs from the first"
+        ),
         _of_section(SCAN, "", Header, "top-level keys and the tables of what varies"),
         _of_section(SCAN, "[ranks]", RanksBySize),
         _of_section(SUITE, "", SuiteFile),
-        _of_section(PROFILE, "[slurm]", Profile, "how the cluster is used; every key may be left out"),
-        *(_of_section(INFERENCE, f"[{name}]", section) for name, section in InferCase.SECTIONS.items()),
-        *(_of_section(DESIGN, heading, section, what) for heading, (section, what) in DESIGN_TABLES.items()),
+        _of_section(
+            PROFILE, "[slurm]", Profile, "how the cluster is used; every key may be left out"
+        ),
+        *(
+            _of_section(INFERENCE, f"[{name}]", section)
+            for name, section in InferCase.SECTIONS.items()
+        ),
+        *(
+            _of_section(DESIGN, heading, section, what)
+            for heading, (section, what) in DESIGN_TABLES.items()
+        ),
     )
 
 
 def find(*words: str) -> list[Table]:
-    """Return the tables of this name, or the table with one key alone; for other words the keys that these stand in.
+    """Return the tables of this name, or the table with one key alone; for other words the keys
+    that these stand in.
 
     Raises
     ------
@@ -150,10 +166,14 @@ def find(*words: str) -> list[Table]:
             if entry.name == key and table.name in (table_name or table.file,)
         ]
     if not found and wanted:
-        patterns = [re.compile(rf"(?<!\w){re.escape(word)}s?(?!\w)", re.IGNORECASE) for word in words]
+        patterns = [
+            re.compile(rf"(?<!\w){re.escape(word)}s?(?!\w)", re.IGNORECASE) for word in words
+        ]
         for table in tables():
             texts = {key: f"{key.name} {key.description} {key.accepts}" for key in table.keys}
-            keys = tuple(key for key, text in texts.items() if all(one.search(text) for one in patterns))
+            keys = tuple(
+                key for key, text in texts.items() if all(one.search(text) for one in patterns)
+            )
             found += [dataclasses.replace(table, keys=keys)] if keys else []
     if not found:
         raise InputError(f"{show(name)[1:-1] or '(empty)'}: no such table or key; {_hint(wanted)}")
@@ -165,9 +185,15 @@ def overview() -> str:
     width = max(len(table.name) for table in tables())
     parts = []
     for file in FILES:
-        rows = [f"  {table.name:{width}}  {table.description}" for table in tables() if table.file == file]
+        rows = [
+            f"  {table.name:{width}}  {table.description}"
+            for table in tables()
+            if table.file == file
+        ]
         parts.append("\n".join([TITLES[file], *rows]))
-    parts.append("granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands.")
+    parts.append(
+        "granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands."
+    )
     return "\n\n".join(parts)
 
 
@@ -176,7 +202,9 @@ def as_text(table: Table) -> str:
     heading = coloured(table.heading or "top level", BOLD, sys.stdout)
     lines = [f"{heading}  {table.description}  ({TITLES[table.file]})"]
     for key in table.keys:
-        title = "  ".join(filter(None, [coloured(key.name, BOLD, sys.stdout), key.unit, state(key)]))
+        title = "  ".join(
+            filter(None, [coloured(key.name, BOLD, sys.stdout), key.unit, state(key)])
+        )
         facts = (key.description, f"expects {key.accepts}", key.usual, f"example: {key.example}")
         lines += ["", title, *(f"    {fact}" for fact in facts if fact)]
     return "\n".join(lines)
@@ -194,8 +222,11 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
     name = heading.strip("[]") or file
     found = []
     for field in key_fields(section):
-        given, unit, usual = field.metadata, field.metadata["unit"], field.metadata["usual"]
-        none, default = field.default in (REQUIRED, None, ""), field.default
+        given = field.metadata
+        unit = field.metadata["unit"]
+        usual = field.metadata["usual"]
+        none = field.default in (REQUIRED, None, "")
+        default = field.default
         default = dataclasses.asdict(default) if dataclasses.is_dataclass(default) else default  # type: ignore[arg-type]
         json = given["json"]
         if json is None:  # a reader of its own: the types of values that it accepts
@@ -214,8 +245,15 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
             )
         )
     if any("read" in field.metadata for field in dataclasses.fields(section)):
-        found.append(Key("material", "material of this body; that of the case by default", _MATERIAL))
-    return _table(file, heading, description or _first_line(section), [*found, *_FURTHER.get((file, name), ())])
+        found.append(
+            Key("material", "material of this body; that of the case by default", _MATERIAL)
+        )
+    return _table(
+        file,
+        heading,
+        description or _first_line(section),
+        [*found, *_FURTHER.get((file, name), ())],
+    )
 
 
 def _accepts(parse: Callable[[Any], Any], value: Any) -> bool:
@@ -236,7 +274,9 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> T
     """Return a table with an example of each key; where none is given it is the default."""
     name = heading.strip("[]") or file
     given = _examples()[file].get(name, {})
-    shown = {key.name: _written(given[key.name]) if key.name in given else key.default for key in found}
+    shown = {
+        key.name: _written(given[key.name]) if key.name in given else key.default for key in found
+    }
     keys = (dataclasses.replace(key, example=f"{key.name} = {shown[key.name]}") for key in found)
     return Table(file, name, heading, description, tuple(keys))
 
@@ -256,7 +296,11 @@ def _written(value: Any) -> str:
     """Write a value as in a TOML file, in full; a float as one would type it: 115e9, 0.01, 5.0."""
     if isinstance(value, Mapping):
         names = {name: name if name.isidentifier() else f'"{name}"' for name in value}
-        return "{" + ", ".join(f"{names[name]} = {_written(item)}" for name, item in value.items()) + "}"
+        return (
+            "{"
+            + ", ".join(f"{names[name]} = {_written(item)}" for name, item in value.items())
+            + "}"
+        )
     if isinstance(value, list | tuple):
         return "[" + ", ".join(map(_written, value)) + "]"
     if not isinstance(value, float):
@@ -264,7 +308,9 @@ def _written(value: Any) -> str:
     if 1e-3 <= abs(value) < 1e4 or not value:
         shown = f"{value:.10g}"
         return shown if "." in shown else f"{shown}.0"
-    power = 9 if abs(value) >= 1e10 else 6 if abs(value) >= 1e8 else math.floor(math.log10(abs(value)))
+    power = (
+        9 if abs(value) >= 1e10 else 6 if abs(value) >= 1e8 else math.floor(math.log10(abs(value)))
+    )
     return f"{value / 10.0**power:.10g}e{power}"
 
 
@@ -273,7 +319,9 @@ def _usual(usual: Usual) -> str:
     text = f"usual: {plain(usual.low)} to {plain(usual.high)}{of_unit}"
     if usual.beyond == 1:
         return f"{text}; others give a warning"
-    return f"{text}; below, and above {plain(usual.high * usual.beyond)}{of_unit}, a warning is given"
+    return (
+        f"{text}; below, and above {plain(usual.high * usual.beyond)}{of_unit}, a warning is given"
+    )
 
 
 def _first_line(section: type) -> str:
@@ -293,7 +341,9 @@ def _hint(wanted: str) -> str:
     names = list(dict.fromkeys(table.name for table in tables()))
     vocabulary = [f"{table.name}.{key.name}" for table in tables() for key in table.keys]
     same = list(dict.fromkeys(key for key in vocabulary if wanted and key.endswith(f".{wanted}")))
-    near = same or difflib.get_close_matches(wanted.lower(), [*names, *vocabulary], n=1, cutoff=0.75)
+    near = same or difflib.get_close_matches(
+        wanted.lower(), [*names, *vocabulary], n=1, cutoff=0.75
+    )
     if near:
         return f"did you mean {' or '.join(near)}?"
     hint = hint_for(wanted.rpartition(".")[2], names, "", list(dict.fromkeys(vocabulary)))

@@ -1,7 +1,7 @@
 """The command line.
 
-Exit status: 0 done; 1 failed while running; 2 wrong input, nothing was run; 130 stopped by Ctrl-C; 141 the reader of
-the output, such as another command in a pipe, has closed it.
+Exit status: 0 done; 1 failed while running; 2 wrong input, nothing was run; 130 stopped by Ctrl-C;
+141 the reader of the output, such as another command in a pipe, has closed it.
 """
 
 from __future__ import annotations
@@ -24,12 +24,17 @@ from granwave.workflows.cli.terminal import RED, YELLOW, coloured
 from granwave.workflows.run import mpi
 from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 
-FAILED, STOPPED, READER_LEFT = 1, 130, 141
+FAILED = 1
+STOPPED = 130
+READER_LEFT = 141
 
 _ONCE_MORE = 0.05  # s until a Ctrl-C that was lost is repeated
 _REPEATED: list[threading.Timer] = []
 _LONGEST_SHOWN = 300  # characters of a path in a message
-_NO_ROOM_FOR_LIBRARY = ("failed to map segment", "annot allocate memory")  # what the loader of libraries says
+_NO_ROOM_FOR_LIBRARY = (
+    "failed to map segment",
+    "annot allocate memory",
+)  # what the loader of libraries says
 _OF_NAMES = (errno.ENAMETOOLONG, errno.ELOOP)  # errors of a path itself, which is wrong input
 
 
@@ -48,7 +53,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import matplotlib  # noqa: F401
     sys.unraisablehook = _interrupt_again
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
-        signal.signal(signal.SIGTERM, signal.default_int_handler)  # as Ctrl-C: scratch files are removed
+        signal.signal(
+            signal.SIGTERM, signal.default_int_handler
+        )  # as Ctrl-C: scratch files are removed
     try:
         options.given = words
         status = options.command.run(options)
@@ -59,7 +66,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except GranwaveError as error:
         return _report([str(error)], FAILED)
     except BrokenPipeError:
-        os.dup2(os.open(os.devnull, os.O_WRONLY), 1)  # discards the rest of the output without an error
+        os.dup2(
+            os.open(os.devnull, os.O_WRONLY), 1
+        )  # discards the rest of the output without an error
         return READER_LEFT
     except OSError as error:
         return _report_file(error, words)
@@ -129,7 +138,9 @@ def _report_file(error: OSError, words: Sequence[str]) -> int:
             error.filename is not None and os.path.abspath(os.fsdecode(error.filename)) in named
         )
     except OSError:
-        return _report(["the working directory does not exist any more; change to another"], WRONG_INPUT)
+        return _report(
+            ["the working directory does not exist any more; change to another"], WRONG_INPUT
+        )
     # errors of writing name their file, see `granwave.lammps_inputs.files`
     name = error.filename or ("standard output" if error.errno in DISK_IS_FULL else "a file")
     shown = str(name) if len(str(name)) <= _LONGEST_SHOWN else f"{str(name)[:_LONGEST_SHOWN]}..."

@@ -22,7 +22,9 @@ def cases(options: argparse.Namespace) -> int:
     """Execute ``granwave cases``."""
     wanted = [word.lower() for word in options.words]
     found = [
-        entry for entry in library.entries() if all(word in f"{entry.name} {entry.title}".lower() for word in wanted)
+        entry
+        for entry in library.entries()
+        if all(word in f"{entry.name} {entry.title}".lower() for word in wanted)
     ]
     if not found:
         raise InputError(
@@ -79,7 +81,9 @@ def bench(options: argparse.Namespace) -> int:
     from granwave.workflows.bench import bench as run_bench
 
     if options.json and not options.json.absolute().parent.is_dir():
-        raise InputError(f"--json {options.json}: there is no directory {options.json.absolute().parent}")
+        raise InputError(
+            f"--json {options.json}: there is no directory {options.json.absolute().parent}"
+        )
     if options.json:
         refuse_other_file(options.json, rb'"triad_GB_per_s"')
     results = run_bench(options.parts, options.repeats)

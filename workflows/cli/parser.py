@@ -42,8 +42,8 @@ class Command:
     what
         Its line in the list, and the description in its own help.
     function
-        ``MODULE.NAME`` in `granwave.workflows.cli` of the function that is called with the parsed options and returns
-        the exit status; its module is loaded then.
+        ``MODULE.NAME`` in `granwave.workflows.cli` of the function that is called with the parsed
+        options and returns the exit status; its module is loaded then.
     options
         Its options; of those in a list one alone may be given.
     """
@@ -57,7 +57,9 @@ class Command:
     def run(self, options: argparse.Namespace) -> int:
         """Call the function; return the exit status."""
         module, _, function = self.function.partition(".")
-        return int(getattr(importlib.import_module(f"granwave.workflows.cli.{module}"), function)(options))
+        return int(
+            getattr(importlib.import_module(f"granwave.workflows.cli.{module}"), function)(options)
+        )
 
 
 def _option(*names: str, **settings: Any) -> Option:
@@ -69,11 +71,15 @@ def _flag(name: str, what: str, **settings: Any) -> Option:
 
 
 def _directory(what: str = "where everything goes (default: ./NAME)", **settings: Any) -> Option:
-    return _option("-o", dest="directory", type=read.output_name, metavar="DIR", help=what, **settings)
+    return _option(
+        "-o", dest="directory", type=read.output_name, metavar="DIR", help=what, **settings
+    )
 
 
 def _output(what: str, metavar: str = "FILE", **settings: Any) -> Option:
-    return _option("-o", dest="output", type=read.output_name, metavar=metavar, help=what, **settings)
+    return _option(
+        "-o", dest="output", type=read.output_name, metavar=metavar, help=what, **settings
+    )
 
 
 def _json(what: str) -> Option:
@@ -90,16 +96,25 @@ def _radii(what: str) -> Option:
 
 _CASE = _option("case", metavar="CASE", help="a case file, or the name of a built-in study")
 _SOURCE = _option(
-    "case", metavar="CASE", help="a case file, the name of a built-in study, or the directory of a finished run"
+    "case",
+    metavar="CASE",
+    help="a case file, the name of a built-in study, or the directory of a finished run",
 )
 _RUN = _option("directory", type=read.input_name, metavar="DIR", help="directory of a run")
-_RUN_OR_SCAN = _option("directory", type=read.input_name, metavar="DIR", help="directory of a run or a scan")
+_RUN_OR_SCAN = _option(
+    "directory", type=read.input_name, metavar="DIR", help="directory of a run or a scan"
+)
 _SET = _option(
     "--set", dest="overrides", action="append", default=[], metavar="KEY=VALUE",
     help="override a key: --set load.velocity=10 --set packing.size=[24,24,12] (may be repeated)",
 )  # fmt: skip
 _RANKS = _option(
-    "--np", dest="ranks", type=read.positive, default=1, metavar="N", help="number of MPI ranks (default: 1)"
+    "--np",
+    dest="ranks",
+    type=read.positive,
+    default=1,
+    metavar="N",
+    help="number of MPI ranks (default: 1)",
 )
 _NO_FIGURES = _flag("--no-figures", "leave the figures out", dest="figures", action="store_false")
 _FORCE = _flag("--force", "replace what is there")
@@ -116,7 +131,9 @@ _SMALL_WAVES = (
     _json("the summary"),
     _FORCE,
 )
-_THROUGH = _option("--through", metavar="X,Y,Z", help="a point of that plane, m (default: struck sphere)")
+_THROUGH = _option(
+    "--through", metavar="X,Y,Z", help="a point of that plane, m (default: struck sphere)"
+)
 #: Keys of ``[figures]`` that have an option.
 FIGURE_KEYS = {
     "plane": _option(
@@ -146,8 +163,12 @@ def _figure_options(*keys: str) -> list[Option]:
     return [FIGURE_KEYS["plane"], _THROUGH, *(FIGURE_KEYS[key] for key in keys if key != "plane")]
 
 
-_FIND, _RUNNING, _LOOK = "find and check a case", "run", "look at results"
-_WAVES, _CONTACTS, _PACKAGE = "small waves", "contacts", "the installation"
+_FIND = "find and check a case"
+_RUNNING = "run"
+_LOOK = "look at results"
+_WAVES = "small waves"
+_CONTACTS = "contacts"
+_PACKAGE = "the installation"
 COMMANDS = (
     Command("cases", _FIND, "the studies that come with the package", "package.cases", (
         _option("words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"),
@@ -347,12 +368,15 @@ COMMANDS = (
 
 def make_parser() -> argparse.ArgumentParser:
     """Make the parser of all commands."""
-    parser = _Parser(prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS.")
+    parser = _Parser(
+        prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
+    )
     parser.add_argument("--version", action="version", version=f"granwave {__version__}")
     verbs = parser.add_subparsers(required=True, metavar="COMMAND")
     parser._positionals._group_actions.clear()  # the groups list them
     for title in dict.fromkeys(command.group for command in COMMANDS):
-        group, first = parser.add_argument_group(title), len(verbs._choices_actions)
+        group = parser.add_argument_group(title)
+        first = len(verbs._choices_actions)
         for command in (command for command in COMMANDS if command.group == title):
             verb = verbs.add_parser(command.name, help=command.what, description=command.what)
             verb.set_defaults(command=command)
@@ -363,14 +387,20 @@ def make_parser() -> argparse.ArgumentParser:
                     add(*one.names, **one.settings)
         group._group_actions.extend(verbs._choices_actions[first:])
     shown = verbs.choices["help"]
-    shown.add_argument("name", nargs="?", choices=[*verbs.choices], metavar="COMMAND", help="name of a command")
+    shown.add_argument(
+        "name", nargs="?", choices=[*verbs.choices], metavar="COMMAND", help="name of a command"
+    )
     shown.set_defaults(parsers={None: parser, **verbs.choices})
     return parser
 
 
 def chosen(options: argparse.Namespace, function: Callable[..., Any]) -> dict[str, Any]:
     """Return the options that a function has parameters for, by name."""
-    return {name: getattr(options, name) for name in inspect.signature(function).parameters if hasattr(options, name)}
+    return {
+        name: getattr(options, name)
+        for name in inspect.signature(function).parameters
+        if hasattr(options, name)
+    }
 
 
 class _Parser(argparse.ArgumentParser):
@@ -378,10 +408,16 @@ class _Parser(argparse.ArgumentParser):
 
     def format_help(self) -> str:
         """Return the help, with titles that stand out on a terminal."""
-        return re.sub(r"(?m)^\S[^\n]*:$", lambda title: coloured(title[0], BOLD, sys.stdout), super().format_help())
+        return re.sub(
+            r"(?m)^\S[^\n]*:$",
+            lambda title: coloured(title[0], BOLD, sys.stdout),
+            super().format_help(),
+        )
 
     def error(self, message: str) -> NoReturn:
-        choice = re.fullmatch(r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL)
+        choice = re.fullmatch(
+            r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL
+        )
         if choice:
             name, found, listed = choice.groups()
             options = re.findall(r"[\w-]+", listed)
@@ -392,7 +428,8 @@ class _Parser(argparse.ArgumentParser):
         message = message.removeprefix("argument ")
         help_text = "" if "found " in message else f"; {self.prog} --help tells more"
         self.exit(
-            WRONG_INPUT, f"{coloured('granwave:', RED, sys.stderr)} {printable(' '.join(message.split()))}{help_text}\n"
+            WRONG_INPUT,
+            f"{coloured('granwave:', RED, sys.stderr)} {printable(' '.join(message.split()))}{help_text}\n",
         )
 
 

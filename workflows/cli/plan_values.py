@@ -26,8 +26,12 @@ _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
 def _size(assembly: Assembly) -> dict[str, Any]:
-    """Return mass, height and widths along x and y of a packing as its grains are placed; without strikers and bars."""
-    case, lattice, sites = assembly.case, assembly.lattice, assembly.sites
+    """Return mass, height and widths along x and y of a packing as its grains are placed; without
+    strikers and bars.
+    """
+    case = assembly.case
+    lattice = assembly.lattice
+    sites = assembly.sites
     if sites.uniform:
         reach = extents(np.array([lattice.diameter / 2]), [case.packing.of_grain])
         low, high = lattice.bounds() + np.concatenate([-reach, reach])
@@ -37,53 +41,89 @@ def _size(assembly: Assembly) -> dict[str, Any]:
         shapes = assembly.grain_shapes()[: lattice.n_spheres]
         reach = extents(sites.diameter / 2, shapes)[there]
         place = sites.positions(1, lattice.n_spheres)[there]
-        low, high = (place - reach).min(axis=0), (place + reach).max(axis=0)
+        low = (place - reach).min(axis=0)
+        high = (place + reach).max(axis=0)
         mass = float(assembly.sphere_masses()[: int(there.sum())].sum())  # without strikers
     x, y, z = (high - low).tolist()
     return {"packing_mass_kg": mass, "packing_height_m": z, "packing_width_m": [x, y]}
 
 
 def _struck(assembly: Assembly) -> dict[str, Any] | None:
-    """Return the sphere that the load hits first, and where it is; None if it hits none in particular.
+    """Return the sphere that the load hits first, and where it is; None if it hits none in
+    particular.
 
-    ``aside_m`` is its distance from the middle of the top, 0 of a sphere next to it; ``below_m`` its depth below the
-    top; ``where`` says that it is at a corner, an edge or an end of the top.
+    ``aside_m`` is its distance from the middle of the top, 0 of a sphere next to it; ``below_m``
+    its depth below the top; ``where`` says that it is at a corner, an edge or an end of the top.
     """
-    lattice, sphere = assembly.lattice, struck_site(assembly)
-    if sphere is None or assembly.case.load.kind in ("plate", "grains") or assembly.case.incident_bar:
+    lattice = assembly.lattice
+    sphere = struck_site(assembly)
+    if (
+        sphere is None
+        or assembly.case.load.kind in ("plate", "grains")
+        or assembly.case.incident_bar
+    ):
         return None
-    place, top = lattice.positions(sphere, sphere)[0], lattice.top_layer
+    place = lattice.positions(sphere, sphere)[0]
+    top = lattice.top_layer
     at_top = lattice.positions(1, int(top.max()))[top - 1]
     if sphere not in top:
         below = float(place[2] - at_top[:, 2].min())
         return {"sphere": sphere, "aside_m": 0.0, "below_m": below, "where": ""}
-    low, high, near = at_top[:, :2].min(axis=0), at_top[:, :2].max(axis=0), lattice.diameter / 2
+    low = at_top[:, :2].min(axis=0)
+    high = at_top[:, :2].max(axis=0)
+    near = lattice.diameter / 2
     wide = high - low > near
     ends = np.count_nonzero(wide & (np.minimum(place[:2] - low, high - place[:2]) < near))
     aside = float(np.linalg.norm(place[:2] - at_top[:, :2].mean(axis=0)))
-    where = ("", "at an edge of the top" if wide.all() else "at an end of the top", "at a corner of the top")[ends]
-    return {"sphere": sphere, "aside_m": aside if aside > lattice.diameter else 0.0, "below_m": 0.0, "where": where}
+    where = (
+        "",
+        "at an edge of the top" if wide.all() else "at an end of the top",
+        "at a corner of the top",
+    )[ends]
+    return {
+        "sphere": sphere,
+        "aside_m": aside if aside > lattice.diameter else 0.0,
+        "below_m": 0.0,
+        "where": where,
+    }
 
 
 def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
-    assembly, schedule, zone, stage = assemble(case), plan.schedule, plan.zone, case.precompression
-    no_reduction, coordination, rate = no_bare_target(case), None, None
-    held = {"unlike or missing spheres": not assembly.sites.uniform, "strikers": bool(assembly.strikers)}
+    assembly = assemble(case)
+    schedule = plan.schedule
+    zone = plan.zone
+    stage = case.precompression
+    no_reduction = no_bare_target(case)
+    coordination = None
+    rate = None
+    held = {
+        "unlike or missing spheres": not assembly.sites.uniform,
+        "strikers": bool(assembly.strikers),
+    }
     # a restitution that is asked for is found
     loss = viscous_loss(assembly, case.contact, case.material, case.material)
-    if case.packing.grains is not None or is_plane_crystal(case.packing.kind):  # contacts of other lattices are known
+    if case.packing.grains is not None or is_plane_crystal(
+        case.packing.kind
+    ):  # contacts of other lattices are known
         found = Counter(assembly.contacts().ravel().tolist())
         grains = Counter(found.values()) | Counter({0: assembly.n_spheres - len(found)})
         numbers = {number: n for number, n in sorted(grains.items()) if n}
         coordination = {"mean": sum(found.values()) / assembly.n_spheres, "grains": numbers}
     if assembly.has_rate and (hits := encounters(assembly)):
-        # factor of the yield strength in the fastest collision, with whose velocity the contact approaches
-        velocity, fastest = max(((math.sqrt(4 * one.energy / one.mass), one) for one in hits), key=lambda hit: hit[0])
+        # factor of the yield strength in the fastest collision, with whose velocity the contact
+        # approaches
+        velocity, fastest = max(
+            ((math.sqrt(4 * one.energy / one.mass), one) for one in hits), key=lambda hit: hit[0]
+        )
         law = fastest.law
         overlaps = np.array([law.yield_overlap, max(fastest.overlap, law.yield_overlap)])
         first, last = law.rate_factor(overlaps, velocity).tolist()
-        rate = {"velocity_m_s": velocity, "factor_at_yield": first, "factor_at_largest_overlap": last}
+        rate = {
+            "velocity_m_s": velocity,
+            "factor_at_yield": first,
+            "factor_at_largest_overlap": last,
+        }
     return {
         **_size(assembly),
         "struck": _struck(assembly),
@@ -106,7 +146,9 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "memory_first_rank_bytes": plan.first_rank,
         "memory_other_rank_bytes": plan.other_rank if plan.n_ranks > 1 else None,
         "timestep_s": schedule.first_timestep,
-        "timestep_largest_s": schedule.largest_timestep if schedule.adaptive else schedule.first_timestep,
+        "timestep_largest_s": schedule.largest_timestep
+        if schedule.adaptive
+        else schedule.first_timestep,
         "timestep_set_by": plan.limit.cause if plan.limit else None,
         "energy_tolerance": schedule.energy_tolerance if schedule.adaptive else None,
         "n_steps": schedule.n_steps // schedule.first_step,
@@ -115,13 +157,16 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "n_frames": schedule.n_frames,
         "output_in_parts": written_in_parts(assembly),
         # causes why it holds all sites of a large packing at once
-        "held_by_first_rank": [cause for cause, holds in held.items() if holds and plan.n_spheres > ANALYSED_AT_ONCE],
+        "held_by_first_rank": [
+            cause for cause, holds in held.items() if holds and plan.n_spheres > ANALYSED_AT_ONCE
+        ],
         "wall_time_longest_s": plan.times.longest,
         "wall_time_parts_s": dataclasses.asdict(plan.times),
         "peak_overlap_m": plan.peak_overlap,
         "peak_overlap_over_yield": plan.peak_overlap_yield,
         "peak_overlap_over_radius": plan.peak_overlap_radius,
-        "peak_overlap_beyond_law": case.contact.entry.fitted and plan.peak_overlap_radius > _LARGEST_OF_LAW,
+        "peak_overlap_beyond_law": case.contact.entry.fitted
+        and plan.peak_overlap_radius > _LARGEST_OF_LAW,
         "loss": None if loss is None else {"time_s" if loss[0] == "time" else "dashpot": loss[1]},
         "rate": rate,
         "zone": None
@@ -140,15 +185,22 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
 
 
 def small_waves(case: Case) -> dict[str, Any] | None:
-    """Return the small waves of a chain that repeats and bears a static force; None for other packings.
+    """Return the small waves of a chain that repeats and bears a static force; None for other
+    packings.
 
-    The bands of the endless chain tell them; a finite one, with other spheres in it, has none of its own. Values are
-    the cut-off, the lowest gaps below it, the speed of long waves, their way from end to end, and for each frequency of
-    the load if it passes; units are part of the names.
+    The bands of the endless chain tell them; a finite one, with other spheres in it, has none of
+    its own. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
+    from end to end, and for each frequency of the load if it passes; units are part of the names.
     """
-    if case.precompression is None or case.packing.kind != "chain" or case.packing.grains is not None:
+    if (
+        case.precompression is None
+        or case.packing.kind != "chain"
+        or case.packing.grains is not None
+    ):
         return None
-    from granwave.analysis.spectra.band_structure import band_structure  # takes longer to load than a plan to make
+    from granwave.analysis.spectra.band_structure import (
+        band_structure,
+    )  # takes longer to load than a plan to make
 
     try:
         found = band_structure(case)
@@ -157,8 +209,11 @@ def small_waves(case: Case) -> dict[str, Any] | None:
     highest = float(np.nanmax(found.bands.frequency))
     inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]
     low, high = assemble(case).lattice_bounds()
-    frequencies = [one for one in (case.load.frequency, case.load.last_frequency) if one is not None]
-    speed, length = float(found.speeds[-1]) if len(found.speeds) else None, float(high[2] - low[2])
+    frequencies = [
+        one for one in (case.load.frequency, case.load.last_frequency) if one is not None
+    ]
+    speed = float(found.speeds[-1]) if len(found.speeds) else None
+    length = float(high[2] - low[2])
     return {
         "highest_Hz": highest,
         "gaps_Hz": [list(gap) for gap in inside[:_MOST_GAPS]],
@@ -166,7 +221,10 @@ def small_waves(case: Case) -> dict[str, Any] | None:
         "length_m": length,
         "travel_time_s": None if speed is None else length / speed,
         "load": [
-            {"frequency_Hz": one, "passes": not (one > highest or any(a < one < b for a, b in inside))}
+            {
+                "frequency_Hz": one,
+                "passes": not (one > highest or any(a < one < b for a, b in inside)),
+            }
             for one in frequencies
         ],
     }

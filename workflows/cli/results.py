@@ -1,4 +1,6 @@
-"""Commands that show finished runs: reports, figures, films, pages and exports; each returns the exit status."""
+"""Commands that show finished runs: reports, figures, films, pages and exports; each returns the
+exit status.
+"""
 
 from __future__ import annotations
 
@@ -65,7 +67,10 @@ def figures(options: argparse.Namespace) -> int:
 
     wanted = options.only
     if unknown := [name for name in wanted or () if name not in FIGURE_NAMES]:
-        hint = did_you_mean(unknown[0], FIGURE_NAMES) or f", expected some of {', '.join(FIGURE_NAMES)}"
+        hint = (
+            did_you_mean(unknown[0], FIGURE_NAMES)
+            or f", expected some of {', '.join(FIGURE_NAMES)}"
+        )
         raise InputError(f"--only: found {unknown[0]}{hint}")
     with (
         held(existing(options.directory).absolute(), way=""),
@@ -79,8 +84,12 @@ def figures(options: argparse.Namespace) -> int:
 
         with Result(options.directory) as result:
             changed = apply_options(options, result.figure_options)
-        if changed.plane is None and (cut := [name for name in wanted or () if name.endswith("_section")]):
-            raise InputError(f"--only: {', '.join(cut)}: needs a plane; give --plane x, or figures.plane of the case")
+        if changed.plane is None and (
+            cut := [name for name in wanted or () if name.endswith("_section")]
+        ):
+            raise InputError(
+                f"--only: {', '.join(cut)}: needs a plane; give --plane x, or figures.plane of the case"
+            )
         drawn = draw_figures(options.directory, names=wanted, helpers=others, options=changed)
     for path in drawn:
         print(path)
@@ -88,7 +97,9 @@ def figures(options: argparse.Namespace) -> int:
     if failed.keys() & set(wanted or failed):
         return 1
     if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
-        raise InputError(f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind")
+        raise InputError(
+            f"--only: {', '.join(left)}: does not apply to this run, which has nothing of the kind"
+        )
     return 0
 
 
@@ -112,7 +123,14 @@ def film(options: argparse.Namespace) -> int:
         with as_wrong_input():
             with Result(options.directory) as result:
                 colours = apply_options(options, result.figure_options, *FILM_KEYS)
-            path = write_film(options.directory, options.output, progress=report, size=size, options=colours, **chosen)
+            path = write_film(
+                options.directory,
+                options.output,
+                progress=report,
+                size=size,
+                options=colours,
+                **chosen,
+            )
     print(path)
     return 0
 
@@ -136,7 +154,8 @@ def view(options: argparse.Namespace) -> int:
 
 
 def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> Figures:
-    """Return the options of figures with the changes of the command line, in keys ``names``, by default `FIGURE_KEYS`.
+    """Return the options of figures with the changes of the command line, in keys ``names``, by
+    default `FIGURE_KEYS`.
 
     Raises
     ------
@@ -144,9 +163,11 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
         A value is wrong; the message lists all faults.
     """
     fields = {field.name: field for field in dataclasses.fields(Figures)}
-    changes, faults = {}, []
+    changes = {}
+    faults = []
     for name in names or FIGURE_KEYS:
-        text, through = getattr(options, name), options.through
+        text = getattr(options, name)
+        through = options.through
         if text is None:
             continue
         try:
@@ -154,7 +175,8 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
         except ValidationError as error:
             option = FIGURE_KEYS[name].names[0]
             if name == "plane" and through is not None:
-                option, text = f"{option} --through", f"{text} and {through}"
+                option = f"{option} --through"
+                text = f"{text} and {through}"
             faults.append(f"{option}: found {text}, expected {_in_words(name, str(error))}")
     if options.through is not None and options.plane is None:
         faults.append("--through: it is a point of the plane of --plane, which is not given")

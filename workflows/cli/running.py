@@ -1,4 +1,6 @@
-"""Commands that run cases: ``granwave run``, ``continuum``, ``write`` and ``analyse``; each returns the exit status."""
+"""Commands that run cases: ``granwave run``, ``continuum``, ``write`` and ``analyse``; each returns
+the exit status.
+"""
 
 from __future__ import annotations
 
@@ -32,7 +34,9 @@ def run(options: argparse.Namespace) -> int:
     starts_ranks = options.ranks > 1 and not mpi.launched()
     if starts_ranks:
         mpi.check_cores(options.ranks)
-        logging.getLogger("granwave").setLevel(logging.ERROR)  # the ranks will give the warnings of the case
+        logging.getLogger("granwave").setLevel(
+            logging.ERROR
+        )  # the ranks will give the warnings of the case
     case = library.load_case(options.case, options.overrides)
     directory = results_directory(options.directory or case.name)
     how = _how(options)
@@ -40,13 +44,19 @@ def run(options: argparse.Namespace) -> int:
         decide(case, directory, n_ranks=options.ranks, **how)
         return mpi.launch(options.ranks, _without_ranks(options.given))
 
-    from granwave.workflows.run.driver import run_case  # loads the analysis, which starting ranks does without
+    from granwave.workflows.run.driver import (
+        run_case,
+    )  # loads the analysis, which starting ranks does without
 
     comm = mpi.world()
-    outcome = run_case(case, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how)
+    outcome = run_case(
+        case, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how
+    )
     if comm.rank == 0:
         summary = outcome.summary
-        print_json(summary) if options.json else print(f"{summary_table(summary)}\n\nresults in {outcome.directory}")
+        print_json(summary) if options.json else print(
+            f"{summary_table(summary)}\n\nresults in {outcome.directory}"
+        )
         _warn_of_zone(summary)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
@@ -54,12 +64,21 @@ def run(options: argparse.Namespace) -> int:
                 "figures draw a ring around them"
             )
         if outcome.state == record.INTERRUPTED:
-            print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
+            print(
+                "granwave: stopped before its end; the same command with --resume goes on",
+                file=sys.stderr,
+            )
         if outcome.state == record.REFUSED:
             error = summary.get("energy_balance_error")
-            misses = "it is not a number" if error is None else f"it misses by {error:.1e} of the input"
+            misses = (
+                "it is not a number" if error is None else f"it misses by {error:.1e} of the input"
+            )
             automatic = case.run.timestep == "auto"
-            mend = "give run.energy_tolerance a smaller value" if automatic else "leave out run.timestep"
+            mend = (
+                "give run.energy_tolerance a smaller value"
+                if automatic
+                else "leave out run.timestep"
+            )
             print(
                 f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most 1e-5 "
                 f"or run.energy_tolerance, whichever is larger: {mend}, and run it again with --force",
@@ -73,7 +92,8 @@ def _how(options: argparse.Namespace) -> dict[str, Any]:
 
 
 def _without_ranks(arguments: Sequence[str]) -> list[str]:
-    kept, skip = [], False
+    kept = []
+    skip = False
     for argument in arguments:
         if skip or argument == "--np" or argument.startswith("--np="):
             skip = not skip and argument == "--np"
@@ -113,7 +133,9 @@ def write(options: argparse.Namespace) -> int:
         ownership.refuse_foreign(directory, run_files(case, expected.schedule))
         refuse_source(directory, case.name, earlier_result(case))
         earlier = ownership.results_in(directory)
-        deck = write_deck(case, options.directory)  # whole or not at all; only then is removed what was there
+        deck = write_deck(
+            case, options.directory
+        )  # whole or not at all; only then is removed what was there
         ownership.clear(directory, set(earlier) - set(deck.written))
         deck.dumps.mkdir(exist_ok=True)
         ownership.claim(directory, deck_files(assemble(case), deck.schedule))
@@ -132,7 +154,9 @@ def analyse(options: argparse.Namespace) -> int:
     directory = existing(options.directory)
     if options.ranks > 1 and not mpi.launched():
         mpi.check_cores(options.ranks)
-        return mpi.launch(options.ranks, _without_ranks(options.given), remedy="what LAMMPS wrote is as it was")
+        return mpi.launch(
+            options.ranks, _without_ranks(options.given), remedy="what LAMMPS wrote is as it was"
+        )
     comm = mpi.world() if mpi.launched() else None
 
     def work(processes: Processes = ALONE) -> Mapping[str, Any]:
@@ -141,9 +165,13 @@ def analyse(options: argparse.Namespace) -> int:
         ownership.refuse_foreign(directory, [RESULT_FILE, SUMMARY_FILE])
         ownership.clear_scratch(directory, [RESULT_FILE])
         if restore_case(directory):
-            print(f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr)
+            print(
+                f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr
+            )
         with as_wrong_input():
-            return analyse_directory(directory, progress=True, figures=options.figures, processes=processes)
+            return analyse_directory(
+                directory, progress=True, figures=options.figures, processes=processes
+            )
 
     with held(directory.absolute(), comm, way=""):
         if comm is None:

@@ -45,14 +45,19 @@ def scan(options: argparse.Namespace) -> int:
     except OSError as error:  # usually a full disk
         place = error.filename or options.directory or options.scan
         reason = error.strerror or error
-        raise RunError(f"{place}: {reason}; mend that, then the same command with --resume goes on") from error
+        raise RunError(
+            f"{place}: {reason}; mend that, then the same command with --resume goes on"
+        ) from error
 
 
 def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: int) -> int:
     found: Scan | Suite
-    here, way = options.executor == LOCAL, {"resume": options.resume, "force": options.force}
+    here = options.executor == LOCAL
+    way = {"resume": options.resume, "force": options.force}
     if not is_suite(options.scan):
-        found = load_scan(options.scan, options.overrides, here=here, most=_PLANNED if options.plan else None)
+        found = load_scan(
+            options.scan, options.overrides, here=here, most=_PLANNED if options.plan else None
+        )
     elif options.overrides:
         raise InputError(
             f"--set: {options.scan} is a suite of scans, which have different cases; set keys in its scan files"
@@ -62,14 +67,27 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
     directory = results_directory(options.directory or found.name)
     if not options.plan:
         try:
-            decide(found, directory, **way) if isinstance(found, Scan) else check_suite(found, directory, **way)
+            decide(found, directory, **way) if isinstance(found, Scan) else check_suite(
+                found, directory, **way
+            )
         except OSError as error:  # it cannot be looked into
-            raise InputError(f"{directory}: {error.strerror or error}; choose another directory with -o") from None
-    parts = {directory: found} if isinstance(found, Scan) else {directory / part.name: part for part in found.scans}
-    slowness, plans = {}, []
+            raise InputError(
+                f"{directory}: {error.strerror or error}; choose another directory with -o"
+            ) from None
+    parts = (
+        {directory: found}
+        if isinstance(found, Scan)
+        else {directory / part.name: part for part in found.scans}
+    )
+    slowness = {}
+    plans = []
     for place, part in parts.items():
-        left = sorted(points_left(part, place, fresh=options.force), key=lambda point: point.plan.wall_time)
-        worth_measuring = here and sum(point.plan.wall_time for point in left) / jobs >= _WORTH_MEASURING
+        left = sorted(
+            points_left(part, place, fresh=options.force), key=lambda point: point.plan.wall_time
+        )
+        worth_measuring = (
+            here and sum(point.plan.wall_time for point in left) / jobs >= _WORTH_MEASURING
+        )
         measured = slowness_of(left[len(left) // 2], jobs) if worth_measuring else None
         slowness[part.name] = measured or 1.0
         plans.append(plan_values(part, place, left, Machine(jobs, profile, measured or 1.0)))
@@ -79,13 +97,26 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
     if isinstance(found, Suite) and not options.json:
         print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
-        raise_all(partial(check_points, part, place, force=options.force) for place, part in parts.items())
+        raise_all(
+            partial(check_points, part, place, force=options.force) for place, part in parts.items()
+        )
         if options.json:
-            suite = {"name": found.name, "wall_time_s": total, "directory": directory, "scans": plans}
+            suite = {
+                "name": found.name,
+                "wall_time_s": total,
+                "directory": directory,
+                "scans": plans,
+            }
             print_json(plans[0] if isinstance(found, Scan) else suite)
         return 0
     sys.stdout.flush()
-    how = {"executor": options.executor, "jobs": options.jobs, "profile": profile, "progress": True, **way}
+    how = {
+        "executor": options.executor,
+        "jobs": options.jobs,
+        "profile": profile,
+        "progress": True,
+        **way,
+    }
     if isinstance(found, Scan):
         outcomes = [run_scan(found, directory, slowness=slowness[found.name], **how)]
     else:
@@ -106,17 +137,29 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
 def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
     """Say what is left to do; returns the exit status."""
     if stopped == STOPPED:
-        print("granwave: stopped before its end; the same command with --resume goes on", file=sys.stderr)
+        print(
+            "granwave: stopped before its end; the same command with --resume goes on",
+            file=sys.stderr,
+        )
         return 130
     if stopped:
-        print(f"granwave: {stopped}; make room, then the same command with --resume goes on", file=sys.stderr)
+        print(
+            f"granwave: {stopped}; make room, then the same command with --resume goes on",
+            file=sys.stderr,
+        )
         return 1
     for outcome in outcomes:
         left = " and ".join(
-            f"{n} {what}" for n, what in ((outcome.failed, "failed"), (outcome.missing, "missing")) if n
+            f"{n} {what}"
+            for n, what in ((outcome.failed, "failed"), (outcome.missing, "missing"))
+            if n
         )
         if left:
-            reasons = {p.reason.strip() for p in ScanResult(outcome.directory).points if p.status == "failed"}
+            reasons = {
+                p.reason.strip()
+                for p in ScanResult(outcome.directory).points
+                if p.status == "failed"
+            }
             shared = f" ({' '.join(reasons.pop().split())})" if len(reasons) == 1 else ""
             print(f"granwave: {left} of the points{shared}; the reasons are in "
                   f"{outcome.directory / 'scan.csv'}; the same command with --resume tries them again",
@@ -127,7 +170,9 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
 def _executor(options: argparse.Namespace) -> Profile | None:
     if options.executor not in EXECUTORS:
         hint = did_you_mean(options.executor, EXECUTORS)
-        raise InputError(f"--executor: found {options.executor}, expected {' or '.join(EXECUTORS)}{hint}")
+        raise InputError(
+            f"--executor: found {options.executor}, expected {' or '.join(EXECUTORS)}{hint}"
+        )
     if options.executor == LOCAL:
         if options.profile:
             raise InputError("--profile: is for --executor slurm; leave it out, or choose that")
@@ -135,8 +180,12 @@ def _executor(options: argparse.Namespace) -> Profile | None:
     return load_profile(options.profile) if options.profile else Profile()
 
 
-def plan_values(scan: Scan, directory: Path, left: Sequence[Point], machine: Machine) -> dict[str, Any]:
-    """Return the values of a planned scan with these points left to be run; units are part of the names."""
+def plan_values(
+    scan: Scan, directory: Path, left: Sequence[Point], machine: Machine
+) -> dict[str, Any]:
+    """Return the values of a planned scan with these points left to be run; units are part of the
+    names.
+    """
     points = scan.distinct.values()
     sizes = [point.size for point in points]
     parts = scan.points[0].kind.parts
@@ -152,14 +201,20 @@ def plan_values(scan: Scan, directory: Path, left: Sequence[Point], machine: Mac
         f"n_{parts}_most": max(sizes),
         "jobs": machine.jobs,
         "wall_time_s": scan.scale * machine.time(left),
-        "memory_bytes": sum(sorted((point.plan.memory for point in left), reverse=True)[: machine.jobs]),
+        "memory_bytes": sum(
+            sorted((point.plan.memory for point in left), reverse=True)[: machine.jobs]
+        ),
         "disk_bytes": scan.scale * sum(point.plan.disk for point in left),
     }
 
 
-def plan_text(scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slowness: float | None) -> str:
+def plan_text(
+    scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slowness: float | None
+) -> str:
     """Return the table of a planned scan of these `plan_values`."""
-    points, parts, jobs = scan.distinct.values(), scan.points[0].kind.parts, values["jobs"]
+    points = scan.distinct.values()
+    parts = scan.points[0].kind.parts
+    jobs = values["jobs"]
     counts = f"{scan.n_points}"
     if scan.scale > 1:
         counts += f", planned from {len(scan.points)} of them, taken at random; a run checks all"
@@ -167,14 +222,17 @@ def plan_text(scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slow
         counts += f", {len(points)} of them different"
     if len(left) < len(points):
         counts += f", {len(points) - len(left)} done already"
-    least, most = values[f"n_{parts}_least"], values[f"n_{parts}_most"]
+    least = values[f"n_{parts}_least"]
+    most = values[f"n_{parts}_most"]
     measured = ", from the speed measured here" if slowness else ""
     times = [p.plan.times for p in left if isinstance(p.plan, Plan)]
     unknown = [time for time in times if time.most_static > time.static]
     zones = [p.plan.zone for p in points if isinstance(p.plan, Plan) and p.plan.zone]
     cut = sum(bool(zone.reaches and expected_cut(zone)) for zone in zones)
     static = static_stage_note(unknown, jobs / (slowness or 1.0)) if unknown else ""
-    reaches = f"expected to reach a bound of the packing in {cut} of {len(points)} points" if cut else ""
+    reaches = (
+        f"expected to reach a bound of the packing in {cut} of {len(points)} points" if cut else ""
+    )
     return table(
         [
             ("scan", scan.name),
@@ -209,14 +267,25 @@ def outcome_text(outcome: ScanOutcome) -> str:
     """Return the table of the main values of all points, and the place of the results."""
     result = ScanResult(outcome.directory)
     points = [point for point in result.points if point.status != "missing"]
-    asked = [quantity(REDUCTION)] if protects(result.varied, [point.summary for point in points]) else []
-    shown = [one for one in [*asked, *SCAN_COLUMNS] if any(point.summary.get(one.name) is not None for point in points)]
+    asked = (
+        [quantity(REDUCTION)]
+        if protects(result.varied, [point.summary for point in points])
+        else []
+    )
+    shown = [
+        one
+        for one in [*asked, *SCAN_COLUMNS]
+        if any(point.summary.get(one.name) is not None for point in points)
+    ]
     head = ["", *result.varied, *(one.heading for one in shown), ""]
     rows = [head]
     for point in points[:_MOST_ROWS]:
         summary = point.summary
         values = [_value(one, summary.get(one.name)) for one in shown]
-        labels = [f"{value:.5g}" if isinstance(value, float) else str(value) for value in point.labels.values()]
+        labels = [
+            f"{value:.5g}" if isinstance(value, float) else str(value)
+            for value in point.labels.values()
+        ]
         ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
         rows.append([str(point.number), *labels, *values, ending])
     text = columns(rows, left=(len(head) - 1,))
@@ -228,12 +297,18 @@ def outcome_text(outcome: ScanOutcome) -> str:
         if count := marks.count(mark):
             text += f"plastic zone: {label} in {count} of {len(points)} points, which figures and report mark\n\n"
     counts = ", ".join(f"{getattr(outcome, name)} {name}" for name in ("done", "failed", "missing"))
-    there = "table, figures and report.html" if (outcome.directory / "report.html").exists() else "the table"
+    there = (
+        "table, figures and report.html"
+        if (outcome.directory / "report.html").exists()
+        else "the table"
+    )
     return f"{text}{counts}; {there} in {outcome.directory}"
 
 
 def _means_text(result: ScanResult) -> str:
-    """Return what the points say together: means over replicates, if there are some, and a sentence."""
+    """Return what the points say together: means over replicates, if there are some, and a
+    sentence.
+    """
     means = means_of(result)
     shown = [key for _, key in means.quantities()]
     if not shown:
@@ -242,7 +317,9 @@ def _means_text(result: ScanResult) -> str:
     if max(means.counts) < 2:
         return text
     units = [(key.naming.label, key.naming.unit) for key in means.keys]
-    units += [(quantity(name).label, quantity(name).unit.replace("^", "")) for name in shown[:_MOST_MEANS]]
+    units += [
+        (quantity(name).label, quantity(name).unit.replace("^", "")) for name in shown[:_MOST_MEANS]
+    ]
     rows = [[f"{label} ({unit})" if unit else label for label, unit in units]]
     for row in range(min(len(means.counts), _MOST_ROWS)):
         values = [means.text(name, row) for name in shown[:_MOST_MEANS]]

@@ -1,7 +1,7 @@
 """``granwave selftest``: known answers, plugin, MPI ranks and restart, computed on this machine.
 
-Two of the answers are closed forms, written here again and not taken from the laws that the runs use; R and m are those
-of the pair, K = 4/3 E* sqrt(R):
+Two of the answers are closed forms, written here again and not taken from the laws that the runs
+use; R and m are those of the pair, K = 4/3 E* sqrt(R):
 
     Hertz 1882       F = K a^1.5, a_max = (5 m v^2/(4 K))^(2/5); the contact lasts 2.943 a_max/v
     Thornton 1997    F_max = F_y sqrt(6/5 (v/v_y)^2 - 1/5) and, with r = v_y/v, restitution
@@ -44,8 +44,15 @@ from granwave.workflows.run.driver import run_case
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.scanning.slurm import load_profile
 
-_BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0, "yield_strength": 550e6}
-_DIAMETER, _SPEED = 0.010, 1.0  # m, m/s
+_BRASS = {
+    "youngs_modulus": 115e9,
+    "poisson_ratio": 0.30,
+    "density": 8500.0,
+    "yield_strength": 550e6,
+}
+# m, m/s
+_DIAMETER = 0.010
+_SPEED = 1.0
 _PAIR: dict[str, Any] = {
     "material": _BRASS,
     "packing": {"kind": "chain", "size": 2, "diameter": _DIAMETER},
@@ -60,7 +67,9 @@ _PACKING: dict[str, Any] = {
     "load": {"velocity": 5.0},
     "run": {"end_time": 1e-4, "frames": 3},
 }
-_DISSIPATED, _YIELDED = 0.83929649013269, 375  # of `_PACKING`: share of the input, contacts
+# of `_PACKING`: share of the input, contacts
+_DISSIPATED = 0.83929649013269
+_YIELDED = 375
 _EXACT = 1e-9  # relative difference of a run that was stopped and resumed
 _FIELDS = ("spheres", "contacts", "wall_contacts", "particles")  # groups of result.h5
 _OF_THE_CLOCK = ("wall_time_s", "sphere_steps_per_s", "energy_balance_error")
@@ -73,7 +82,9 @@ _NO_RESUME = "do without --resume here; granwave run two-spheres tells if runs w
 
 @dataclasses.dataclass(frozen=True)
 class Check:
-    """One line of the table: what is checked, the expected and the found answer, and what to do if they differ."""
+    """One line of the table: what is checked, the expected and the found answer, and what to do if
+    they differ.
+    """
 
     what: str
     expected: str
@@ -93,16 +104,22 @@ def selftest(options: argparse.Namespace) -> int:
     if mpi.launched():
         raise InputError("selftest: found a launcher of ranks, expected none: --np N starts them")
     launcher = shlex.split(load_profile(options.profile).launcher) if options.profile else []
-    begin, checks = time.monotonic(), []
+    begin = time.monotonic()
+    checks = []
     if not options.json:
         print(coloured(_line("what", "expected", "found", "ok"), BOLD, sys.stdout), flush=True)
     with tempfile.TemporaryDirectory(prefix="granwave-selftest-") as scratch:
         for check in _all(Path(scratch), options.ranks, launcher):
             checks.append(check)
             if not options.json:
-                state = coloured("yes", GREEN, sys.stdout) if check.ok else coloured("NO", RED, sys.stdout)
+                state = (
+                    coloured("yes", GREEN, sys.stdout)
+                    if check.ok
+                    else coloured("NO", RED, sys.stdout)
+                )
                 print(_line(check.what, check.expected, check.found, state), flush=True)
-    failed, seconds = [check for check in checks if not check.ok], time.monotonic() - begin
+    failed = [check for check in checks if not check.ok]
+    seconds = time.monotonic() - begin
     if options.json:
         rows = [dataclasses.asdict(check) for check in checks]
         print_json({"passed": not failed, "wall_time_s": seconds, "checks": rows})
@@ -114,25 +131,49 @@ def selftest(options: argparse.Namespace) -> int:
 
 
 def _line(*words: str) -> str:
-    return "  ".join(f"{word:<{width}}" for word, width in zip(words, _WIDTHS, strict=True)).rstrip()
+    return "  ".join(
+        f"{word:<{width}}" for word, width in zip(words, _WIDTHS, strict=True)
+    ).rstrip()
 
 
 def _all(scratch: Path, ranks: int, launcher: Sequence[str]) -> Iterator[Check]:
     """Make all checks; where LAMMPS does not load the plugin there is nothing to compute."""
-    release, wrong = plugins.lammps_release(), check_release()
-    yield Check("LAMMPS release", release, wrong.split()[1] if wrong else release, wrong is None, wrong or "")
+    release = plugins.lammps_release()
+    wrong = check_release()
+    yield Check(
+        "LAMMPS release",
+        release,
+        wrong.split()[1] if wrong else release,
+        wrong is None,
+        wrong or "",
+    )
     parts = {one.part: one for one in examine()}
-    wanted = ["plugin", "lammps module", "lmp command", *(["MPI ranks"] if ranks > 1 and not launcher else [])]
+    wanted = [
+        "plugin",
+        "lammps module",
+        "lmp command",
+        *(["MPI ranks"] if ranks > 1 and not launcher else []),
+    ]
     for part in (parts[name] for name in wanted):
-        yield Check(part.part, "works", "works" if part.works else part.found, part.works, part.remedy)
+        yield Check(
+            part.part, "works", "works" if part.works else part.found, part.works, part.remedy
+        )
     if wrong or not parts["lammps module"].works:
-        yield Check("known answers", "computed", "not run", False, "mend what stands before, and run this again")
+        yield Check(
+            "known answers",
+            "computed",
+            "not run",
+            False,
+            "mend what stands before, and run this again",
+        )
         return
     yield from _attempt("two spheres, Hertz", _WRONG, partial(_hertz, scratch))
     yield from _attempt("two spheres, Thornton", _WRONG, partial(_thornton, scratch))
     yield from _attempt("packing", _WRONG, partial(_packing, scratch))
     if ranks > 1 and (launcher or parts["MPI ranks"].works):
-        yield from _attempt(f"{ranks} ranks", _NO_RANKS.format(ranks), partial(_ranks, scratch, ranks, launcher))
+        yield from _attempt(
+            f"{ranks} ranks", _NO_RANKS.format(ranks), partial(_ranks, scratch, ranks, launcher)
+        )
     yield from _attempt("stopped and resumed", _NO_RESUME, partial(_resumed, scratch))
 
 
@@ -144,9 +185,13 @@ def _attempt(what: str, remedy: str, work: Callable[[], list[Check]]) -> list[Ch
         return [Check(what, "a run", str(error), False, remedy)]
 
 
-def _run(scratch: Path, name: str, tables: dict[str, Any], **options: Any) -> tuple[Path, dict[str, Any]]:
+def _run(
+    scratch: Path, name: str, tables: dict[str, Any], **options: Any
+) -> tuple[Path, dict[str, Any]]:
     """Run a case on one rank; return its directory and summary."""
-    outcome = run_case(case_from_dict({"name": name, **tables}), scratch / name, figures=False, **options)
+    outcome = run_case(
+        case_from_dict({"name": name, **tables}), scratch / name, figures=False, **options
+    )
     if outcome.state == record.REFUSED:
         raise RunError("the energy balance was refused")
     return outcome.directory, outcome.summary
@@ -155,13 +200,23 @@ def _run(scratch: Path, name: str, tables: dict[str, Any], **options: Any) -> tu
 def _number(what: str, unit: str, expected: float, found: float, digits: int = 5) -> Check:
     """Compare two numbers to some digits, shown with one more."""
     shown, got = (f"{value:.{digits + 1}g} {unit}".strip() for value in (expected, found))
-    return Check(what, shown, got, abs(found - expected) <= 0.5 * 10.0 ** (1 - digits) * abs(expected), _WRONG)
+    return Check(
+        what,
+        shown,
+        got,
+        abs(found - expected) <= 0.5 * 10.0 ** (1 - digits) * abs(expected),
+        _WRONG,
+    )
 
 
 def _pair_constants() -> tuple[float, float, float]:
     """Return mass (kg), radius (m) and modulus (Pa) of a pair of equal spheres, as Hertz has them."""
     mass = _BRASS["density"] * math.pi / 6 * _DIAMETER**3
-    return mass / 2, _DIAMETER / 4, _BRASS["youngs_modulus"] / (2 * (1 - _BRASS["poisson_ratio"] ** 2))
+    return (
+        mass / 2,
+        _DIAMETER / 4,
+        _BRASS["youngs_modulus"] / (2 * (1 - _BRASS["poisson_ratio"] ** 2)),
+    )
 
 
 def _hertz(scratch: Path) -> list[Check]:
@@ -171,12 +226,15 @@ def _hertz(scratch: Path) -> list[Check]:
     duration = 0.8 * overlap / _SPEED * math.gamma(0.4) * math.gamma(0.5) / math.gamma(0.9)
     directory, summary = _run(scratch, "hertz", _PAIR | {"contact": {"law": "hertz"}})
     with Result(directory) as result:
-        times, overlaps = result["probes/time"], result["probes/contact_1_2_overlap"]
+        times = result["probes/time"]
+        overlaps = result["probes/contact_1_2_overlap"]
     last = np.flatnonzero(overlaps > 0)[-2:]  # there is hardly a force any more
     slope = np.diff(overlaps[last])[0] / np.diff(times[last])[0]
     end = times[last[-1]] - overlaps[last[-1]] / slope
     return [
-        _number("two spheres, Hertz: peak force", "N", stiffness * overlap**1.5, summary["peak_force_N"]),
+        _number(
+            "two spheres, Hertz: peak force", "N", stiffness * overlap**1.5, summary["peak_force_N"]
+        ),
         _number("two spheres, Hertz: contact", "us", 1e6 * duration, 1e6 * end),
     ]
 
@@ -185,13 +243,25 @@ def _thornton(scratch: Path) -> list[Check]:
     mass, radius, modulus = _pair_constants()
     pressure = _BRASS["yield_strength"]  # of first yield, and of flow
     force = math.pi**3 * radius**2 * pressure**3 / (6 * modulus**2)
-    share = math.sqrt(math.pi**5 * radius**3 * pressure**5 / (30 * modulus**4 * mass)) / _SPEED  # v_y/v
-    squared = 1.2 * math.sqrt(3) * (1 - share**2 / 6) * math.sqrt(share / (share + 2 * math.sqrt(1.2 - share**2 / 5)))
+    share = (
+        math.sqrt(math.pi**5 * radius**3 * pressure**5 / (30 * modulus**4 * mass)) / _SPEED
+    )  # v_y/v
+    squared = (
+        1.2
+        * math.sqrt(3)
+        * (1 - share**2 / 6)
+        * math.sqrt(share / (share + 2 * math.sqrt(1.2 - share**2 / 5)))
+    )
     tables = _PAIR | {"contact": {"law": "thornton", "yield_factor": 1.0}}
     summary = _run(scratch, "thornton", tables)[1]
     restitution = 1 - 2 * summary["impactor_velocity_m_s"] / _SPEED
     return [
-        _number("plastic pair: peak force", "N", force * math.sqrt(1.2 / share**2 - 0.2), summary["peak_force_N"]),
+        _number(
+            "plastic pair: peak force",
+            "N",
+            force * math.sqrt(1.2 / share**2 - 0.2),
+            summary["peak_force_N"],
+        ),
         _number("plastic pair: restitution", "", math.sqrt(squared), restitution),
     ]
 
@@ -201,33 +271,56 @@ def _packing(scratch: Path) -> list[Check]:
     yielded = summary["n_plastic_contacts"]
     return [
         _number("FCC 8 x 8 x 5: dissipated", "", _DISSIPATED, summary["dissipated_fraction"]),
-        Check("FCC 8 x 8 x 5: yielded", f"{_YIELDED} contacts", f"{yielded} contacts", yielded == _YIELDED, _WRONG),
+        Check(
+            "FCC 8 x 8 x 5: yielded",
+            f"{_YIELDED} contacts",
+            f"{yielded} contacts",
+            yielded == _YIELDED,
+            _WRONG,
+        ),
     ]
 
 
 def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
-    """Run the begin of the packing on several ranks; every field must have the bits that one rank gives.
+    """Run the begin of the packing on several ranks; every field must have the bits that one rank
+    gives.
 
-    Its steps are few: ranks that share a core with others, or with other programs, wait for each other in each.
+    Its steps are few: ranks that share a core with others, or with other programs, wait for each
+    other in each.
     """
     tables = _PACKING | {"run": {"end_time": 1.5e-5, "frames": 2}}
-    alone, case, there = _run(scratch, "alone", tables)[0], scratch / "ranks.toml", scratch / "ranks"
+    alone = _run(scratch, "alone", tables)[0]
+    case = scratch / "ranks.toml"
+    there = scratch / "ranks"
     replace_text(case, case_from_dict({"name": "ranks", **tables}).to_toml())
-    status, lines = mpi.launch_unseen(ranks, ["run", str(case), "-o", str(there), "--no-figures"], launcher)
+    status, lines = mpi.launch_unseen(
+        ranks, ["run", str(case), "-o", str(there), "--no-figures"], launcher
+    )
     if status:
         raise RunError(lines[-1] if lines else f"the ranks ended with status {status}")
-    n_ranks, one, several = read_summary(there)["n_ranks"], _fields(alone), _fields(there)
+    n_ranks = read_summary(there)["n_ranks"]
+    one = _fields(alone)
+    several = _fields(there)
     same = sum(name in several and several[name] == content for name, content in one.items())
     what = f"{ranks} ranks: fields as of one rank"
     remedy = "results depend on the number of ranks here: use one, and report this table"
     return [
-        Check(f"{ranks} ranks: at work", str(ranks), str(n_ranks), n_ranks == ranks, _NO_RANKS.format(ranks)),
-        Check(what, f"{len(one)} fields", f"{same} fields", same == len(one) == len(several), remedy),
+        Check(
+            f"{ranks} ranks: at work",
+            str(ranks),
+            str(n_ranks),
+            n_ranks == ranks,
+            _NO_RANKS.format(ranks),
+        ),
+        Check(
+            what, f"{len(one)} fields", f"{same} fields", same == len(one) == len(several), remedy
+        ),
     ]
 
 
 def _fields(directory: Path) -> dict[str, Any]:
-    """Return the values of grains, contacts and snapshots of a result by name; sums over all grains are left out.
+    """Return the values of grains, contacts and snapshots of a result by name; sums over all grains
+    are left out.
 
     Those are rounded in the order of the ranks.
     """
@@ -244,22 +337,47 @@ def _fields(directory: Path) -> dict[str, Any]:
 
 
 def _resumed(scratch: Path) -> list[Check]:
-    """Stop the packing after its first steps, and go on; values must be those of the run that was not stopped."""
+    """Stop the packing after its first steps, and go on; values must be those of the run that was
+    not stopped.
+    """
     with _stopped_early(scratch / "resumed", scratch / "stop"):
         _run(scratch, "resumed", _PACKING)
     half = record.read(scratch / "resumed")
     if half is None or half.state != record.INTERRUPTED or half.checkpoint is None:
-        return [Check("stopped run", "a checkpoint", half.state if half else "no record", False, _NO_RESUME)]
-    resumed, whole = _run(scratch, "resumed", _PACKING, resume=True)[1], read_summary(scratch / "packing")
-    values = {name: one for name, one in whole.items() if isinstance(one, int | float) and name not in _OF_THE_CLOCK}
+        return [
+            Check(
+                "stopped run",
+                "a checkpoint",
+                half.state if half else "no record",
+                False,
+                _NO_RESUME,
+            )
+        ]
+    resumed = _run(scratch, "resumed", _PACKING, resume=True)[1]
+    whole = read_summary(scratch / "packing")
+    values = {
+        name: one
+        for name, one in whole.items()
+        if isinstance(one, int | float) and name not in _OF_THE_CLOCK
+    }
     same = sum(math.isclose(value, resumed[name], rel_tol=_EXACT) for name, value in values.items())
     what = f"resumed at step {half.checkpoint['step']}: values"
-    return [Check(what, f"{len(values)} as of one go", f"{same} as of one go", same == len(values), _NO_RESUME)]
+    return [
+        Check(
+            what,
+            f"{len(values)} as of one go",
+            f"{same} as of one go",
+            same == len(values),
+            _NO_RESUME,
+        )
+    ]
 
 
 @contextlib.contextmanager
 def _stopped_early(directory: Path, stop: Path) -> Iterator[None]:
-    """Ask the run of the block to stop, by its stop file, as soon as there is a first row of energies."""
+    """Ask the run of the block to stop, by its stop file, as soon as there is a first row of
+    energies.
+    """
     done = threading.Event()
 
     def ask() -> None:

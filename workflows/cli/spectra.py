@@ -1,4 +1,6 @@
-"""Commands ``granwave bands``, ``granwave modes`` and ``granwave transmission``; each returns the exit status."""
+"""Commands ``granwave bands``, ``granwave modes`` and ``granwave transmission``; each returns the
+exit status.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,8 @@ _KILO = 1e-3
 def bands(options: argparse.Namespace) -> int:
     """Execute ``granwave bands``."""
     waves, written = spectra.bands(_source(options, "bands"), **chosen(options, spectra.bands))
-    found, network = waves.found, waves.state.network
+    found = waves.found
+    network = waves.state.network
     if found.note:
         warn(f"{waves.state.name}: {found.note}; they are left blank")
     lines = [
@@ -29,7 +32,9 @@ def bands(options: argparse.Namespace) -> int:
         f"{_KILO * np.nanmax(found.bands.frequency):.5g} kHz",
     ]
     if len(found.speeds):
-        lines.append(f"speeds of long waves    {', '.join(f'{one:.5g}' for one in found.speeds)} m/s")
+        lines.append(
+            f"speeds of long waves    {', '.join(f'{one:.5g}' for one in found.speeds)} m/s"
+        )
     for gap in found.gaps:
         if gap.below and np.isfinite(gap.high):
             lines.append(
@@ -47,14 +52,21 @@ def modes(options: argparse.Namespace) -> int:
         f"{values['name']}: {values['n_modes']} of {values['n_freedoms']} modes of {values['n_grains']} grains, "
         f"from {_KILO * (values['lowest_frequency_Hz'] or 0):.5g} kHz"
     )
-    line += f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz" if values["highest_frequency_Hz"] else ""
+    line += (
+        f" to {_KILO * values['highest_frequency_Hz']:.5g} kHz"
+        if values["highest_frequency_Hz"]
+        else ""
+    )
     return _print(options, waves, written, [line])
 
 
 def transmission(options: argparse.Namespace) -> int:
     """Execute ``granwave transmission``."""
-    waves, written = spectra.steady(_source(options, "transmission"), **chosen(options, spectra.steady))
-    found, lines = waves.found, []
+    waves, written = spectra.steady(
+        _source(options, "transmission"), **chosen(options, spectra.steady)
+    )
+    found = waves.found
+    lines = []
     for n, sensor in enumerate(found.sensors):
         row = int(np.argmax(found.amplitude[:, n]))
         lines.append(
@@ -64,10 +76,14 @@ def transmission(options: argparse.Namespace) -> int:
     return _print(options, waves, written, lines)
 
 
-def _print(options: argparse.Namespace, waves: spectra.SmallWaves, written: list[Path], lines: list[str]) -> int:
+def _print(
+    options: argparse.Namespace, waves: spectra.SmallWaves, written: list[Path], lines: list[str]
+) -> int:
     if len(ids := waves.state.network.left_out):
         some = ", ".join(map(str, ids[:5])) + (", ..." if len(ids) > 5 else "")
-        warn(f"{waves.state.name}: {len(ids)} grains bear no static load ({some}); they are left out")
+        warn(
+            f"{waves.state.name}: {len(ids)} grains bear no static load ({some}); they are left out"
+        )
     if options.json:
         print_json(waves.summary)
     else:
@@ -83,7 +99,8 @@ def _source(options: argparse.Namespace, name: str) -> Case | Path:
     InputError
         There is none, or keys are set for a run, whose case is what it was.
     """
-    path, source = Path(options.case), None
+    path = Path(options.case)
+    source = None
     if not (path.is_dir() and (path / RESULT_FILE).is_file()):
         source = library.load_case(options.case, options.overrides)
     elif options.overrides:

@@ -1,4 +1,6 @@
-"""Output on terminals and for programs: colours, tables, JSON, and lines of shells that switch tab completion on."""
+"""Output on terminals and for programs: colours, tables, JSON, and lines of shells that switch tab
+completion on.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,11 @@ from typing import Any
 
 from granwave.lammps_inputs.files import plain
 
-BOLD, RED, GREEN, YELLOW = "1", "31", "32", "33"  # ANSI codes
+# ANSI codes
+BOLD = "1"
+RED = "31"
+GREEN = "32"
+YELLOW = "33"
 
 SHELLS = ("bash", "zsh", "fish")
 #: Lines that switch completion on, by shell, and the file that they belong into.
@@ -22,7 +28,9 @@ SWITCH_ON = {
 
 
 def coloured(text: str, code: str, stream: Any) -> str:
-    """Return a text with a colour, if the stream is a terminal that shows it and NO_COLOR is not set."""
+    """Return a text with a colour, if the stream is a terminal that shows it and NO_COLOR is not
+    set.
+    """
     shows = stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
     return f"\033[{code}m{text}\033[0m" if shows else text
 
@@ -31,7 +39,10 @@ def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
     """Format a table; the columns ``left`` are aligned left, the others right."""
     widths = [max(map(len, column)) for column in zip(*rows, strict=True)]
     aligned = [
-        [f"{text:{'<' if k in left else '>'}{width}}" for k, (text, width) in enumerate(zip(row, widths, strict=True))]
+        [
+            f"{text:{'<' if k in left else '>'}{width}}"
+            for k, (text, width) in enumerate(zip(row, widths, strict=True))
+        ]
         for row in rows
     ]
     return "\n".join("  ".join(row).rstrip() for row in aligned)

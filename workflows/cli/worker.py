@@ -2,9 +2,10 @@
 
     cd DIR && python -m granwave.workflows.cli.worker .scan/batches/BATCH.json
 
-A point on one rank runs in a forked copy of this process, which has loaded all modules; one on several ranks is started
-by mpiexec or srun. In both cases a crash of one point does not affect the others. SIGTERM, the stop file of the scan,
-and the end of the driver of a local scan make the current point write a checkpoint, and end the job.
+A point on one rank runs in a forked copy of this process, which has loaded all modules; one on
+several ranks is started by mpiexec or srun. In both cases a crash of one point does not affect the
+others. SIGTERM, the stop file of the scan, and the end of the driver of a local scan make the
+current point write a checkpoint, and end the job.
 
 Exit status: 0 if every point is done or has failed for good; 1 if some points are unfinished.
 """
@@ -26,11 +27,22 @@ from typing import Any
 import tomli_w
 
 from granwave.analysis.figures.side_by_side import PROCESSES
-from granwave.lammps_inputs.directories import case_digest, disk_space_message, free_space, tables_as_run
+from granwave.lammps_inputs.directories import (
+    case_digest,
+    disk_space_message,
+    free_space,
+    tables_as_run,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, read_tables, replace_text
 from granwave.lammps_inputs.ownership import clear
-from granwave.lammps_inputs.run_directory import CASE_FILE, POINT_CASE, POINT_LOG, POINT_STOP, SUMMARY_FILE
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    POINT_CASE,
+    POINT_LOG,
+    POINT_STOP,
+    SUMMARY_FILE,
+)
 from granwave.workflows.cli.main import main as granwave
 from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import busy
@@ -39,7 +51,9 @@ from granwave.workflows.scanning.slurm import end_of
 from granwave.workflows.solvers import GRANULAR, solver_of
 
 _POLL = 0.5  # s
-_RANK_DIED = re.compile(r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)")  # messages of MPICH and Slurm
+_RANK_DIED = re.compile(
+    r"(?:EXIT STRING: |^srun: error: .*: tasks? [^:]+: )(.+)"
+)  # messages of MPICH and Slurm
 
 
 def main(arguments: Sequence[str]) -> int:
@@ -51,7 +65,8 @@ def main(arguments: Sequence[str]) -> int:
 
 class _Worker:
     def __init__(self, directory: Path, batch: dict[str, Any]) -> None:
-        self.directory, self.batch = directory, batch
+        self.directory = directory
+        self.batch = batch
         self.stopping = threading.Event()
         self.current: int | None = None  # process id of the current point
         self.rank_stop: Path | None = None  # stop file of its ranks
@@ -99,7 +114,9 @@ class _Worker:
                 self.stop()
 
     def _unwanted(self) -> bool:
-        return (self.directory / layout.STOP).exists() or (self.driver > 0 and not _alive(self.driver))
+        return (self.directory / layout.STOP).exists() or (
+            self.driver > 0 and not _alive(self.driver)
+        )
 
     # ------------------------------------------------------------------ one point
 
@@ -114,14 +131,28 @@ class _Worker:
         before = seen.get("attempts", 0)
         begun = record.read(place)
         # finished by a process whose worker was killed
-        ended = (begun is not None and begun.state == record.FINISHED) or (place / SUMMARY_FILE).exists()
-        if before >= layout.MOST_ATTEMPTS and not ended:  # the last worker was killed before it recorded the failure
+        ended = (begun is not None and begun.state == record.FINISHED) or (
+            place / SUMMARY_FILE
+        ).exists()
+        if (
+            before >= layout.MOST_ATTEMPTS and not ended
+        ):  # the last worker was killed before it recorded the failure
             job = seen.get("job", "")
             reason = seen.get("reason") or (end_of(self.directory, job) if job else "")
-            reason = reason or "its job was killed; was the machine out of memory, or the time limit too short?"
-            layout.change_state(self.directory, point["id"], state=layout.FAILED, reason=reason, asked=job)
+            reason = (
+                reason
+                or "its job was killed; was the machine out of memory, or the time limit too short?"
+            )
+            layout.change_state(
+                self.directory, point["id"], state=layout.FAILED, reason=reason, asked=job
+            )
             return
-        note = {"attempts": before + 1, "host": os.uname().nodename, "pid": os.getpid(), "started": time.time()}
+        note = {
+            "attempts": before + 1,
+            "host": os.uname().nodename,
+            "pid": os.getpid(),
+            "started": time.time(),
+        }
         note |= {"case": case_digest(point["case"]), "job": os.environ.get("SLURM_JOB_ID", "")}
         layout.write_state(place, state=layout.RUNNING, **note)
         log_begins = (place / POINT_LOG).stat().st_size if (place / POINT_LOG).exists() else 0
@@ -141,13 +172,17 @@ class _Worker:
         else:
             reason = _reason(status, place / POINT_LOG, log_begins)
             final = note["attempts"] >= layout.MOST_ATTEMPTS
-            layout.write_state(place, state=layout.FAILED if final else layout.INTERRUPTED, reason=reason, **note)
+            layout.write_state(
+                place, state=layout.FAILED if final else layout.INTERRUPTED, reason=reason, **note
+            )
 
     def _room(self, point: dict[str, Any]) -> bool:
         free = free_space(self.directory)
         if free > point["disk"] + layout.LEAST_FREE:
             return True
-        message = disk_space_message("the results of the next point", point["disk"], layout.LEAST_FREE, free)
+        message = disk_space_message(
+            "the results of the next point", point["disk"], layout.LEAST_FREE, free
+        )
         self._halt(f"{self.directory}: {message}")
         return False
 
@@ -201,14 +236,18 @@ def _alive(process: int) -> bool:
 
 
 def _name(point: dict[str, Any], place: Path) -> str:
-    """Return the name of the point's case as first run; clear the directory if its case cannot be read."""
+    """Return the name of the point's case as first run; clear the directory if its case cannot be
+    read.
+    """
     tables = tables_as_run(place) or read_tables(place / CASE_FILE)
     try:
         if tables is not None:
             return str(solver_of(tables).read(tables, place / CASE_FILE).name)
     except InputError:
         tables = None
-    if tables is None and (place / CASE_FILE).exists():  # the machine crashed while the file was written
+    if (
+        tables is None and (place / CASE_FILE).exists()
+    ):  # the machine crashed while the file was written
         clear(place)
     return str(point["case"]["name"])
 

@@ -1,4 +1,6 @@
-"""A design file: a case, what may vary, limits, objectives, uncertainty, and the cases that follow from it."""
+"""A design file: a case, what may vary, limits, objectives, uncertainty, and the cases that follow
+from it.
+"""
 
 from __future__ import annotations
 
@@ -49,14 +51,31 @@ from granwave.workflows.solvers import GRANULAR, solver_of
 
 _LOG = logging.getLogger("granwave")
 
-_SLOW = 5.0  # s, expected of a run of the base: from there on a coarse search saves more than it costs
+# s, expected of a run of the base: from there on a coarse search saves more than it costs
+_SLOW = 5.0
 _COARSE = 3e-5  # run.energy_tolerance of a coarse search: forces within 1e-3 of those with 3e-6
 LAYERS = "layers"  # of [variables]: materials and diameters of each layer or bead
-_ALIASES = {"velocity": "load.velocity", "tolerance": "packing.diameter_scatter"}  # of [uncertainty]
+_ALIASES = {
+    "velocity": "load.velocity",
+    "tolerance": "packing.diameter_scatter",
+}  # of [uncertainty]
 #: Keys by which a packing may become random.
 _RANDOM = ("packing.diameter_scatter", "packing.vacancies", "striker.misalignment", "replace.share")
-_WHOLE = {"replace", "replace.material", "striker", "striker.material", "contact.loss"}  # tables, as one value
-_OF_TARGET = ("target_*", "wall_peak_force_N", "wall_impulse_Ns", "ground_*", "peak_reduction*", "unprotected_*")
+_WHOLE = {
+    "replace",
+    "replace.material",
+    "striker",
+    "striker.material",
+    "contact.loss",
+}  # tables, as one value
+_OF_TARGET = (
+    "target_*",
+    "wall_peak_force_N",
+    "wall_impulse_Ns",
+    "ground_*",
+    "peak_reduction*",
+    "unprotected_*",
+)
 
 
 def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = None) -> Problem:
@@ -75,7 +94,9 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
         The file or its case is wrong; the message has a line for each fault.
     """
     path = Path("design") if isinstance(source, Mapping) else Path(source)
-    data: dict[str, Any] = copy.deepcopy(dict(source)) if isinstance(source, Mapping) else read_toml(path)
+    data: dict[str, Any] = (
+        copy.deepcopy(dict(source)) if isinstance(source, Mapping) else read_toml(path)
+    )
     whole_file = copy.deepcopy(data)
     vocabulary = [f"{table}.{key}" for table in ("set", "variables") for key in case_keys()]
     known = ("set", "variables", "limits", "objective", "uncertainty", "search")
@@ -90,8 +111,15 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     objectives = _objectives(objective, base, errors)
     statistic, ranges, replicates = _uncertainty(tables["uncertainty"], errors)
     keys = [one.key for one in variables]
-    twice = dict.fromkeys(key for key in keys if key in ranges or key in fixed or keys.count(key) > 1)
-    errors.check(*((True, f"variables.{key}", "is given twice, expected it in one table alone") for key in twice))
+    twice = dict.fromkeys(
+        key for key in keys if key in ranges or key in fixed or keys.count(key) > 1
+    )
+    errors.check(
+        *(
+            (True, f"variables.{key}", "is given twice, expected it in one table alone")
+            for key in twice
+        )
+    )
     if errors.lines or header is None or search is None:
         raise InputError(errors.lines)
     if budget is not None:
@@ -115,7 +143,9 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     return dataclasses.replace(problem, samples=samples, tolerance=tolerance)
 
 
-def _base(header: Header | None, path: Path, table: Any, errors: ErrorList) -> tuple[dict[str, Any], dict[str, Any]]:
+def _base(
+    header: Header | None, path: Path, table: Any, errors: ErrorList
+) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the keys of ``[set]``, dotted, and the tables of the case that they are set in."""
     if not isinstance(table, Mapping):
         errors.add("set", f"found {show(table)}, expected a table of keys and values")
@@ -126,14 +156,20 @@ def _base(header: Header | None, path: Path, table: Any, errors: ErrorList) -> t
         file = library.find_for(header.base, GRANULAR.verb, directory=path.parent)
         base = {"name": file.stem, **read_toml(file)}
         if solver_of(base) is not GRANULAR:
-            raise InputError(f"{header.base}: is a continuum case, expected one that granwave run takes")
+            raise InputError(
+                f"{header.base}: is a continuum case, expected one that granwave run takes"
+            )
         written = list(_of_set(table, base))
         fixed = dict(written)
         _refuse_twice("set", written, errors)
-        base = apply_overrides(base, {key: fixed[key] for key in sorted(fixed, key=lambda key: key.count("."))})
+        base = apply_overrides(
+            base, {key: fixed[key] for key in sorted(fixed, key=lambda key: key.count("."))}
+        )
         GRANULAR.read(base, file)
     except InputError as error:
-        errors.lines += [f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors]
+        errors.lines += [
+            f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors
+        ]
         return fixed, {}
     return fixed, base
 
@@ -144,16 +180,21 @@ def _refuse_twice(name: str, written: Iterable[tuple[str, Any]], errors: ErrorLi
 
 
 def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Give the keys of ``[set]`` with dots; tables without quotes change keys of the case's tables one by one.
+    """Give the keys of ``[set]`` with dots; tables without quotes change keys of the case's tables
+    one by one.
 
-    A table of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``, or of a preset, takes the other's
-    place.
+    A table of another kind, such as ``{plate = ...}`` for ``{half_space = ...}``, or of a preset,
+    takes the other's place.
     """
     for key, value in table.items():
         there = base.get(key) if isinstance(base, Mapping) else None
         kinds = [{name for name, held in one.items() if isinstance(held, Mapping)} if isinstance(one, Mapping) else None
                  for one in (value, there)]  # fmt: skip
-        whole = None in kinds or "preset" in value or (all(kinds) and set(kinds[0] or ()).isdisjoint(kinds[1] or ()))
+        whole = (
+            None in kinds
+            or "preset" in value
+            or (all(kinds) and set(kinds[0] or ()).isdisjoint(kinds[1] or ()))
+        )
         if whole:
             yield f"{prefix}{key}", value
         else:
@@ -162,7 +203,10 @@ def _of_set(table: Mapping[str, Any], base: Any, prefix: str = "") -> Iterator[t
 
 def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Variable]:
     if not isinstance(tables, Mapping) or not tables:
-        errors.add("variables", "found none, expected a table of keys of the case, each with choices or a range")
+        errors.add(
+            "variables",
+            "found none, expected a table of keys of the case, each with choices or a range",
+        )
         return []
     keys = dict(tables)
     layers = keys.pop(LAYERS, None)
@@ -179,22 +223,36 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
                 errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
     if not base or errors.lines:
         return found
-    # words, and ends of ranges, that alone make the base wrong; one warning for variables of equal fault
+    # words, and ends of ranges, that alone make the base wrong; one warning for variables of equal
+    # fault
     refused: dict[tuple[str, str], list[str]] = defaultdict(list)
     for one in found:
-        for value in one.choices if not one.ordered else dict.fromkeys(one.value(end) for end in (0.0, 1.0)):
+        for value in (
+            one.choices if not one.ordered else dict.fromkeys(one.value(end) for end in (0.0, 1.0))
+        ):
             try:
                 GRANULAR.read(with_values(base, {one.key: value}), errors.source)
             except InputError as error:
-                refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(one.key)
+                refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(
+                    one.key
+                )
     for (value, fault), same in refused.items():
         more = f" and {len(same) - 1} more" * (len(same) > 1)
-        _LOG.warning("%s: variables.%s%s: %s alone is refused: %s", errors.source, same[0], more, value, fault)
+        _LOG.warning(
+            "%s: variables.%s%s: %s alone is refused: %s",
+            errors.source,
+            same[0],
+            more,
+            value,
+            fault,
+        )
     return found
 
 
 def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, Any]]:
-    """Give variables by dotted key, whether their keys were written with quotes or as nested tables."""
+    """Give variables by dotted key, whether their keys were written with quotes or as nested
+    tables.
+    """
     for key, value in tables.items():
         if isinstance(value, Mapping) and value and not {"low", "high"} & set(value):
             yield from _dotted(value, f"{prefix}{key}.")
@@ -203,9 +261,14 @@ def _dotted(tables: Mapping[str, Any], prefix: str = "") -> Iterator[tuple[str, 
 
 
 def _is_key(table: str, key: str, errors: ErrorList) -> bool:
-    """Return True for a key of a case, or one inside the table that a key holds; else add the error."""
-    names, generic = {_generic(one) for one in case_keys()} | _WHOLE, _generic(key)
-    known = generic in names or any("." in name and generic.startswith(f"{name}.") for name in names)
+    """Return True for a key of a case, or one inside the table that a key holds; else add the
+    error.
+    """
+    names = {_generic(one) for one in case_keys()} | _WHOLE
+    generic = _generic(key)
+    known = generic in names or any(
+        "." in name and generic.startswith(f"{name}.") for name in names
+    )
     fault = f"is no key of a case{did_you_mean(generic, names)}; granwave keys lists them"
     return errors.check_first((not known, f"{table}.{key}", fault))
 
@@ -215,16 +278,24 @@ def _generic(key: str) -> str:
     return ".".join(part for part in key.split(".") if not ids_of(part))
 
 
-def _layers(value: Any, base: Mapping[str, Any], others: Collection[str], errors: ErrorList) -> list[Variable]:
-    """Return the variables of each layer, or bead of a chain: its material, and its diameter over that of the packing.
+def _layers(
+    value: Any, base: Mapping[str, Any], others: Collection[str], errors: ErrorList
+) -> list[Variable]:
+    """Return the variables of each layer, or bead of a chain: its material, and its diameter over
+    that of the packing.
 
-    Tied layers are alike: with ``{period = 2}`` every other one, with ``{groups = 3}`` those of each third.
+    Tied layers are alike: with ``{period = 2}`` every other one, with ``{groups = 3}`` those of
+    each third.
     """
-    key, packing = f"variables.{LAYERS}", GRANULAR.read(base, errors.source).packing
+    key = f"variables.{LAYERS}"
+    packing = GRANULAR.read(base, errors.source).packing
     table = value if isinstance(value, Mapping) else {}
     lattice = packing.lattice() if packing.grains is None else None
-    ends, tied = table.get("diameters"), table.get("tied", {"groups": lattice.n_layers if lattice else 1})
-    way, count = next(iter(tied.items())) if isinstance(tied, Mapping) and len(tied) == 1 else ("", 0)
+    ends = table.get("diameters")
+    tied = table.get("tied", {"groups": lattice.n_layers if lattice else 1})
+    way, count = (
+        next(iter(tied.items())) if isinstance(tied, Mapping) and len(tied) == 1 else ("", 0)
+    )
     fits = errors.check_first(
         ({"packing.size", "packing.diameter"} & {other.removesuffix(".2") for other in others}, key,
          "found beside packing.size or packing.diameter, expected these in the base"),
@@ -247,7 +318,9 @@ def _layers(value: Any, base: Mapping[str, Any], others: Collection[str], errors
         alike[layer % count if way == "period" else layer * count // lattice.n_layers].append(layer)
     written: dict[str, Any] = {}
     for layers in alike.values():
-        blocks = [(layers[0], layers[-1])] if way == "groups" else [(layer, layer) for layer in layers]
+        blocks = (
+            [(layers[0], layers[-1])] if way == "groups" else [(layer, layer) for layer in layers]
+        )
         spans = [(lattice.layer(top)[0], lattice.layer(bottom)[-1]) for top, bottom in blocks]
         ids = ",".join(f"{first}" if first == last else f"{first}-{last}" for first, last in spans)
         if "materials" in table:
@@ -261,19 +334,27 @@ def _layers(value: Any, base: Mapping[str, Any], others: Collection[str], errors
 def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
     found = []
     if not isinstance(tables, Mapping):
-        errors.add("limits", f"found {show(tables)}, expected a table of values and their largest allowed ones")
+        errors.add(
+            "limits",
+            f"found {show(tables)}, expected a table of values and their largest allowed ones",
+        )
         return ()
     for name, value in tables.items():
         expected = "the largest allowed value, or {low = ..., high = ...}"
         if not is_value(name):
             near = did_you_mean(name, value_names())
-            errors.add(f"limits.{name}", f"is no value of summary.json, and none of {', '.join(KNOWN_BEFORE)}{near}")
+            errors.add(
+                f"limits.{name}",
+                f"is no value of summary.json, and none of {', '.join(KNOWN_BEFORE)}{near}",
+            )
             continue
         try:
             ends = value if isinstance(value, Mapping) else {"high": value}
             if not ends or set(ends) - {"low", "high"}:
                 raise ValidationError(expected)
-            low, high = (finite(ends[end], expected) if end in ends else None for end in ("low", "high"))
+            low, high = (
+                finite(ends[end], expected) if end in ends else None for end in ("low", "high")
+            )
             if low is not None and high is not None and high < low:
                 raise ValidationError("a high that is not below the low")
         except ValidationError as error:
@@ -283,13 +364,18 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
     return tuple(found)
 
 
-def _objectives(table: ObjectiveTable | None, base: Mapping[str, Any], errors: ErrorList) -> tuple[Objective, ...]:
+def _objectives(
+    table: ObjectiveTable | None, base: Mapping[str, Any], errors: ErrorList
+) -> tuple[Objective, ...]:
     if table is None:
         return ()
-    found = [Objective(name, 1) for name in table.minimise] + [Objective(name, -1) for name in table.maximise]
+    found = [Objective(name, 1) for name in table.minimise] + [
+        Objective(name, -1) for name in table.maximise
+    ]
     if not 1 <= len(found) <= 2 or len({one.name for one in found}) < len(found):
         errors.add(
-            "objective", f"found {len(found)} values, expected one, or two different ones, under minimise or maximise"
+            "objective",
+            f"found {len(found)} values, expected one, or two different ones, under minimise or maximise",
         )
     bottom = base.get("boundary", {}).get("bottom", "wall") if base else "wall"
     without_target = bottom in ("free", "periodic") and "bar" not in base
@@ -303,12 +389,16 @@ def _objectives(table: ObjectiveTable | None, base: Mapping[str, Any], errors: E
     return tuple(found)
 
 
-def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, tuple[float, float]], int]:
+def _uncertainty(
+    table: Any, errors: ErrorList
+) -> tuple[str | float, dict[str, tuple[float, float]], int]:
     if not isinstance(table, Mapping):
         errors.add("uncertainty", f"found {show(table)}, expected a table")
         return "mean", {}, 1
     names = {field.name for field in dataclasses.fields(UncertaintyTable)}
-    own = read_table(UncertaintyTable, {key: table[key] for key in table if key in names}, "uncertainty", errors)
+    own = read_table(
+        UncertaintyTable, {key: table[key] for key in table if key in names}, "uncertainty", errors
+    )
     ranges: dict[str, tuple[float, float]] = {}
     for key, value in _dotted({key: table[key] for key in table if key not in names}):
         expected = "a range [smallest, largest], or one number"
@@ -331,23 +421,33 @@ def _uncertainty(table: Any, errors: ErrorList) -> tuple[str | float, dict[str, 
     return (own.statistic, ranges, own.replicates) if own else ("mean", ranges, 1)
 
 
-def _samples(problem: Problem, ranges: Mapping[str, tuple[float, float]], replicates: int) -> Iterator[dict[str, Any]]:
-    """Give the changes of the case for each run of a design: evenly spread over the ranges, and the seeds."""
+def _samples(
+    problem: Problem, ranges: Mapping[str, tuple[float, float]], replicates: int
+) -> Iterator[dict[str, Any]]:
+    """Give the changes of the case for each run of a design: evenly spread over the ranges, and the
+    seeds.
+    """
     varied = [key for key, (low, high) in ranges.items() if high > low]
     middle = {key: (low + high) / 2 for key, (low, high) in ranges.items()}
     try:
         random = is_random(problem.case(with_values(problem.base, middle)))
     except InputError as error:
         raise InputError(
-            f"{problem.path}: uncertainty: {fault.removeprefix(f'{problem.path}: ')}" for fault in error.errors
+            f"{problem.path}: uncertainty: {fault.removeprefix(f'{problem.path}: ')}"
+            for fault in error.errors
         ) from None
     random = random or any(_generic(one.key) in _RANDOM for one in problem.space.variables)
     if not random and not varied:
-        _LOG.warning("%s: uncertainty: nothing is random in these packings, so that each is run once", problem.path)
+        _LOG.warning(
+            "%s: uncertainty: nothing is random in these packings, so that each is run once",
+            problem.path,
+        )
         replicates = 1
     rng = np.random.default_rng(problem.search.seed)
     shares = {key: (rng.permutation(replicates) + 0.5) / replicates for key in varied}
     for n in range(replicates):
         drawn = {key: float(share[n]) for key, share in shares.items()}
-        found = {key: low + drawn.get(key, 0.0) * (high - low) for key, (low, high) in ranges.items()}
+        found = {
+            key: low + drawn.get(key, 0.0) * (high - low) for key, (low, high) in ranges.items()
+        }
         yield {**found, SEED: n + 1} if random else found

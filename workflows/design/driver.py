@@ -15,7 +15,13 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind, refuse_results
+from granwave.lammps_inputs.ownership import (
+    claim,
+    clear,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+)
 from granwave.lammps_inputs.run_directory import (
     BEST_DESIGNS,
     DESIGN,
@@ -52,7 +58,9 @@ logger = logging.getLogger(__name__)
 _ASKED = 10  # designs that are refused until the model is made anew
 _MOST_STOPPED = 3  # times that a run may be stopped by somebody else
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
-_LOST = {"worst": 1.2}  # times the best: a design whose runs so far are beyond it is not run further ...
+_LOST = {
+    "worst": 1.2
+}  # times the best: a design whose runs so far are beyond it is not run further ...
 _LOST_IN_THE_MEAN = 1.5  # ... where the mean or a quantile counts
 _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
 _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
@@ -93,12 +101,14 @@ def run_design(
     Raises
     ------
     InputError
-        The directory holds results, another search, or files of others; no design meets the limits; or scikit-learn is
-        missing.
+        The directory holds results, another search, or files of others; no design meets the limits;
+        or scikit-learn is missing.
     """
     directory = results_directory(directory)
     if find_spec("sklearn") is None:
-        raise InputError("granwave design: scikit-learn is not installed; pip install 'granwave[design]'")
+        raise InputError(
+            "granwave design: scikit-learn is not installed; pip install 'granwave[design]'"
+        )
     with held(directory), Interrupts() as stop:
         check_directory(directory, resume=resume, force=force)
         refuse_other_kind(directory, DESIGN)
@@ -116,8 +126,14 @@ def run_design(
 
 
 class _Search:
-    def __init__(self, study: Study, jobs: int, ranks: int, stop: Interrupts, *, show: bool) -> None:
-        self.study, self.problem, self.jobs, self.stop, self.show = study, study.problem, jobs, stop, show
+    def __init__(
+        self, study: Study, jobs: int, ranks: int, stop: Interrupts, *, show: bool
+    ) -> None:
+        self.study = study
+        self.problem = study.problem
+        self.jobs = jobs
+        self.stop = stop
+        self.show = show
         self.points = Points(study.directory / POINTS, ranks)
         self.queue: deque[tuple[Design, int]] = deque()  # runs to be started: design and sample
         self.at_work: dict[str, tuple[Design, int]] = {}
@@ -125,15 +141,26 @@ class _Search:
     def run(self) -> None:
         """Search, check the best design, and write the results."""
         load()
-        study, problem, total = self.study, self.problem, self.problem.search.evaluations
+        study = self.study
+        problem = self.problem
+        total = self.problem.search.evaluations
         for design in study.designs:
-            lost = [name for name in design.runs if not read_summary(study.directory / POINTS / name)]
+            lost = [
+                name for name in design.runs if not read_summary(study.directory / POINTS / name)
+            ]
             if lost and design.state in (COMPLETE, PRUNED):
-                logger.warning("%s: runs of design %d are gone; it is run again", problem.name, design.number)
-                design.state, design.reason, design.runs, design.objectives = RUNNING, "", {}, {}
+                logger.warning(
+                    "%s: runs of design %d are gone; it is run again", problem.name, design.number
+                )
+                design.state = RUNNING
+                design.reason = ""
+                design.runs = {}
+                design.objectives = {}
             if design.state == RUNNING:
                 self._queue(design)
-        self.bar = Progress(total, problem.name, enabled=self.show, done=self._n_done(), at_most=True)
+        self.bar = Progress(
+            total, problem.name, enabled=self.show, done=self._n_done(), at_most=True
+        )
         with contextlib.closing(self.bar):
             while self._fill() and not self.stop.count:
                 self._take()
@@ -151,26 +178,36 @@ class _Search:
             publish(study, findings)
 
     def _n_done(self) -> int:
-        done = sum(design.ran and design.state != RUNNING and not design.next_to for design in self.study.designs)
+        done = sum(
+            design.ran and design.state != RUNNING and not design.next_to
+            for design in self.study.designs
+        )
         return min(done, self.problem.search.evaluations)
 
     def _queue(self, design: Design) -> None:
         there = names(design.number, self.problem.samples)
-        self.queue.extend((design, n) for n, name in enumerate(there) if "value" not in design.runs.get(name, {}))
+        self.queue.extend(
+            (design, n) for n, name in enumerate(there) if "value" not in design.runs.get(name, {})
+        )
 
     def _end(self, design: Design, state: str, reason: str) -> None:
-        design.state, design.reason = state, reason
+        design.state = state
+        design.reason = reason
         self.queue = deque(entry for entry in self.queue if entry[0] is not design)
 
     # ------------------------------------------------------------------ runs
 
     def _fill(self) -> bool:
         """Start runs until all jobs are busy; return True while any is."""
-        while len(self.points) < self.jobs and not self.stop.count and (self.queue or self._choose()):
+        while (
+            len(self.points) < self.jobs and not self.stop.count and (self.queue or self._choose())
+        ):
             design, n = self.queue.popleft()
             name = names(design.number, self.problem.samples)[n]
             run = design.runs.setdefault(name, {"longer": 1.0})
-            tables = self.problem.tables_of(design.values, self.problem.samples[n], longer=run["longer"])
+            tables = self.problem.tables_of(
+                design.values, self.problem.samples[n], longer=run["longer"]
+            )
             self.study.write()
             try:
                 self.points.start(name, tables if design.full else self.problem.cheaply(tables))
@@ -187,8 +224,12 @@ class _Search:
         for ended in finished:
             design, n = self.at_work.pop(ended.name)
             design.seconds += ended.seconds
-            if ended.interrupted:  # by a signal: it goes on with the next start, or at once if it came from elsewhere
-                design.runs[ended.name]["stopped"] = stopped = design.runs[ended.name].get("stopped", 0) + 1
+            if (
+                ended.interrupted
+            ):  # by a signal: it goes on with the next start, or at once if it came from elsewhere
+                design.runs[ended.name]["stopped"] = stopped = (
+                    design.runs[ended.name].get("stopped", 0) + 1
+                )
                 if not self.stop.count and stopped < _MOST_STOPPED:
                     self.queue.appendleft((design, n))
                 elif not self.stop.count:
@@ -207,24 +248,40 @@ class _Search:
 
     def _note(self, design: Design, n: int, ended: Ended) -> None:
         """Enter the values of a run, or let it run longer; end the design with its last run."""
-        run, problem = design.runs[ended.name], self.problem
+        run = design.runs[ended.name]
+        problem = self.problem
         if ended.reason:
             return self._end(design, FAILED, ended.reason)
-        of_peak = any(fnmatchcase(one.name, pattern) for one in problem.objectives for pattern in _OF_PEAK)
-        series = guards.target_force(self.study.directory / POINTS / ended.name) if of_peak else None
+        of_peak = any(
+            fnmatchcase(one.name, pattern) for one in problem.objectives for pattern in _OF_PEAK
+        )
+        series = (
+            guards.target_force(self.study.directory / POINTS / ended.name) if of_peak else None
+        )
         if series is not None and not guards.has_passed(series[1]):
-            fixed = isinstance(problem.tables_of(design.values).get("run", {}).get("end_time"), int | float)
+            fixed = isinstance(
+                problem.tables_of(design.values).get("run", {}).get("end_time"), int | float
+            )
             if fixed and run["longer"] < 2**_MOST_LONGER:
                 run["longer"] *= 2
                 return self.queue.appendleft((design, n))
             if not guards.has_come(series[1]):
                 end = f"{series[0][-1]:.3g} s"
-                return self._end(design, REFUSED, f"the force on the target still rises, or has not come, after {end}")
-            run["note"] = "the force on the target has not fallen to a tenth of its peak at the end of the run"
+                return self._end(
+                    design,
+                    REFUSED,
+                    f"the force on the target still rises, or has not come, after {end}",
+                )
+            run["note"] = (
+                "the force on the target has not fallen to a tenth of its peak at the end of the run"
+            )
         values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
         wanted = [one.name for one in problem.objectives] + [one.name for one in problem.limits]
         if missing := [name for name in wanted if not is_number(values.get(name))]:
-            shown = ", ".join(f"{name}: {show(values.get(name)) if values.get(name) else 'null'}" for name in missing)
+            shown = ", ".join(
+                f"{name}: {show(values.get(name)) if values.get(name) else 'null'}"
+                for name in missing
+            )
             return self._end(design, FAILED, f"{shown} in summary.json, expected a number")
         run["value"] = {name: float(values[name]) for name in wanted}
         if self._is_lost(design):
@@ -239,37 +296,49 @@ class _Search:
                 design.spread[objective.name] = [min(found), max(found)]
         faults = []
         for limit in problem.limits:
-            worst = design.limited[limit.name] = max((row[limit.name] for row in made), key=limit.margin)
+            worst = design.limited[limit.name] = max(
+                (row[limit.name] for row in made), key=limit.margin
+            )
             design.margins[limit.name] = limit.margin(worst)
             faults.append(limit.fault(worst))
         reason = "; ".join(filter(None, faults))
         return self._end(design, REFUSED if reason else COMPLETE, reason)
 
     def _is_lost(self, design: Design) -> bool:
-        """Return True if the runs so far are that much worse than the best design that more runs hardly help."""
-        problem, best = self.problem, next(iter(self.study.best()), None)
+        """Return True if the runs so far are that much worse than the best design that more runs
+        hardly help.
+        """
+        problem = self.problem
+        best = next(iter(self.study.best()), None)
         if best is None or len(problem.objectives) > 1 or (design.full and not design.next_to):
             return False
         (objective,) = problem.objectives
         mine = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
         if len(mine) == len(problem.samples):
             return False
-        same = [run["value"][objective.name] for run in best.runs.values()][: len(mine)]  # with the same velocities ...
+        same = [run["value"][objective.name] for run in best.runs.values()][
+            : len(mine)
+        ]  # with the same velocities ...
         ours, theirs = (problem.statistic_of(objective, values) for values in (mine, same))
         most = _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
         if theirs <= 0 or objective.sign * ours <= objective.sign * most * theirs:
             return False
-        design.objectives[objective.name] = best.objectives[objective.name] * ours / theirs  # for the model
+        design.objectives[objective.name] = (
+            best.objectives[objective.name] * ours / theirs
+        )  # for the model
         return True
 
     # --------------------------------------------------------------- designs
 
     def _choose(self) -> bool:
-        """Queue the runs of the next design: of the search, the best once more in full, then those next to the best.
+        """Queue the runs of the next design: of the search, the best once more in full, then those
+        next to the best.
 
         Return False if there is none, or none until those at work have ended.
         """
-        study, problem, search = self.study, self.problem, self.problem.search
+        study = self.study
+        problem = self.problem
+        search = self.problem.search
         if study.exhausted < search.evaluations > study.n_evaluated and self._choose_of_space():
             return True
         if any(not design.next_to for design, _ in self.at_work.values()):
@@ -278,26 +347,37 @@ class _Search:
             for design in again:
                 design.full, tables = True, problem.tables_of(design.values)
                 if cheap := problem.cheaply(tables) != tables:
-                    design.runs = {name: {"longer": run["longer"]} for name, run in design.runs.items()}
+                    design.runs = {
+                        name: {"longer": run["longer"]} for name, run in design.runs.items()
+                    }
                 if cheap or design.state == PRUNED:
-                    design.state, design.reason, design.objectives, design.spread = RUNNING, "", {}, {}
+                    design.state = RUNNING
+                    design.reason = ""
+                    design.objectives = {}
+                    design.spread = {}
                     self._queue(design)
             return bool(self.queue) or self._choose()
         best = next(iter(study.best()), None)
-        left = min(search.neighbours, search.evaluations) - sum(bool(design.next_to) for design in study.designs)
+        left = min(search.neighbours, search.evaluations) - sum(
+            bool(design.next_to) for design in study.designs
+        )
         if best is None or left <= 0 or not search.guards or search.sampler != "model":
             return False
-        for values in promising(*study.asked, [values for _, values in problem.space.neighbours(best.values)]):
+        for values in promising(
+            *study.asked, [values for _, values in problem.space.neighbours(best.values)]
+        ):
             design = new_design(problem, len(study.designs) + 1, values)
             if design.state != REFUSED:
-                design.full, design.next_to = True, best.number
+                design.full = True
+                design.next_to = best.number
                 study.designs.append(design)
                 self._queue(design)
                 return True
         return False
 
     def _choose_of_space(self) -> bool:
-        study, problem = self.study, self.problem
+        study = self.study
+        problem = self.problem
         guided = problem.search.sampler == "model"
         guided = guided and study.n_evaluated >= n_first(problem.space, problem.search.evaluations)
         before = len(study.designs)

@@ -1,7 +1,8 @@
-"""Checks of the best design: what the optimum could owe to the model, the runs or luck rather than to the packing.
+"""Checks of the best design: what the optimum could owe to the model, the runs or luck rather than
+to the packing.
 
-Some are read from its run; the others are further runs with one thing changed. What changes an objective by more than
-5 % stands in the first lines of the report.
+Some are read from its run; the others are further runs with one thing changed. What changes an
+objective by more than 5 % stands in the first lines of the report.
 """
 
 from __future__ import annotations
@@ -26,7 +27,13 @@ from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
 from granwave.workflows.design.points import Points, names
-from granwave.workflows.design.problem import KNOWN_BEFORE, Problem, examined, with_derived, with_values
+from granwave.workflows.design.problem import (
+    KNOWN_BEFORE,
+    Problem,
+    examined,
+    with_derived,
+    with_values,
+)
 from granwave.workflows.design.study import COMPLETE, Design, Study
 from granwave.workflows.run.progress import Progress
 
@@ -63,18 +70,27 @@ class Finding:
     warning: bool = False
 
 
-def check_best(study: Study, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool) -> list[Finding]:
-    """Check the best design by its own run and by further ones; return the findings, warnings first."""
+def check_best(
+    study: Study, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
+) -> list[Finding]:
+    """Check the best design by its own run and by further ones; return the findings, warnings
+    first.
+    """
     problem = study.problem
     before = (read_json(study.directory / DESIGN_OUTCOME) or {}).get("best") or {}
     if before.get("variables") != best.values:  # further runs of another design
-        clear(study.directory, [f"{POINTS}/{path.name}/" for path in (study.directory / POINTS).glob("best-*")])
+        clear(
+            study.directory,
+            [f"{POINTS}/{path.name}/" for path in (study.directory / POINTS).glob("best-*")],
+        )
     first = names(best.number, problem.samples)[0]
-    run, place = best.runs[first], study.directory / POINTS / first
+    run = best.runs[first]
+    place = study.directory / POINTS / first
     findings = [*findings_without_runs(problem, best, read_summary(place), place)]
     findings += of_neighbours(problem, best, study.designs)
     waiting = deque(further_runs(problem, best, run["longer"]) if problem.search.guards else ())
-    total, made = len(waiting), {}
+    total = len(waiting)
+    made = {}
     with contextlib.closing(Progress(total, f"{problem.name}: checks", enabled=show)) as bar:
         while (waiting or points) and not stop.count:
             while waiting and len(points) < jobs:
@@ -95,12 +111,21 @@ def check_best(study: Study, best: Design, points: Points, jobs: int, stop: Inte
 
 def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict[str, Any]]]:
     """Give the further runs that apply to a case: name, what is changed, and the changed keys."""
-    packing, run, boundary = tables["packing"], tables["run"], tables.get("boundary", {})
-    size, end, step, bottom = packing.get("size"), run.get("end_time"), run.get("timestep"), boundary.get("bottom")
+    packing = tables["packing"]
+    run = tables["run"]
+    boundary = tables.get("boundary", {})
+    size = packing.get("size")
+    end = run.get("end_time")
+    step = run.get("timestep")
+    bottom = boundary.get("bottom")
     by_id = any("index" in entry for entry in tables.get("replace", []))
     if isinstance(size, list) and boundary.get("sides") != "periodic" and not by_id:
-        across = 1 if len(size) == 2 and packing["kind"] != "square" else 2  # crystals in the plane are one wide
-        wider = [n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)]
+        across = (
+            1 if len(size) == 2 and packing["kind"] != "square" else 2
+        )  # crystals in the plane are one wide
+        wider = [
+            n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)
+        ]
         yield "wider", "a packing 1.5 times as wide", {"packing.size": wider}
     if isinstance(end, int | float):
         yield "longer", "a run 1.5 times as long", {"run.end_time": 1.5 * end}
@@ -118,7 +143,9 @@ def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict
         yield "stiffer", "a plate on a spring four times as stiff", stiffer
 
 
-def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tuple[str, str, Tables]]:
+def further_runs(
+    problem: Problem, best: Design, longer: float
+) -> Iterator[tuple[str, str, Tables]]:
     """Give the further runs of a design that make a case: name, what is changed, and the tables.
 
     ``longer``: how many times as late as in the design file its run has ended.
@@ -132,17 +159,24 @@ def further_runs(problem: Problem, best: Design, longer: float) -> Iterator[tupl
             yield name, what, changed
 
 
-def _compared(problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]) -> tuple[dict[str, float], str]:
+def _compared(
+    problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> tuple[dict[str, float], str]:
     """Return the relative changes of the objectives that have two values, and a text of them."""
     changes = {}
     for one in problem.objectives:
-        old, new = before.get(one.name), after.get(one.name)
+        old = before.get(one.name)
+        new = after.get(one.name)
         if isinstance(old, int | float) and isinstance(new, int | float) and old:
             changes[one.name] = new / old - 1
-    return changes, ", ".join(f"{name} {after[name]:.4g} ({100 * one:+.1f} %)" for name, one in changes.items())
+    return changes, ", ".join(
+        f"{name} {after[name]:.4g} ({100 * one:+.1f} %)" for name, one in changes.items()
+    )
 
 
-def finding_of(name: str, what: str, problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]) -> Finding:
+def finding_of(
+    name: str, what: str, problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> Finding:
     """Compare the objectives of a further run with those of the run of the best design."""
     changes, text = _compared(problem, before, after)
     if not changes:
@@ -165,14 +199,19 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
         said = f"{first.name} {before:.4g} of design {start.number} became {after:.4g}"
         text = f"the best design was found next to that of the search: {said}"
         change = after / before - 1 if before else 0.0
-        yield Finding("moved", "moves to neighbours", text, {first.name: change}, abs(change) > NOTABLE)
+        yield Finding(
+            "moved", "moves to neighbours", text, {first.name: change}, abs(change) > NOTABLE
+        )
     left = []
     for n, (key, values) in enumerate(problem.space.neighbours(best.values), start=1):
-        what, tried = f"{key} = {show(values[key])}", by_values.get(repr(values))
+        what = f"{key} = {show(values[key])}"
+        tried = by_values.get(repr(values))
         if tried is None:
             left += [] if examined(problem, values)[2] else [what]
             continue
-        changes, said = _compared(problem, best.objectives, tried.objectives if tried.state == COMPLETE else {})
+        changes, said = _compared(
+            problem, best.objectives, tried.objectives if tried.state == COMPLETE else {}
+        )
         text = f"{said} (design {tried.number})"
         if tried.state != COMPLETE:
             text = f"{tried.state} (design {tried.number}): {tried.reason}"
@@ -182,7 +221,9 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
         yield Finding("neighbours", "neighbours", text, warning=True)
 
 
-def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, Any], place: Path) -> Iterator[Finding]:
+def findings_without_runs(
+    problem: Problem, best: Design, summary: Mapping[str, Any], place: Path
+) -> Iterator[Finding]:
     """Give what is to be said of the best design from its own run."""
     for note in best.notes:
         yield Finding("end", "the end of the run", note, warning=True)
@@ -195,8 +236,11 @@ def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, 
         text = f"{beyond} contacts are pressed beyond the range of the contact law"
         yield Finding("law", "overlaps", text, warning=True)
     case = problem.case(problem.tables_of(best.values))
-    yields = case.contact.yields and case.packing.kind != "chain"  # elastic packings, and rows, rattle for ever
-    given, kinetic = summary.get("energy_input_J"), summary.get("energy_kinetic_J")
+    yields = (
+        case.contact.yields and case.packing.kind != "chain"
+    )  # elastic packings, and rows, rattle for ever
+    given = summary.get("energy_input_J")
+    kinetic = summary.get("energy_kinetic_J")
     if given and kinetic is not None:
         share = kinetic / given
         moving = "beads that rattle or fly off, or a target that moves"
@@ -204,7 +248,9 @@ def findings_without_runs(problem: Problem, best: Design, summary: Mapping[str, 
         yield Finding("flight", "energy in free flight", text, warning=share > _MOVING and yields)
     if (series := target_force(place)) is not None:
         share = late_impulse(*series)
-        text = f"{100 * share:.0f} % of the impulse on the target comes in the last tenth of the run"
+        text = (
+            f"{100 * share:.0f} % of the impulse on the target comes in the last tenth of the run"
+        )
         yield Finding("impulse", "impulse", text, warning=share > _STILL)
 
 

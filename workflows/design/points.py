@@ -1,8 +1,10 @@
-"""Runs of designs on this machine: several at once, each in a directory of its own, stopped and resumed as any run.
+"""Runs of designs on this machine: several at once, each in a directory of its own, stopped and
+resumed as any run.
 
-A run on one rank is made by a forked copy of this process, which has loaded all modules; one on several ranks by
-mpiexec. Where MPI was started in this process (in Python, after a run), which a copy must not share, by a new process.
-In a job of Slurm on several nodes each run is a step of that job, which srun starts where there is room.
+A run on one rank is made by a forked copy of this process, which has loaded all modules; one on
+several ranks by mpiexec. Where MPI was started in this process (in Python, after a run), which a
+copy must not share, by a new process. In a job of Slurm on several nodes each run is a step of that
+job, which srun starts where there is room.
 """
 
 from __future__ import annotations
@@ -28,7 +30,13 @@ from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_
 from granwave.workflows.run import forks, mpi, record
 
 _POLL = 0.05  # s
-_STEP = ("srun", "--mpi=pmi2", "--exact", "-N", "1")  # a step of the job of Slurm that this process runs in
+_STEP = (
+    "srun",
+    "--mpi=pmi2",
+    "--exact",
+    "-N",
+    "1",
+)  # a step of the job of Slurm that this process runs in
 
 
 @dataclasses.dataclass(frozen=True)
@@ -62,7 +70,8 @@ class Points:
     """
 
     def __init__(self, folder: Path, ranks: int) -> None:
-        self.folder, self.ranks = folder, ranks
+        self.folder = folder
+        self.ranks = ranks
         self._running: dict[str, tuple[int, float]] = {}  # process id and start time, by name
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
         os.environ[PROCESSES] = "1"  # other runs use the other cores
@@ -77,17 +86,28 @@ class Points:
         claim(self.folder.parent, [f"{self.folder.name}/{name}/"])
         claim(place, POINT_FILES)
         (place / POINT_STOP).unlink(missing_ok=True)
-        tables = case_from_dict({**tables, "name": f"{self.folder.parent.name}-{name}"}, place / POINT_CASE).to_dict()
+        tables = case_from_dict(
+            {**tables, "name": f"{self.folder.parent.name}-{name}"}, place / POINT_CASE
+        ).to_dict()
         replace_text(place / POINT_CASE, tomli_w.dumps(tables))
         there = tables_as_run(place)
         anew = there is not None and case_digest(there) != case_digest(tables)
-        words = ["run", str(place / POINT_CASE), "-o", str(place), "--no-figures", "--force" if anew else "--resume"]
+        words = [
+            "run",
+            str(place / POINT_CASE),
+            "-o",
+            str(place),
+            "--no-figures",
+            "--force" if anew else "--resume",
+        ]
         with (place / POINT_LOG).open("wb") as log:
             steps = nodes_of_job() > 1
             if self.ranks > 1 or steps or _mpi_started():
                 alone = [*mpi.PYTHON, "-m", "granwave.workflows", *words]
                 launcher = _STEP if steps else ()
-                command = mpi.command(self.ranks, words, launcher) if self.ranks > 1 or steps else alone
+                command = (
+                    mpi.command(self.ranks, words, launcher) if self.ranks > 1 or steps else alone
+                )
                 stop = {mpi.STOP_FILE: str(place / POINT_STOP), mpi.EXPECTED_RANKS: str(self.ranks)}
                 self._processes[name] = subprocess.Popen(
                     command,
@@ -121,7 +141,8 @@ class Points:
 
     def _ended(self, name: str, status: int, seconds: float) -> Ended:
         place = self.folder / name
-        state, log = record.read(place), place / POINT_LOG
+        state = record.read(place)
+        log = place / POINT_LOG
         stopped = state is not None and state.state == record.INTERRUPTED
         if stopped or status in (130, -signal.SIGTERM, -signal.SIGINT):
             return Ended(name, {}, "", True, seconds)
@@ -154,8 +175,14 @@ def nodes_of_job() -> int:
 
 
 def default_jobs(ranks: int) -> int:
-    """Return the default number of simultaneous runs: cores of this machine, or tasks of the job, over the ranks."""
-    tasks = int(os.environ.get("SLURM_NTASKS", 1)) if nodes_of_job() > 1 else len(os.sched_getaffinity(0))
+    """Return the default number of simultaneous runs: cores of this machine, or tasks of the job,
+    over the ranks.
+    """
+    tasks = (
+        int(os.environ.get("SLURM_NTASKS", 1))
+        if nodes_of_job() > 1
+        else len(os.sched_getaffinity(0))
+    )
     return max(1, tasks // ranks)
 
 
@@ -179,4 +206,8 @@ def _run(tables: Mapping[str, Any], place: Path, *, anew: bool) -> int:
 
 def names(number: int, samples: Sequence[object]) -> list[str]:
     """Return the names of the directories of the runs of a design."""
-    return [f"{number}"] if len(samples) == 1 else [f"{number}-{n}" for n in range(1, len(samples) + 1)]
+    return (
+        [f"{number}"]
+        if len(samples) == 1
+        else [f"{number}-{n}" for n in range(1, len(samples) + 1)]
+    )

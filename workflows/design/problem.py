@@ -1,4 +1,6 @@
-"""Problem of a search: keys of a design file, a base case with what may vary, and the cases of its designs."""
+"""Problem of a search: keys of a design file, a base case with what may vary, and the cases of its
+designs.
+"""
 
 from __future__ import annotations
 
@@ -30,8 +32,17 @@ _REPLACE = "replace"
 _MOST_IDS = 1_000_000  # of grains that one key changes
 #: Values of a packing that limits may concern and that are known before a run.
 KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
-_DERIVED = ("yielded_share", "kinetic_share", "overlap_over_radius")  # values that are made of those of the summary
-_NO_NUMBERS = ("name", "end_reason", "zone_cut", "versions")  # values that are words, lists or tables
+_DERIVED = (
+    "yielded_share",
+    "kinetic_share",
+    "overlap_over_radius",
+)  # values that are made of those of the summary
+_NO_NUMBERS = (
+    "name",
+    "end_reason",
+    "zone_cut",
+    "versions",
+)  # values that are words, lists or tables
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -44,16 +55,28 @@ class Header:
 
 def _parse_names(value: Any) -> tuple[str, ...]:
     names = [value] if isinstance(value, str) else value
-    if not isinstance(names, list) or not 1 <= len(names) <= 2 or not all(isinstance(name, str) for name in names):
-        raise ValidationError('the name of a value of summary.json, such as "target_peak_force_N", or a list of two')
+    if (
+        not isinstance(names, list)
+        or not 1 <= len(names) <= 2
+        or not all(isinstance(name, str) for name in names)
+    ):
+        raise ValidationError(
+            'the name of a value of summary.json, such as "target_peak_force_N", or a list of two'
+        )
     for name in names:
         if not is_value(name):
-            raise ValidationError(f"the name of a number of summary.json{schema.did_you_mean(name, value_names())}")
+            raise ValidationError(
+                f"the name of a number of summary.json{schema.did_you_mean(name, value_names())}"
+            )
     return tuple(names)
 
 
 def value_names() -> list[str]:
-    return [*KNOWN_BEFORE, *_DERIVED, *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS)]
+    return [
+        *KNOWN_BEFORE,
+        *_DERIVED,
+        *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS),
+    ]
 
 
 def is_value(name: str) -> bool:
@@ -64,8 +87,12 @@ def is_value(name: str) -> bool:
 class ObjectiveTable:
     """``[objective]``: what the best design has; two values in all make a Pareto front."""
 
-    minimise: tuple[str, ...] = schema.custom("values that are to be small", _parse_names, default=())
-    maximise: tuple[str, ...] = schema.custom("values that are to be large", _parse_names, default=())
+    minimise: tuple[str, ...] = schema.custom(
+        "values that are to be small", _parse_names, default=()
+    )
+    maximise: tuple[str, ...] = schema.custom(
+        "values that are to be large", _parse_names, default=()
+    )
 
 
 def _parse_statistic(value: Any) -> str | float:
@@ -79,28 +106,43 @@ def _parse_statistic(value: Any) -> str | float:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class UncertaintyTable:
-    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case drawn from ranges."""
+    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case
+    drawn from ranges.
+    """
 
     replicates: int = schema.count("runs of each design", default=3, at_most=1000)
-    statistic: str | float = schema.custom("objective made of the runs", _parse_statistic, default="mean")
+    statistic: str | float = schema.custom(
+        "objective made of the runs", _parse_statistic, default="mean"
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SearchTable:
     """``[search]``: how long and how."""
 
-    evaluations: int = schema.count("designs that are run; refused ones do not count", default=60, at_most=100_000)
+    evaluations: int = schema.count(
+        "designs that are run; refused ones do not count", default=60, at_most=100_000
+    )
     seed: int = schema.custom(
-        "seed of the search", lambda value: schema.whole(value, "a whole number from 0 up", at_least=0), default=1
+        "seed of the search",
+        lambda value: schema.whole(value, "a whole number from 0 up", at_least=0),
+        default=1,
     )
     sampler: str = schema.choice(
-        "model: a Gaussian process of the objective; random: for comparison", ("model", "random"), default="model"
+        "model: a Gaussian process of the objective; random: for comparison",
+        ("model", "random"),
+        default="model",
     )
     guards: bool = schema.choice(
-        "checks of the best design by further runs, and moves to better designs next to it", (True, False), default=True
+        "checks of the best design by further runs, and moves to better designs next to it",
+        (True, False),
+        default=True,
     )
     neighbours: int = schema.count(
-        "designs next to the best that are run after the evaluations, at most", default=40, at_least=0, at_most=100_000
+        "designs next to the best that are run after the evaluations, at most",
+        default=40,
+        at_least=0,
+        at_most=100_000,
     )
     tolerance: float | str = schema.number(
         "run.energy_tolerance until the best tenth is run again with that of the case; "
@@ -115,8 +157,14 @@ class SearchTable:
 #: Tables of a design file: class and description.
 DESIGN_TABLES: dict[str, tuple[type, str]] = {
     "": (Header, "top-level keys, what may vary, and limits"),
-    "[objective]": (ObjectiveTable, "what the best design has; two values in all make a Pareto front"),
-    "[uncertainty]": (UncertaintyTable, "several runs of each design, with other seeds and keys drawn from ranges"),
+    "[objective]": (
+        ObjectiveTable,
+        "what the best design has; two values in all make a Pareto front",
+    ),
+    "[uncertainty]": (
+        UncertaintyTable,
+        "several runs of each design, with other seeds and keys drawn from ranges",
+    ),
     "[search]": (SearchTable, "how long and how the search goes"),
 }
 
@@ -130,7 +178,9 @@ class Limit:
     high: float | None
 
     def margin(self, value: float) -> float:
-        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is within."""
+        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is
+        within.
+        """
         return max(
             (float(sign * (value - bound) / (abs(bound) or 1.0)) for sign, bound in ((1, self.high), (-1, self.low))
              if bound is not None),
@@ -167,9 +217,11 @@ class Problem:
     tables
         Tables of the file, for comparison on a resumed search.
     samples
-        Changes of the case by dotted key for each run of a design; one empty mapping without uncertainty.
+        Changes of the case by dotted key for each run of a design; one empty mapping without
+        uncertainty.
     tolerance
-        Of the energy balance, until the best designs are run again with that of the case; 0: that of the case.
+        Of the energy balance, until the best designs are run again with that of the case; 0: that
+        of the case.
     """
 
     name: str
@@ -192,14 +244,25 @@ class Problem:
     def tables_of(
         self, values: Values, sample: Mapping[str, Any] | None = None, *, longer: float = 1.0
     ) -> dict[str, Any]:
-        """Return the tables of the case of a design, that ends so many times later than in the design file."""
+        """Return the tables of the case of a design, that ends so many times later than in the
+        design file.
+        """
         tables = with_values(with_values(self.base, values), sample or {})
-        return tables if longer == 1 else with_values(tables, {"run.end_time": longer * tables["run"]["end_time"]})
+        return (
+            tables
+            if longer == 1
+            else with_values(tables, {"run.end_time": longer * tables["run"]["end_time"]})
+        )
 
     def cheaply(self, tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables of a case with the tolerance of the search; the same where it is not larger."""
+        """Return the tables of a case with the tolerance of the search; the same where it is not
+        larger.
+        """
         run = tables.get("run", {})
-        if self.tolerance <= run.get("energy_tolerance", ENERGY_TOLERANCE) or run.get("timestep", "auto") != "auto":
+        if (
+            self.tolerance <= run.get("energy_tolerance", ENERGY_TOLERANCE)
+            or run.get("timestep", "auto") != "auto"
+        ):
             return dict(tables)
         return with_values(tables, {"run.energy_tolerance": self.tolerance})
 
@@ -219,7 +282,9 @@ class Problem:
 
 
 def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[str, float], str]:
-    """Return what is known of a design before a run: values, margins of limits, and why it is refused; empty if not."""
+    """Return what is known of a design before a run: values, margins of limits, and why it is
+    refused; empty if not.
+    """
     limits = {limit.name: limit for limit in problem.limits}
     try:
         case = problem.case(problem.tables_of(values, problem.samples[0]))
@@ -231,15 +296,22 @@ def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[s
     except InputError as error:
         return {}, {}, "; ".join(error.errors)
     margins = {name: limit.margin(known[name]) for name, limit in limits.items() if name in known}
-    return known, margins, "; ".join(filter(None, (limits[name].fault(known[name]) for name in margins)))
+    return (
+        known,
+        margins,
+        "; ".join(filter(None, (limits[name].fault(known[name]) for name in margins))),
+    )
 
 
 def known_before(case: Case) -> dict[str, float]:
     """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
     assembly = assemble(case)
     n = assembly.lattice.n_spheres
-    diameters, positions = assembly.sphere_diameters()[:n], assembly.positions()[:n]
-    spans = (positions + diameters[:, None] / 2).max(axis=0) - (positions - diameters[:, None] / 2).min(axis=0)
+    diameters = assembly.sphere_diameters()[:n]
+    positions = assembly.positions()[:n]
+    spans = (positions + diameters[:, None] / 2).max(axis=0) - (
+        positions - diameters[:, None] / 2
+    ).min(axis=0)
     return {
         "mass_kg": float(assembly.sphere_masses()[:n].sum()),
         "height_m": float(spans[2]),
@@ -250,13 +322,17 @@ def known_before(case: Case) -> dict[str, float]:
 
 
 def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
-    """Return a summary with the values that are made of others, and those that are known before a run.
+    """Return a summary with the values that are made of others, and those that are known before a
+    run.
 
-    ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest spheres, a quarter of
-    their diameter. ``kinetic_share``: of the energy put in, at the end.
+    ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest
+    spheres, a quarter of their diameter. ``kinetic_share``: of the energy put in, at the end.
     """
-    count, yielded = summary.get("n_spheres"), summary.get("n_plastic_spheres")
-    overlap, given, kinetic = (summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J"))
+    count = summary.get("n_spheres")
+    yielded = summary.get("n_plastic_spheres")
+    overlap, given, kinetic = (
+        summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J")
+    )
     return {
         **summary,
         "mass_kg": summary.get("packing_mass_kg"),
@@ -270,8 +346,8 @@ def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[s
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with the values of a design.
 
-    Parts of a key that are numbers are places in a list, from 0; after ``replace`` ids of grains, such as ``5`` or
-    ``1-16,33-48``, whose entry of ``[[replace]]`` is changed or added.
+    Parts of a key that are numbers are places in a list, from 0; after ``replace`` ids of grains,
+    such as ``5`` or ``1-16,33-48``, whose entry of ``[[replace]]`` is changed or added.
 
     Raises
     ------
@@ -280,7 +356,8 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
     """
     found = copy.deepcopy(dict(tables))
     errors = []
-    # whole tables first, then keys inside them; a grain's new place after what is said of its old one
+    # whole tables first, then keys inside them; a grain's new place after what is said of its old
+    # one
     for key in sorted(values, key=lambda key: (key.count("."), key.endswith(".index"))):
         try:
             _set(found, key.split("."), values[key])
@@ -292,7 +369,8 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
 
 
 def _set(table: Any, path: Sequence[str], value: Any) -> None:
-    name, rest = path[0], path[1:]
+    name = path[0]
+    rest = path[1:]
     if name == _REPLACE and len(rest) > 1 and (ids := ids_of(rest[0])):
         for entry in _entries_of(ids, table.setdefault(_REPLACE, [])):
             _set(entry, rest[1:], value)
@@ -317,7 +395,9 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
 
 
 def ids_of(text: str, *, single: bool = False) -> list[int]:
-    """Return the numbers of a part of a key, such as ``5`` or, unless single, ``1-16,33-48``; empty if it is none."""
+    """Return the numbers of a part of a key, such as ``5`` or, unless single, ``1-16,33-48``; empty
+    if it is none.
+    """
     if not re.fullmatch(r"\d+" if single else r"\d+(-\d+)?(,\d+(-\d+)?)*", text, re.ASCII):
         return []
     ends = [part.split("-") for part in text.split(",")]
@@ -326,7 +406,9 @@ def ids_of(text: str, *, single: bool = False) -> list[int]:
 
 
 def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the entries of ``[[replace]]`` of some grains; a new one has the values of the last that covers them."""
+    """Return the entries of ``[[replace]]`` of some grains; a new one has the values of the last
+    that covers them.
+    """
     covering: dict[int, int | None] = dict.fromkeys(grains, None)
     for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
@@ -341,7 +423,11 @@ def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[di
         steps = {second - first for first, second in itertools.pairwise(ids)}
         index: Any = ids if steps else ids[0]
         if len(steps) == 1 and min(steps) > 0:
-            index = {"first": ids[0], "last": ids[-1], **({"step": steps.pop()} if steps != {1} else {})}
+            index = {
+                "first": ids[0],
+                "last": ids[-1],
+                **({"step": steps.pop()} if steps != {1} else {}),
+            }
         found.append({**copy.deepcopy(before), "index": index})
         entries.append(found[-1])
     return found

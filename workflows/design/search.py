@@ -1,11 +1,13 @@
-"""Choice of the next design: a Gaussian process of what is known, and the largest expected improvement.
+"""Choice of the next design: a Gaussian process of what is known, and the largest expected
+improvement.
 
 First designs are drawn at random. From then on a Gaussian process (Matern 5/2, one length for each
-variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every candidate, and the
-candidates are ordered by expected improvement times the probability that they meet the limits. Candidates are all
-designs of a small space, else random ones and changes of the best. Two objectives are joined by weights that are
-drawn anew for each design (ParEGO, Knowles, IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its
-number and the earlier designs alone.
+variable; scikit-learn) of the logarithm of the objective gives mean and deviation of every
+candidate, and the candidates are ordered by expected improvement times the probability that they
+meet the limits. Candidates are all designs of a small space, else random ones and changes of the
+best. Two objectives are joined by weights that are drawn anew for each design (ParEGO, Knowles,
+IEEE Trans. Evol. Comput. 10, 2006). A choice depends on the seed, its number and the earlier
+designs alone.
 """
 
 from __future__ import annotations
@@ -27,12 +29,17 @@ from granwave.workflows.design.variables import Space, Values
 
 Array = NDArray[np.float64]
 _ENUMERATED = 3000  # designs of a space up to which all are candidates
-_RANDOM, _OF_BEST, _CHANGES = 1024, 8, 64  # candidates: random ones, and changes of each of the best
+# candidates: random ones, and changes of each of the best
+_RANDOM = 1024
+_OF_BEST = 8
+_CHANGES = 64
 _MOST_RANDOM = 20_000  # draws in search of a design that was not tried
 _LEAST_DEVIATION = 1e-9  # of a model
 _LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
 _MOST_MODELLED = 300  # designs that the model of the objective is made of
-_MOST_ROWS, _LATEST = 120, 40  # designs that the model of a limit is made of, and the latest of them
+# designs that the model of a limit is made of, and the latest of them
+_MOST_ROWS = 120
+_LATEST = 40
 
 
 @dataclasses.dataclass(frozen=True)
@@ -94,7 +101,11 @@ def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) ->
         drawn = itertools.islice(random_designs(space, int(rng.integers(2**31))), _RANDOM)
         best = sorted(complete, key=lambda one: (not one.feasible, one.losses))[:_OF_BEST]
         changed = [space.changed(one.values, rng) for one in best for _ in range(_CHANGES)]
-        found = list({repr(values): values for values in (*drawn, *changed) if repr(values) not in tried}.values())
+        found = list(
+            {
+                repr(values): values for values in (*drawn, *changed) if repr(values) not in tried
+            }.values()
+        )
     if not found:
         return
     worth = worth_of(space, known, found, rng)
@@ -102,7 +113,9 @@ def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) ->
         yield found[place]
 
 
-def promising(space: Space, known: Sequence[Known], seed: int, found: Sequence[Values]) -> list[Values]:
+def promising(
+    space: Space, known: Sequence[Known], seed: int, found: Sequence[Values]
+) -> list[Values]:
     """Return those of some designs that were not tried, the most promising first."""
     tried = {repr(one.values) for one in known}
     left = [values for values in found if repr(values) not in tried]
@@ -115,7 +128,11 @@ def promising(space: Space, known: Sequence[Known], seed: int, found: Sequence[V
 def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> Iterator[Values]:
     tried = {repr(one.values) for one in known}
     small = space.size <= _ENUMERATED
-    left = {repr(values): values for values in space.all() if repr(values) not in tried} if small else {}
+    left = (
+        {repr(values): values for values in space.all() if repr(values) not in tried}
+        if small
+        else {}
+    )
     for values in itertools.islice(random_designs(space, seed, len(known)), _MOST_RANDOM):
         name = repr(values)
         if name not in tried:
@@ -128,18 +145,26 @@ def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> I
     yield from (rest[n] for n in rng.permutation(len(rest)))
 
 
-def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng: Generator) -> Array:
+def worth_of(
+    space: Space, known: Sequence[Known], found: Sequence[Values], rng: Generator
+) -> Array:
     """Return what candidates are ordered by: (n,).
 
-    It is the logarithm of the expected improvement where the limits may be met, and below that of all those the
-    logarithm of the probability that they are.
+    It is the logarithm of the expected improvement where the limits may be met, and below that of
+    all those the logarithm of the probability that they are.
     """
     complete = [one for one in known if one.losses]
     if len(complete) > _MOST_MODELLED:  # the best and the latest, in their order
         half = _MOST_MODELLED // 2
-        ranked = sorted(range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses))
-        complete = [complete[n] for n in sorted({*ranked[:half], *range(len(complete) - half, len(complete))})]
-    designs, scores = [one.values for one in complete], joined(np.array([one.losses for one in complete]), rng)
+        ranked = sorted(
+            range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses)
+        )
+        complete = [
+            complete[n]
+            for n in sorted({*ranked[:half], *range(len(complete) - half, len(complete))})
+        ]
+    designs = [one.values for one in complete]
+    scores = joined(np.array([one.losses for one in complete]), rng)
     feasible = np.array([one.feasible for one in complete])
     x = space.features(found)
     model = fitted(space, designs, scores)
@@ -153,9 +178,12 @@ def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng:
     if feasible.any():
         z = (scores[feasible].min() - mean) / deviation
         far = z < -6  # where the difference of the two terms is lost to rounding
-        near, away = np.where(far, 0.0, z), np.where(far, z, 1.0)
+        near = np.where(far, 0.0, z)
+        away = np.where(far, z, 1.0)
         improvement = np.log(norm.pdf(near) + near * norm.cdf(near))
-        worth = np.log(deviation) + np.where(far, norm.logpdf(z) - 2 * np.log(np.abs(away)), improvement)
+        worth = np.log(deviation) + np.where(
+            far, norm.logpdf(z) - 2 * np.log(np.abs(away)), improvement
+        )
     within = np.zeros(len(x))
     for limit in _limits(space, known, rng):
         middle, width = limit.predict(x, return_std=True)
@@ -165,7 +193,9 @@ def worth_of(space: Space, known: Sequence[Known], found: Sequence[Values], rng:
 
 
 def joined(losses: Array, rng: Generator | None = None) -> Array:
-    """Join objectives to one number for each design: logarithms of positive ones, weighted anew at each call."""
+    """Join objectives to one number for each design: logarithms of positive ones, weighted anew at
+    each call.
+    """
     columns = []
     for column in losses.T:
         scaled = _scaled(column)
@@ -201,13 +231,17 @@ def fitted(space: Space, designs: Sequence[Values], values: Array) -> Any:
     x = space.features(designs)
     matern = Matern(np.ones(x.shape[1]), (0.1, 10.0), nu=2.5)
     kernel = ConstantKernel(1.0, (1e-2, 1e2)) * matern + WhiteKernel(1e-4, (1e-8, 0.1))
-    with warnings.catch_warnings(), _threads().limit(limits=1):  # on small matrices threads wait for each other
+    with (
+        warnings.catch_warnings(),
+        _threads().limit(limits=1),
+    ):  # on small matrices threads wait for each other
         warnings.simplefilter("ignore")  # a length at its bound
         return GaussianProcessRegressor(kernel, normalize_y=True).fit(x, values)
 
 
 def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, float]:
-    """Return the share of the variance of the first objective that each variable makes alone (first-order Sobol index).
+    """Return the share of the variance of the first objective that each variable makes alone
+    (first-order Sobol index).
 
     Of the fitted model over the whole space; what is missing from 1 are joint effects.
     """
@@ -224,22 +258,32 @@ def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, 
         return {}
     found = {}
     for one in space.variables:
-        mixed = [{**left, one.key: right[one.key]} for left, right in zip(first, second, strict=True)]
+        mixed = [
+            {**left, one.key: right[one.key]} for left, right in zip(first, second, strict=True)
+        ]
         found[one.key] = float(np.mean(b * (model.predict(space.features(mixed)) - a)) / variance)
-    return {key: min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0 for key, share in found.items()}
+    return {
+        key: min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
+        for key, share in found.items()
+    }
 
 
 def front(losses: Sequence[Sequence[float]]) -> list[int]:
-    """Return the places of the designs that none of the others beats in all objectives, by the first objective."""
+    """Return the places of the designs that none of the others beats in all objectives, by the
+    first objective.
+    """
     table = [tuple(row) for row in losses]
     places = {row: n for n, row in reversed(list(enumerate(table)))}  # the first of equal ones
     values = np.array(list(places))
-    beaten = [bool(((values <= row).all(axis=1) & (values != row).any(axis=1)).any()) for row in values]
+    beaten = [
+        bool(((values <= row).all(axis=1) & (values != row).any(axis=1)).any()) for row in values
+    ]
     return [places[row] for row, worse in sorted(zip(places, beaten, strict=True)) if not worse]
 
 
 def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int]) -> list[float]:
-    """Return the smallest first loss that so many designs at random would have, in the mean, by the fitted model.
+    """Return the smallest first loss that so many designs at random would have, in the mean, by the
+    fitted model.
 
     Only of designs that the model takes to be within the limits; empty where too little is known.
     """
@@ -265,9 +309,14 @@ def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[An
     """Give a model of how far each limit is exceeded, of those that some designs exceed."""
     for name in dict.fromkeys(name for one in known for name in one.margins):
         rows = [one for one in known if name in one.margins]
-        if any(one.margins[name] > 0 for one in rows) and len({one.margins[name] for one in rows}) > 1:
+        if (
+            any(one.margins[name] > 0 for one in rows)
+            and len({one.margins[name] for one in rows}) > 1
+        ):
             if len(rows) > _MOST_ROWS:  # those that were run, the latest, and some of the others
-                kept = {n for n, one in enumerate(rows) if one.losses} | set(range(len(rows) - _LATEST, len(rows)))
+                kept = {n for n, one in enumerate(rows) if one.losses} | set(
+                    range(len(rows) - _LATEST, len(rows))
+                )
                 rest = rng.permutation([n for n in range(len(rows)) if n not in kept])
                 rows = [rows[n] for n in sorted({*kept, *rest[: max(0, _MOST_ROWS - len(kept))]})]
             margins = np.array([one.margins[name] for one in rows])

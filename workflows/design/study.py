@@ -1,7 +1,7 @@
 """Evaluated designs and their files.
 
-study.json, from which an interrupted search goes on, and designs.csv, made of it; and of a finished search the cases
-of the best designs, design.json and the report.
+study.json, from which an interrupted search goes on, and designs.csv, made of it; and of a finished
+search the cases of the best designs, design.json and the report.
 """
 
 from __future__ import annotations
@@ -36,7 +36,11 @@ from granwave.workflows.design.search import Known, expected_random, front, impo
 from granwave.workflows.design.variables import Space, Values
 from granwave.workflows.run.record import versions
 
-RUNNING, COMPLETE, PRUNED, REFUSED, FAILED = "running", "complete", "pruned", "refused", "failed"
+RUNNING = "running"
+COMPLETE = "complete"
+PRUNED = "pruned"
+REFUSED = "refused"
+FAILED = "failed"
 MOST_REFUSED = 200  # designs that are refused, one after the other, before the search ends
 
 
@@ -55,16 +59,18 @@ class Design:
     known
         Values of the packing before a run, by name.
     runs
-        Values of each run, by the name of its directory: objectives and limits, how many times ``longer`` than in the
-        file it was, and a ``note``.
+        Values of each run, by the name of its directory: objectives and limits, how many times
+        ``longer`` than in the file it was, and a ``note``.
     objectives, spread
         Objectives by name; the smallest and the largest of several runs.
     margins, limited
-        By limit, how far its value is beyond it; and the worst value of those that are known after a run.
+        By limit, how far its value is beyond it; and the worst value of those that are known after
+        a run.
     full
         True if all its runs are, or are to be, made with the tolerance of the case.
     next_to
-        Number of the best design next to which it was tried after the search; 0 of designs of the search.
+        Number of the best design next to which it was tried after the search; 0 of designs of the
+        search.
     """
 
     number: int
@@ -109,7 +115,9 @@ class Study:
 
     @property
     def n_evaluated(self) -> int:
-        """Number of designs that the search ran, or that are in work; without those next to the best."""
+        """Number of designs that the search ran, or that are in work; without those next to the
+        best.
+        """
         return sum(design.ran and not design.next_to for design in self.designs)
 
     def unconfirmed(self) -> list[Design]:
@@ -123,7 +131,9 @@ class Study:
         return [design for design in found if not design.full]
 
     def best(self) -> list[Design]:
-        """Return the designs that meet the limits, the best first; with two objectives those of the Pareto front."""
+        """Return the designs that meet the limits, the best first; with two objectives those of the
+        Pareto front.
+        """
         objectives = self.problem.objectives
         found = [design for design in self.designs if design.state == COMPLETE]
         losses = [design.losses(objectives) or () for design in found]
@@ -135,9 +145,21 @@ class Study:
         """Return what the search is told of all designs."""
         found = []
         for one in self.designs:
-            failed = {"failed": 1.0 if one.state == FAILED else -1.0} if one.runs and one.state != RUNNING else {}
-            margins = {**one.margins, "wrong": -1.0 if one.known else 1.0, **failed}  # a wrong case has no known values
-            found.append(Known(one.values, one.losses(self.problem.objectives), margins, one.state == RUNNING))
+            failed = (
+                {"failed": 1.0 if one.state == FAILED else -1.0}
+                if one.runs and one.state != RUNNING
+                else {}
+            )
+            margins = {
+                **one.margins,
+                "wrong": -1.0 if one.known else 1.0,
+                **failed,
+            }  # a wrong case has no known values
+            found.append(
+                Known(
+                    one.values, one.losses(self.problem.objectives), margins, one.state == RUNNING
+                )
+            )
         return found
 
     @property
@@ -147,7 +169,11 @@ class Study:
 
     def write(self) -> None:
         """Write study.json and designs.csv."""
-        content = {"versions": versions_of(()), "problem": self.problem.record, "exhausted": self.exhausted}
+        content = {
+            "versions": versions_of(()),
+            "problem": self.problem.record,
+            "exhausted": self.exhausted,
+        }
         content["designs"] = [dataclasses.asdict(one) for one in self.designs]
         replace_text(self.directory / DESIGN_STUDY, json.dumps(content, indent=1) + "\n")
         replace_text(self.directory / DESIGN_TABLE, self._table())
@@ -157,7 +183,15 @@ class Study:
         more = list(dict.fromkeys(name for one in self.designs for name in one.known))
         named = [one.name for one in problem.objectives if one.name not in more]
         limited = [one.name for one in problem.limits if one.name not in (*more, *named)]
-        heads = ["number", "state", "reason", "directory", *(one.key for one in problem.space.variables), *more, *named]
+        heads = [
+            "number",
+            "state",
+            "reason",
+            "directory",
+            *(one.key for one in problem.space.variables),
+            *more,
+            *named,
+        ]
         if len(problem.samples) > 1:
             heads += [f"{one.name}_{end}" for one in problem.objectives for end in ("low", "high")]
         stream = io.StringIO()
@@ -165,14 +199,23 @@ class Study:
         table.writeheader()
         for design in self.designs:
             place = f"{POINTS}/{names(design.number, problem.samples)[0]}" if design.runs else ""
-            tried = f"next to design {design.next_to}, tried after the search" if design.next_to else ""
+            tried = (
+                f"next to design {design.next_to}, tried after the search" if design.next_to else ""
+            )
             reason = "; ".join(filter(None, (design.reason, tried, *design.notes)))
-            row: dict[str, Any] = {name: value for name, value in design.limited.items() if name in limited}
+            row: dict[str, Any] = {
+                name: value for name, value in design.limited.items() if name in limited
+            }
             if design.state != PRUNED:  # of which the objective is that of its first runs
                 row |= {name: value for name, value in design.objectives.items() if name in named}
             for name, ends in design.spread.items():
                 row |= {f"{name}_low": ends[0], f"{name}_high": ends[1]}
-            row |= {"number": design.number, "state": design.state, "reason": reason, "directory": place}
+            row |= {
+                "number": design.number,
+                "state": design.state,
+                "reason": reason,
+                "directory": place,
+            }
             values = {key: one if isinstance(one, bool | int | float | str) else show(one)
                       for key, one in design.values.items()}  # fmt: skip
             table.writerow({**row, **values, **design.known})
@@ -180,7 +223,9 @@ class Study:
 
 
 def first_design(study: Study) -> None:
-    """Raise InputError if no design can be found that meets the limits known before a run; changes nothing."""
+    """Raise InputError if no design can be found that meets the limits known before a run; changes
+    nothing.
+    """
     if any(design.ran for design in study.designs):
         return
     refused: list[Design] = []
@@ -188,7 +233,8 @@ def first_design(study: Study) -> None:
         refused.append(new_design(study.problem, n + 1, values))
         if refused[-1].state != REFUSED:
             return
-    place, near = study.problem.path, [design for design in refused if design.margins]
+    place = study.problem.path
+    near = [design for design in refused if design.margins]
     if not near:
         faults = list(dict.fromkeys(design.reason.removeprefix(f"{place}: ") for design in refused))
         raise InputError([f"{place}: variables: {fault}" for fault in faults[:5]])
@@ -201,9 +247,13 @@ def first_design(study: Study) -> None:
 
 
 def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
-    """Return a design with what is known before a run; refused where its case is wrong, or beyond a limit."""
+    """Return a design with what is known before a run; refused where its case is wrong, or beyond a
+    limit.
+    """
     known, margins, fault = examined(problem, dict(values))
-    return Design(number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins)
+    return Design(
+        number, dict(values), REFUSED if fault else RUNNING, fault, known, margins=margins
+    )
 
 
 def read_study(problem: Problem, directory: Path) -> Study:
@@ -216,9 +266,13 @@ def read_study(problem: Problem, directory: Path) -> Study:
     """
 
     def comparable(tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables without what may change: the number of evaluations, and what follows them."""
+        """Return the tables without what may change: the number of evaluations, and what follows
+        them.
+        """
         may_change = ("evaluations", "guards", "neighbours")
-        search = {key: value for key, value in tables.get("search", {}).items() if key not in may_change}
+        search = {
+            key: value for key, value in tables.get("search", {}).items() if key not in may_change
+        }
         return json.loads(json.dumps({**tables, "search": search}))  # type: ignore[no-any-return]
 
     path = directory / DESIGN_STUDY
@@ -228,7 +282,8 @@ def read_study(problem: Problem, directory: Path) -> Study:
     try:
         if content is None:
             raise ValueError
-        there, designs = comparable(content["problem"]), [Design(**one) for one in content["designs"]]
+        there = comparable(content["problem"])
+        designs = [Design(**one) for one in content["designs"]]
         exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
@@ -242,9 +297,13 @@ def read_study(problem: Problem, directory: Path) -> Study:
     return Study(problem, directory, designs, exhausted)
 
 
-def _differences(there: Mapping[str, Any], here: Mapping[str, Any], prefix: str = "") -> Iterator[str]:
+def _differences(
+    there: Mapping[str, Any], here: Mapping[str, Any], prefix: str = ""
+) -> Iterator[str]:
     for key in dict.fromkeys((*there, *here)):
-        before, now, name = there.get(key), here.get(key), f"{prefix}{key}"
+        before = there.get(key)
+        now = here.get(key)
+        name = f"{prefix}{key}"
         if isinstance(before, Mapping) and isinstance(now, Mapping):
             yield from _differences(before, now, f"{name}.")
         elif before != now:
@@ -253,13 +312,18 @@ def _differences(there: Mapping[str, Any], here: Mapping[str, Any], prefix: str 
 
 
 def publish(study: Study, findings: Iterable[Any]) -> None:
-    """Write the cases of the best designs, design.json with the findings of `check_best`, and the report."""
-    problem, best = study.problem, study.best()
+    """Write the cases of the best designs, design.json with the findings of `check_best`, and the
+    report.
+    """
+    problem = study.problem
+    best = study.best()
     for name in BEST_DESIGNS:
         (study.directory / name).unlink(missing_ok=True)
     for name, design in zip(BEST_DESIGNS, best, strict=False):
         tables = problem.tables_of(design.values, longer=next(iter(design.runs.values()))["longer"])
-        tables = problem.case({**tables, "name": f"{problem.name}-{name.removesuffix('.toml')}"}).to_dict()
+        tables = problem.case(
+            {**tables, "name": f"{problem.name}-{name.removesuffix('.toml')}"}
+        ).to_dict()
         replace_text(study.directory / name, tomli_w.dumps(tables))
 
     def values_of(design: Design) -> dict[str, Any]:
@@ -274,11 +338,17 @@ def publish(study: Study, findings: Iterable[Any]) -> None:
 
     (first, *others), known, space = problem.objectives, study.known(), problem.space
     counts = range(1, sum(design.ran for design in study.designs) + 1)
-    at_random = [] if others else expected_random(space, known, counts)  # the best of so many, by the model
+    at_random = (
+        [] if others else expected_random(space, known, counts)
+    )  # the best of so many, by the model
     outcome = {
         "name": problem.name,
-        "objectives": {one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives},
-        "best": {**values_of(best[0]), "guards": list(map(dataclasses.asdict, findings))} if best else None,
+        "objectives": {
+            one.name: "smallest" if one.sign > 0 else "largest" for one in problem.objectives
+        },
+        "best": {**values_of(best[0]), "guards": list(map(dataclasses.asdict, findings))}
+        if best
+        else None,
         "front": list(map(values_of, best)) if others else None,
         "limits": {one.name: {"low": one.low, "high": one.high} for one in problem.limits},
         "evaluations": study.n_evaluated,

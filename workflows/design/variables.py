@@ -33,7 +33,8 @@ class Variable:
     choices
         The values that it can take; empty for a continuous range.
     low, high, log
-        Range, and whether it is searched in the logarithm; of ordered choices the smallest and the largest.
+        Range, and whether it is searched in the logarithm; of ordered choices the smallest and the
+        largest.
     ordered
         True if the values are numbers.
     """
@@ -62,7 +63,9 @@ class Variable:
         return (value - self.low) / (self.high - self.low)
 
     def features(self, value: Any) -> list[float]:
-        """Return the coordinates of a value: its share of the range, or a vector for words, a distance of 1 apart."""
+        """Return the coordinates of a value: its share of the range, or a vector for words, a
+        distance of 1 apart.
+        """
         if self.ordered:
             return [self.share(value)]
         if len(self.choices) == 2:
@@ -93,7 +96,9 @@ class Variable:
         return [self.value(share) for share in shares if 0 <= share <= 1]
 
     def edge(self, value: Any) -> str:
-        """Return the end of the range that a value stands at, ``low`` or ``high``; empty if at none, or for words."""
+        """Return the end of the range that a value stands at, ``low`` or ``high``; empty if at
+        none, or for words.
+        """
         if not self.ordered or self.high == self.low:
             return ""
         share = self.share(value)
@@ -116,7 +121,8 @@ def read_variable(key: str, value: Any) -> Variable:
         return Variable(key, ordered, float(ordered[0]), float(ordered[-1]))
     if not isinstance(value, Mapping) or not {"low", "high"} <= set(value) <= set(_RANGE_KEYS):
         raise ValidationError(_EXPECTED)
-    log, integer = value.get("log", False), value.get("integer", False)
+    log = value.get("log", False)
+    integer = value.get("integer", False)
     if not isinstance(log, bool) or not isinstance(integer, bool):
         raise ValidationError(_EXPECTED)
     low, high = (float(whole(value[end], _EXPECTED, at_least=-(10**9))) if integer else finite(value[end], _EXPECTED)
@@ -130,7 +136,9 @@ def read_variable(key: str, value: Any) -> Variable:
         return Variable(key, (), low, high, log)
     count = (high - low) / step if step > 0 else math.inf
     if not 1 <= count + 1e-9 <= _MOST_STEPS or (integer and step != round(step)):
-        raise ValidationError(f"a range of 1 to {_MOST_STEPS} steps above 0, whole ones of integers")
+        raise ValidationError(
+            f"a range of 1 to {_MOST_STEPS} steps above 0, whole ones of integers"
+        )
     numbers = [low + n * step for n in range(int(count + 1e-9) + 1)]
     choices = tuple(round(one) if integer else _rounded(one) for one in numbers)
     return Variable(key, choices, float(choices[0]), float(choices[-1]), log)
@@ -166,11 +174,15 @@ class Space:
 
     def at(self, shares: Sequence[float]) -> Values:
         """Return the design at a share of each variable's range."""
-        return {one.key: one.value(share) for one, share in zip(self.variables, shares, strict=True)}
+        return {
+            one.key: one.value(share) for one, share in zip(self.variables, shares, strict=True)
+        }
 
     def features(self, designs: Sequence[Values]) -> NDArray[np.float64]:
         """Return the coordinates of designs: (n, number of coordinates)."""
-        return np.array([[x for one in self.variables for x in one.features(d[one.key])] for d in designs])
+        return np.array(
+            [[x for one in self.variables for x in one.features(d[one.key])] for d in designs]
+        )
 
     def changed(self, design: Values, rng: Generator) -> Values:
         """Return a design with one variable changed, or a few."""

@@ -44,7 +44,8 @@ class ElementCase(abc.ABC):
         source: str | Path = "case",
         overridden: Iterable[str] = (),
     ) -> Self:
-        """Make a case from the nested mapping of a case file, and check it; parameters as in `case_from_dict`.
+        """Make a case from the nested mapping of a case file, and check it; parameters as in
+        `case_from_dict`.
 
         Raises
         ------
@@ -52,11 +53,14 @@ class ElementCase(abc.ABC):
             The case is wrong; the message lists all faults.
         """
         known = (*cls.SECTIONS, *keys_of({**cls.SECTIONS, "material": Material}))
-        errors, data = ErrorList(str(source), tuple(overridden), known), with_absolute_paths(data, Path())
+        errors = ErrorList(str(source), tuple(overridden), known)
+        data = with_absolute_paths(data, Path())
         own = [field.name for field in dataclasses.fields(cls)]
         for name in [name for name in data if name in KNOWN and name not in own]:
             errors.add_unknown(name, "belongs to a granular case: granwave run runs it")
-        refuse_unknown({name: data[name] for name in data if name in own or name not in KNOWN}, own, "", errors)
+        refuse_unknown(
+            {name: data[name] for name in data if name in own or name not in KNOWN}, own, "", errors
+        )
         parts = read_parts(data, source, errors, sections=cls.SECTIONS, required=cls.REQUIRED)
         cls._complete(parts, data, errors)
         errors.report(parts["name"])
@@ -124,7 +128,8 @@ class ElementPlan:
 
 
 def check_memory(case: ElementCase, available: float | None = None) -> None:
-    """Raise InputError if a mesh does not fit into memory (``available`` bytes; by default that of the machine).
+    """Raise InputError if a mesh does not fit into memory (``available`` bytes; by default that of
+    the machine).
 
     Raises
     ------

@@ -4,8 +4,9 @@ The material is elastic-perfectly-plastic: von Mises yield, associative flow.
 
     sigma = lambda tr(e_el) 1 + 2 mu e_el        q = sqrt(3/2 s:s) <= sigma_y        de_pl = dgamma s
 
-Backward Euler is then the radial return: the trial deviator s* is scaled by sigma_y/q* if q* > sigma_y. Its inner
-loops are in the ``kernels`` of both programs. State of an element, in the last axis of ``state``: `RR` ... `BULK`.
+Backward Euler is then the radial return: the trial deviator s* is scaled by sigma_y/q* if q* >
+sigma_y. Its inner loops are in the ``kernels`` of both programs. State of an element, in the last
+axis of ``state``: `RR` ... `BULK`.
 """
 
 from __future__ import annotations
@@ -78,7 +79,9 @@ class Elastoplastic:
 
     @property
     def stiffness(self) -> NDArray[np.float64]:
-        """Stiffness matrix of stress (rr, zz, tt, rz) over strain (rr, zz, tt, gamma_rz), (4, 4), Pa."""
+        """Stiffness matrix of stress (rr, zz, tt, rz) over strain (rr, zz, tt, gamma_rz), (4, 4),
+        Pa.
+        """
         lam, mu = self.lame
         matrix = np.zeros((4, 4))
         matrix[:3, :3] = lam
@@ -90,7 +93,10 @@ def compiled(function: Callable) -> Callable:
     """Compile at the first call, and cache the code on disk if possible."""
     from numba import njit  # takes a second to load
 
-    options: dict[str, Any] = {"fastmath": {"contract", "arcp", "nsz", "reassoc"}, "error_model": "numpy"}
+    options: dict[str, Any] = {
+        "fastmath": {"contract", "arcp", "nsz", "reassoc"},
+        "error_model": "numpy",
+    }
     try:
         return njit(cache=True, **options)(function)
     except RuntimeError:  # neither the package's directory nor the user's cache is writable
@@ -102,8 +108,9 @@ def hourglass_stiffness(
 ) -> NDArray[np.float64]:
     """Return the stiffness (N/m) for the amplitude q of an hourglass mode, u = q xi eta.
 
-    Full integration would give ``(4/3) V [(lambda + 2 mu)/dr^2 + mu/dz^2]`` (r mode); the control takes the fraction
-    `HOURGLASS` of ``(16/3) V (lambda + 2 mu) (br^2 + bz^2)`` (Flanagan and Belytschko 1981, stiffness form).
+    Full integration would give ``(4/3) V [(lambda + 2 mu)/dr^2 + mu/dz^2]`` (r mode); the control
+    takes the fraction `HOURGLASS` of ``(16/3) V (lambda + 2 mu) (br^2 + bz^2)`` (Flanagan and
+    Belytschko 1981, stiffness form).
     """
     return HOURGLASS * 16 / 3 * volume * material.longitudinal_modulus * squares
 

@@ -1,4 +1,6 @@
-"""One run of a finite-element problem, from case to figures, and its ``result.h5``, written whole or not at all."""
+"""One run of a finite-element problem, from case to figures, and its ``result.h5``, written whole
+or not at all.
+"""
 
 from __future__ import annotations
 
@@ -37,7 +39,13 @@ from granwave.lammps_inputs.directories import (
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
-from granwave.lammps_inputs.run_directory import CASE_FILE, CONTINUUM, FIGURES_DIRECTORY, RESULT_FILE, SUMMARY_FILE
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    CONTINUUM,
+    FIGURES_DIRECTORY,
+    RESULT_FILE,
+    SUMMARY_FILE,
+)
 from granwave.workflows.finite_elements.frame import ElementCase, check_memory
 
 Tables = Mapping[str, tuple[ArrayLike, str]]  # values and unit by the name of a data set
@@ -63,7 +71,9 @@ class ElementResult:
     def __init__(self, directory: str | Path) -> None:
         path = Path(directory) / RESULT_FILE
         if not path.exists():
-            raise MissingOutputError(f"{path} is missing: make it with  granwave continuum CASE -o {directory}")
+            raise MissingOutputError(
+                f"{path} is missing: make it with  granwave continuum CASE -o {directory}"
+            )
         if changed := changed_result(path.parent):
             raise OutputFormatError(changed)
         try:
@@ -77,7 +87,9 @@ class ElementResult:
     def _read(self, file: h5py.File) -> None:
         self.values: dict[str, NDArray] = {}
         file.visititems(
-            lambda name, item: self.values.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+            lambda name, item: (
+                self.values.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+            )
         )
         self.tables: dict[str, Any] = tomllib.loads(str(file.attrs["case"]))
         self.summary: dict[str, Any] = json.loads(str(file.attrs["summary"]))
@@ -109,7 +121,8 @@ class ElementRun(abc.ABC):
     rows
         History: quantities by name, for each instant.
     overlaps
-        Overlaps, m, at which the data of some groups of ``result.h5`` are, by the name of the group.
+        Overlaps, m, at which the data of some groups of ``result.h5`` are, by the name of the
+        group.
     """
 
     KIND: ClassVar[str]
@@ -139,7 +152,9 @@ class ElementRun(abc.ABC):
 
     @abc.abstractmethod
     def integrate(self, report: Callable[[], None] = lambda: None) -> None:
-        """Run the solver to the end of the case; ``report`` is called after each entry of the history."""
+        """Run the solver to the end of the case; ``report`` is called after each entry of the
+        history.
+        """
 
     @abc.abstractmethod
     def progress(self) -> tuple[float, str]:
@@ -159,7 +174,9 @@ class ElementRun(abc.ABC):
 
     @abc.abstractmethod
     def refusal(self) -> tuple[str, str]:
-        """Parts of the message that refuses the energy balance: by how much it is off, and what helps."""
+        """Parts of the message that refuses the energy balance: by how much it is off, and what
+        helps.
+        """
 
     def summarise(self, wall_time: float) -> dict[str, Any]:
         """Return the values of summary.json of a run whose integration took a time, s."""
@@ -178,7 +195,9 @@ class ElementRun(abc.ABC):
         with new_hdf5(directory / RESULT_FILE, libver="v110") as file:
             for name, (values, unit) in self.tables().items():
                 array = np.asarray(values)
-                options: dict[str, Any] = dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
+                options: dict[str, Any] = (
+                    dict(COMPRESSION) if array.size >= _COMPRESSED_FROM else {}
+                )
                 file.create_dataset(name, data=array, **options).attrs["unit"] = unit
             for group, overlap in self.overlaps.items():
                 file[group].attrs["overlap"] = overlap
@@ -219,7 +238,8 @@ def run_elements(
     Raises
     ------
     InputError
-        The directory holds results, or another case, or the mesh does not fit into memory; nothing was changed.
+        The directory holds results, or another case, or the mesh does not fit into memory; nothing
+        was changed.
     RunError
         The energy balance was refused; what was computed is kept.
     """
@@ -227,7 +247,8 @@ def run_elements(
     there = _begin(kind, case, directory, resume=resume, force=force, figures=figures)
     if there is not None:
         return there
-    run, started = kind(case), time.perf_counter()
+    run = kind(case)
+    started = time.perf_counter()
     try:
         digits = digits_of(run.total)
         total = None if run.total is None else round(run.total, digits)
@@ -243,7 +264,9 @@ def run_elements(
         if len(run.rows) > 1:
             summary: dict[str, Any] = plain(run.summarise(time.perf_counter() - started))
             run.write(directory, summary)
-            replace_text(directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n")
+            replace_text(
+                directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n"
+            )
             note_files(directory, [RESULT_FILE, SUMMARY_FILE])
     if words := run.warning(summary):
         logger.warning("%s: %s", case.name, words)
@@ -268,7 +291,8 @@ def draw_figures(kind: type[ElementRun], directory: Path) -> list[Path]:
     """
     from granwave.analysis.figures.style import FigureFolder, style
 
-    module, folder = kind.figures(), FigureFolder(directory)
+    module = kind.figures()
+    folder = FigureFolder(directory)
     result = module.RESULT(directory)
     with style():
         for name, draw in module.FIGURES.items():
@@ -277,7 +301,9 @@ def draw_figures(kind: type[ElementRun], directory: Path) -> list[Path]:
 
 
 def digits_of(total: float | None) -> int:
-    """Return how many decimals of a progress to show: two, or as many as give hundredths of a small total."""
+    """Return how many decimals of a progress to show: two, or as many as give hundredths of a small
+    total.
+    """
     return 2 if not total else max(2, 2 - math.floor(math.log10(total)))
 
 
@@ -288,9 +314,17 @@ def advance(shown: float, place: float, total: float | None, digits: int) -> flo
 
 
 def _begin(
-    kind: type[ElementRun], case: ElementCase, directory: Path, *, resume: bool, force: bool, figures: bool
+    kind: type[ElementRun],
+    case: ElementCase,
+    directory: Path,
+    *,
+    resume: bool,
+    force: bool,
+    figures: bool,
 ) -> dict[str, Any] | None:
-    """Make a directory ready for a run and write case.toml, or return what a finished run of the same case left."""
+    """Make a directory ready for a run and write case.toml, or return what a finished run of the
+    same case left.
+    """
 
     def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:
         try:
@@ -301,8 +335,11 @@ def _begin(
     names = list(kind.RESULTS)
     if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
         names += [file for name in kind.figures().FIGURES for file in figure_files(name)]
-    if decide(directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there):
-        summary, fault = read_summary(directory), result_fault(directory)
+    if decide(
+        directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there
+    ):
+        summary = read_summary(directory)
+        fault = result_fault(directory)
         if summary.get("end_reason") in kind.FINISHED:
             if not fault:
                 restore_case(directory)

@@ -33,7 +33,14 @@ from granwave.workflows.python.contacts import (
 )
 from granwave.workflows.python.design import Designs, design
 from granwave.workflows.python.inference import InferredForces, infer
-from granwave.workflows.python.inputs import CaseLike, given_changes, home, read_case, read_scan, words_of_python
+from granwave.workflows.python.inputs import (
+    CaseLike,
+    given_changes,
+    home,
+    read_case,
+    read_scan,
+    words_of_python,
+)
 from granwave.workflows.python.spectra import bands, modes, transmission
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import decide, held
@@ -80,10 +87,11 @@ def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: 
     Parameters
     ----------
     source
-        Name of a built-in case, path of a case file, tables of a case file as nested mappings, a case, or a run, whose
-        case is taken.
+        Name of a built-in case, path of a case file, tables of a case file as nested mappings, a
+        case, or a run, whose case is taken.
     changes
-        Values by dotted key: ``{"load.velocity": 10}``. The name of a table replaces the whole table.
+        Values by dotted key: ``{"load.velocity": 10}``. The name of a table replaces the whole
+        table.
     keys
         The same as keywords, with two underscores for each dot: ``load__velocity=10``.
 
@@ -131,7 +139,8 @@ def run(
     force
         Replace existing results.
     resume
-        Continue existing results of the same case; a finished run is loaded, and without results the run begins.
+        Continue existing results of the same case; a finished run is loaded, and without results
+        the run begins.
     progress
         Show a bar on a terminal or in a notebook.
     checkpoint
@@ -145,8 +154,8 @@ def run(
     Raises
     ------
     InputError
-        The case is wrong, or the directory holds results or another case, or memory or disk space is insufficient.
-        Nothing was run.
+        The case is wrong, or the directory holds results or another case, or memory or disk space
+        is insufficient. Nothing was run.
     RunError
         LAMMPS failed, or the energy balance was refused; what was computed is kept.
     KeyboardInterrupt
@@ -159,10 +168,17 @@ def run(
             raise InputError(f"ranks: found {show(ranks)}, expected a whole number from 1 up")
         if isinstance(checkpoint, str) or not 0 < checkpoint < float("inf"):
             raise InputError(f"checkpoint: found {show(checkpoint)}, expected a number above 0 (s)")
-        how: dict[str, Any] = {"figures": figures, "force": force, "resume": resume, "progress": progress}
+        how: dict[str, Any] = {
+            "figures": figures,
+            "force": force,
+            "resume": resume,
+            "progress": progress,
+        }
         if kind.run is not None:
             if ranks > 1:
-                raise InputError(f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one")
+                raise InputError(
+                    f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one"
+                )
             if not resume:
                 kind.check(found, kind.cost(found, 1, figures), place)
             with held(place):
@@ -188,7 +204,8 @@ def run(
 
 @contextlib.contextmanager
 def style() -> Iterator[None]:
-    """Draw figures of matplotlib as granwave's within a ``with`` block: of one column, with its fonts and colours.
+    """Draw figures of matplotlib as granwave's within a ``with`` block: of one column, with its
+    fonts and colours.
 
     Settings are restored at its end. ``figsize`` of ``pyplot.subplots`` changes the size, inches.
     """
@@ -217,14 +234,15 @@ def scan(
     Parameters
     ----------
     source
-        Name of a built-in scan, path of a scan file, or the tables of one as nested mappings, in which ``case`` may
-        also be the tables of a case, or a case.
+        Name of a built-in scan, path of a scan file, or the tables of one as nested mappings, in
+        which ``case`` may also be the tables of a case, or a case.
     changes, keys
         Keys of the case for all points, as in `case`.
     directory
         Directory of the results; by default the name of the scan, in the working directory.
     jobs
-        Number of cores of this machine to use, by default all; or of simultaneous jobs on a cluster.
+        Number of cores of this machine to use, by default all; or of simultaneous jobs on a
+        cluster.
     force
         Replace existing results.
     resume
@@ -244,8 +262,8 @@ def scan(
     Raises
     ------
     InputError
-        The scan or one of its points is wrong, the directory holds results or another scan, or there is no Slurm.
-        Nothing was run.
+        The scan or one of its points is wrong, the directory holds results or another scan, or
+        there is no Slurm. Nothing was run.
     RunError
         No job could start a point, or the disk is full.
     KeyboardInterrupt
@@ -276,8 +294,11 @@ def scan(
         return ScanRuns(place)
 
 
-def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: Any) -> None:
-    """Run a case on MPI ranks in processes of their own; arguments as in `granwave.workflows.run.driver.run_case`.
+def _run_on_ranks(
+    found: Case, place: Path, ranks: int, checkpoint: float, *, progress: bool, **how: Any
+) -> None:
+    """Run a case on MPI ranks in processes of their own; arguments as in
+    `granwave.workflows.run.driver.run_case`.
 
     Raises
     ------
@@ -290,7 +311,11 @@ def _run_on_ranks(found: Case, place: Path, ranks: int, checkpoint: float, *, pr
     """
     mpi.check_cores(ranks)
     decide(found, place, n_ranks=ranks, **how)
-    options = {"--force": how["force"], "--resume": how["resume"], "--no-figures": not how["figures"]}
+    options = {
+        "--force": how["force"],
+        "--resume": how["resume"],
+        "--no-figures": not how["figures"],
+    }
     with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
         file = Path(scratch) / "case.toml"
         file.write_text(found.to_toml(), encoding="utf-8")

@@ -1,6 +1,7 @@
 """Forces, stiffnesses and energies of single contacts in Python, by the laws of the runs.
 
-gw.contact_force("hertz", [{"shape": "sphere", "diameter": 0.01, "material": "steel"}, {"shape": "plane"}], 1e-6)
+gw.contact_force("hertz", [{"shape": "sphere", "diameter": 0.01, "material": "steel"}, {"shape":
+"plane"}], 1e-6)
 """
 
 from __future__ import annotations
@@ -31,28 +32,36 @@ _LARGEST = 1e3  # m, below which the overlap of a force is sought
 
 
 def contact_force(
-    law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
+    law: str,
+    bodies: Sequence[Body],
+    overlap: ArrayLike,
+    *,
+    peak_overlap: ArrayLike | None = None,
+    **options: Any,
 ) -> Values:
     """Return the force of a contact.
 
     Parameters
     ----------
     law
-        ``hertz`` (in a point of any curvatures; along a line for half-spaces that give way over the length),
-        ``elastoplastic``, ``bilinear``, ``thornton``, ``line`` (along a line, plane strain) or ``power``.
+        ``hertz`` (in a point of any curvatures; along a line for half-spaces that give way over the
+        length), ``elastoplastic``, ``bilinear``, ``thornton``, ``line`` (along a line, plane
+        strain) or ``power``.
     bodies
-        Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or ``radius`` (m);
-        ``length`` (m) and ``axis`` of cylinders ("x", "y", "z" or a vector; y by default); ``material``: a name, or a
-        mapping as the table ``[material]``. Planes and tubes without a material are rigid; ``"plane"`` is short for a
-        rigid one.
+        Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or
+        ``radius`` (m); ``length`` (m) and ``axis`` of cylinders ("x", "y", "z" or a vector; y by
+        default); ``material``: a name, or a mapping as the table ``[material]``. Planes and tubes
+        without a material are rigid; ``"plane"`` is short for a rigid one.
     overlap
-        Of any shape, m; no force where it is negative, but for the neck of contacts with cohesion after JKR.
+        Of any shape, m; no force where it is negative, but for the neck of contacts with cohesion
+        after JKR.
     peak_overlap
-        Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap is reached for the
-        first time.
+        Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap
+        is reached for the first time.
     options
-        Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of law power,
-        ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law; ``cohesion`` of spheres.
+        Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of
+        law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;
+        ``cohesion`` of spheres.
 
     Returns
     -------
@@ -69,9 +78,15 @@ def contact_force(
 
 
 def contact_stiffness(
-    law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
+    law: str,
+    bodies: Sequence[Body],
+    overlap: ArrayLike,
+    *,
+    peak_overlap: ArrayLike | None = None,
+    **options: Any,
 ) -> Values:
-    """Return the slope of the force over the overlap: of loading at the peak, of unloading below it.
+    """Return the slope of the force over the overlap: of loading at the peak, of unloading below
+    it.
 
     Parameters
     ----------
@@ -93,9 +108,15 @@ def contact_stiffness(
 
 
 def contact_energy(
-    law: str, bodies: Sequence[Body], overlap: ArrayLike, *, peak_overlap: ArrayLike | None = None, **options: Any
+    law: str,
+    bodies: Sequence[Body],
+    overlap: ArrayLike,
+    *,
+    peak_overlap: ArrayLike | None = None,
+    **options: Any,
 ) -> Values:
-    """Return the energy that a contact stores, which unloading gives back; what yielding took is not in it.
+    """Return the energy that a contact stores, which unloading gives back; what yielding took is
+    not in it.
 
     With cohesion it is counted from surfaces apart, and may be negative.
 
@@ -138,17 +159,22 @@ def contact_overlap(law: str, bodies: Sequence[Body], force: ArrayLike, **option
     InputError
         As of `contact_force`; or a force is negative, or larger than any overlap gives.
     """
-    contact, wanted = contact_between_bodies(law, plain(bodies), plain(options)), _numbers("force", force, "N")
+    contact = contact_between_bodies(law, plain(bodies), plain(options))
+    wanted = _numbers("force", force, "N")
     if (wanted < 0).any():
-        raise InputError(f"contact: force: found {show(float(wanted.min()))}, expected 0 or more (N)")
-    low, high = np.zeros_like(wanted), np.full_like(wanted, _LARGEST)
+        raise InputError(
+            f"contact: force: found {show(float(wanted.min()))}, expected 0 or more (N)"
+        )
+    low = np.zeros_like(wanted)
+    high = np.full_like(wanted, _LARGEST)
     if (contact.loading_force(high) < wanted).any():
         raise InputError(f"contact: force: found {show(float(wanted.max()))}, expected one that an overlap below "
                          f"{_LARGEST:g} m gives (N)")  # fmt: skip
     middle = high / 2
     while ((low < middle) & (middle < high)).any():
         above = contact.loading_force(middle) >= wanted
-        low, high = np.where(above, low, middle), np.where(above, middle, high)
+        low = np.where(above, low, middle)
+        high = np.where(above, middle, high)
         middle = (low + high) / 2
     found = np.where(wanted > 0, high, contact.balanced_overlap)
     _warn_beyond(contact, law, found)
@@ -180,12 +206,22 @@ def contact_yield(law: str, bodies: Sequence[Body], **options: Any) -> tuple[flo
 
 
 def _at(
-    law: str, bodies: Sequence[Body], overlap: ArrayLike, peak_overlap: ArrayLike | None, options: Mapping[str, Any]
+    law: str,
+    bodies: Sequence[Body],
+    overlap: ArrayLike,
+    peak_overlap: ArrayLike | None,
+    options: Mapping[str, Any],
 ) -> tuple[ContactLaw, NDArray[np.float64], NDArray[np.float64]]:
-    """Return the law, the overlaps, 0 or the end of a neck in gaps, and the largest so far, of one shape."""
+    """Return the law, the overlaps, 0 or the end of a neck in gaps, and the largest so far, of one
+    shape.
+    """
     contact = contact_between_bodies(law, plain(bodies), plain(options))
     now = np.maximum(_numbers("overlap", overlap, "m"), -contact.neck_length)
-    peak = np.maximum(now, 0.0) if peak_overlap is None else _numbers("peak_overlap", peak_overlap, "m")
+    peak = (
+        np.maximum(now, 0.0)
+        if peak_overlap is None
+        else _numbers("peak_overlap", peak_overlap, "m")
+    )
     try:
         now, peak = np.broadcast_arrays(now, peak)
     except ValueError:
@@ -193,7 +229,9 @@ def _at(
             f"contact: peak_overlap: found the shape {peak.shape}, expected that of overlap, {now.shape}"
         ) from None
     if (peak < now).any():
-        raise InputError("contact: peak_overlap: found one below the overlap, expected the largest overlap so far (m)")
+        raise InputError(
+            "contact: peak_overlap: found one below the overlap, expected the largest overlap so far (m)"
+        )
     _warn_beyond(contact, law, peak)
     return contact, now, peak
 
@@ -202,9 +240,13 @@ def _numbers(name: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
     try:
         found = np.asarray(values, dtype=float)
     except (TypeError, ValueError):
-        raise InputError(f"contact: {name}: found {show(values)}, expected a number or an array ({unit})") from None
+        raise InputError(
+            f"contact: {name}: found {show(values)}, expected a number or an array ({unit})"
+        ) from None
     if not np.isfinite(found).all():
-        raise InputError(f"contact: {name}: found a value that is not finite, expected numbers ({unit})")
+        raise InputError(
+            f"contact: {name}: found a value that is not finite, expected numbers ({unit})"
+        )
     return found
 
 

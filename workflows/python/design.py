@@ -54,8 +54,8 @@ def design(
     Raises
     ------
     InputError
-        The file is wrong, no design meets the limits known before a run, the directory holds results or another search,
-        or scikit-learn is missing. Nothing was run.
+        The file is wrong, no design meets the limits known before a run, the directory holds
+        results or another search, or scikit-learn is missing. Nothing was run.
     KeyboardInterrupt
         The search was interrupted; ``resume=True`` continues it.
     """
@@ -64,11 +64,17 @@ def design(
 
     with words_of_python():
         for name, value in (("jobs", jobs), ("budget", budget), ("ranks", ranks)):
-            if value is not None and (not isinstance(value, int) or isinstance(value, bool) or value < 1):
+            if value is not None and (
+                not isinstance(value, int) or isinstance(value, bool) or value < 1
+            ):
                 raise InputError(f"{name}: found {show(value)}, expected a whole number from 1 up")
-        problem = load_problem(plain(source) if isinstance(source, Mapping) else home(source), budget)
+        problem = load_problem(
+            plain(source) if isinstance(source, Mapping) else home(source), budget
+        )
         place = results_directory(problem.name if directory is None else home(directory))
-        _, stopped = run_design(problem, place, jobs=jobs, ranks=ranks, force=force, resume=resume, progress=progress)
+        _, stopped = run_design(
+            problem, place, jobs=jobs, ranks=ranks, force=force, resume=resume, progress=progress
+        )
         if stopped:
             raise KeyboardInterrupt(f"{place}: stopped before its end; resume=True goes on")
     return Designs(place)

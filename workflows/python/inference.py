@@ -39,7 +39,8 @@ def infer(
     case
         File with ``[material]`` and ``[infer]``; a run can do without.
     noise
-        Errors of strains and accelerations of a run, over their root mean squares; several for a curve.
+        Errors of strains and accelerations of a run, over their root mean squares; several for a
+        curve.
     frame_rate
         Frames per second from which accelerations of a run are differentiated.
     position_noise
@@ -63,21 +64,32 @@ def infer(
     Raises
     ------
     InputError
-        The measurement, the case or an argument is wrong, or the equations do not determine the forces.
+        The measurement, the case or an argument is wrong, or the equations do not determine the
+        forces.
     """
     with words_of_python():
         if not isinstance(measurement, str | Path | Run):
-            raise InputError(f"measurement: found {show(measurement)}, expected the path of a table, or a run")
+            raise InputError(
+                f"measurement: found {show(measurement)}, expected the path of a table, or a run"
+            )
         if case is not None and not isinstance(case, str | Path):
-            raise InputError(f"case: found {show(case)}, expected the path of a file with [material] and [infer]")
+            raise InputError(
+                f"case: found {show(case)}, expected the path of a file with [material] and [infer]"
+            )
         source = measurement.directory if isinstance(measurement, Run) else Path(home(measurement))
         place = None if directory is None else inference.results_place(home(directory), force=force)
         found = inference.infer(
             source,
             None if case is None else Path(home(case)),
-            noise=None if noise is None else [_number("noise", one) for one in np.atleast_1d(noise).tolist()],
-            frame_rate=None if frame_rate is None else _number("frame_rate", frame_rate, above=True),
-            position_noise=None if position_noise is None else _number("position_noise", position_noise),
+            noise=None
+            if noise is None
+            else [_number("noise", one) for one in np.atleast_1d(noise).tolist()],
+            frame_rate=None
+            if frame_rate is None
+            else _number("frame_rate", frame_rate, above=True),
+            position_noise=None
+            if position_noise is None
+            else _number("position_noise", position_noise),
             time=None if time is None else _number("time", time),
             repeat=None if repeat is None else int(_number("repeat", repeat, whole=True)),
         )
@@ -87,7 +99,11 @@ def infer(
 
 
 def _number(name: str, value: Any, *, above: bool = False, whole: bool = False) -> float:
-    kind = "a whole number from 0 up" if whole else f"a number {'above' if above else 'from'} 0{'' if above else ' up'}"
+    kind = (
+        "a whole number from 0 up"
+        if whole
+        else f"a number {'above' if above else 'from'} 0{'' if above else ' up'}"
+    )
     good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
     if not good or value < 0 or (above and not value) or (whole and value != int(value)):
         raise InputError(f"{name}: found {show(value)}, expected {kind}")

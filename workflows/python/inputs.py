@@ -1,4 +1,6 @@
-"""Cases and scans given in Python: names, files, mappings and keywords; and errors in the words of Python."""
+"""Cases and scans given in Python: names, files, mappings and keywords; and errors in the words of
+Python.
+"""
 
 from __future__ import annotations
 
@@ -23,10 +25,15 @@ from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Kind, solve
 
 CaseLike = str | Path | Mapping[str, Any] | AnyCase
 
-_OWN_NAMES = {"case": Path("case"), "scan": Path("scan")}  # in place of files, in messages and as default names
+_OWN_NAMES = {
+    "case": Path("case"),
+    "scan": Path("scan"),
+}  # in place of files, in messages and as default names
 
 
-def read_case(source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> tuple[Any, Kind]:
+def read_case(
+    source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]
+) -> tuple[Any, Kind]:
     """Make a case of a source with changes; return it with its kind.
 
     Raises
@@ -51,11 +58,14 @@ def _tables(source: CaseLike) -> tuple[dict[str, Any], Path]:
         return with_absolute_paths(plain(source), Path()), _OWN_NAMES["case"]
     if hasattr(source, "to_dict"):
         return source.to_dict(), _OWN_NAMES["case"]
-    raise InputError(f"case: found {show(source)}, expected a name, the path of a file, a mapping or a case")
+    raise InputError(
+        f"case: found {show(source)}, expected a name, the path of a file, a mapping or a case"
+    )
 
 
 def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) -> dict[str, Any]:
-    """Return changes of a case by dotted key, from a mapping and from keywords with double underscores.
+    """Return changes of a case by dotted key, from a mapping and from keywords with double
+    underscores.
 
     Raises
     ------
@@ -63,8 +73,14 @@ def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) ->
         A key is given twice, or has one underscore for its dot.
     """
     if changes is not None and not isinstance(changes, Mapping):
-        raise InputError(f'found {show(changes)}, expected a mapping such as {{"load.velocity": 10}}')
-    if flat := [name for name in keys if name not in case_keys() and name.replace("_", ".", 1) in case_keys()]:
+        raise InputError(
+            f'found {show(changes)}, expected a mapping such as {{"load.velocity": 10}}'
+        )
+    if flat := [
+        name
+        for name in keys
+        if name not in case_keys() and name.replace("_", ".", 1) in case_keys()
+    ]:
         raise InputError(
             f"{name}: unknown key; did you mean {name.replace('_', '__', 1)}, with two underscores for the dot?"
             for name in flat
@@ -76,7 +92,9 @@ def given_changes(changes: Mapping[str, Any] | None, keys: Mapping[str, Any]) ->
     return parse_overrides(plain(given | dotted))
 
 
-def read_scan(source: str | Path | Mapping[str, Any], changes: Mapping[str, Any], *, here: bool) -> Any:
+def read_scan(
+    source: str | Path | Mapping[str, Any], changes: Mapping[str, Any], *, here: bool
+) -> Any:
     """Make a scan of a source with changes of all points; ``here`` as in `load_scan`.
 
     Raises
@@ -89,8 +107,12 @@ def read_scan(source: str | Path | Mapping[str, Any], changes: Mapping[str, Any]
     if isinstance(source, str | Path):
         return load_scan(home(source), changes, here=here)
     if not isinstance(source, Mapping):
-        raise InputError(f"scan: found {show(source)}, expected a name, the path of a file or a mapping")
-    data, template, comment = dict(source), None, ""
+        raise InputError(
+            f"scan: found {show(source)}, expected a name, the path of a file or a mapping"
+        )
+    data = dict(source)
+    template = None
+    comment = ""
     if "case" in data and not isinstance(data["case"], str | Path):
         template = {"name": "case", **_tables(data["case"])[0]}
         data["case"] = str(template["name"])
@@ -99,12 +121,19 @@ def read_scan(source: str | Path | Mapping[str, Any], changes: Mapping[str, Any]
         )
     data = with_absolute_paths(plain(data), Path())
     return scan_from_dict(
-        data, _OWN_NAMES["scan"], changes, here=here, text=comment + tomli_w.dumps(data), template=template
+        data,
+        _OWN_NAMES["scan"],
+        changes,
+        here=here,
+        text=comment + tomli_w.dumps(data),
+        template=template,
     )
 
 
 def plain(value: Any) -> Any:
-    """Convert a value to those of TOML: numbers and arrays of numpy, paths and tuples; others stay as they are."""
+    """Convert a value to those of TOML: numbers and arrays of numpy, paths and tuples; others stay
+    as they are.
+    """
     if isinstance(value, Mapping):
         return {str(key): plain(item) for key, item in value.items()}
     if isinstance(value, list | tuple):
@@ -136,7 +165,9 @@ _WORDS = (
 
 @contextlib.contextmanager
 def words_of_python() -> Iterator[None]:
-    """Call options in the messages of errors as they are called here; commands to type stay as they are."""
+    """Call options in the messages of errors as they are called here; commands to type stay as they
+    are.
+    """
     try:
         yield
     except InputError as error:

@@ -3,7 +3,12 @@
 from granwave.analysis.measures.chains import Chain, GrainRow
 from granwave.analysis.measures.driven import amplitude_sweep_of as amplitude_sweep
 from granwave.analysis.measures.driven import largest_of_pulses, push_starts
-from granwave.analysis.measures.impact import energy_by_region, quadratic_law, rays, spheres_involved
+from granwave.analysis.measures.impact import (
+    energy_by_region,
+    quadratic_law,
+    rays,
+    spheres_involved,
+)
 from granwave.analysis.measures.line_waves import lengths as pulse_lengths
 from granwave.analysis.measures.line_waves import (
     line_velocity,
@@ -14,9 +19,22 @@ from granwave.analysis.measures.line_waves import (
     speed_between,
 )
 from granwave.analysis.measures.line_waves import peaks as pulse_peaks
-from granwave.analysis.measures.lines import LineRecord, lines_of, parted_at, sensor_accelerations, sensor_velocities
+from granwave.analysis.measures.lines import (
+    LineRecord,
+    lines_of,
+    parted_at,
+    sensor_accelerations,
+    sensor_velocities,
+)
 from granwave.analysis.measures.lines import fit_decay as two_region_decay
-from granwave.analysis.measures.signals import arrival, at_time, decay_rate, first_peak, maxima, width
+from granwave.analysis.measures.signals import (
+    arrival,
+    at_time,
+    decay_rate,
+    first_peak,
+    maxima,
+    width,
+)
 from granwave.analysis.measures.signals import decay as exponential_decay
 from granwave.analysis.measures.signals import power as power_law
 from granwave.analysis.measures.waves import directions, travelling_frame

@@ -42,7 +42,8 @@ def bands(
     source, changes, keys
         The case, as in `case`; a `Run`, whose static state is then taken from its results.
     path
-        Names of points, ``"G-X-M-G"``, or wave vectors, (n, 3), rad/m; by default the standard path of the cell.
+        Names of points, ``"G-X-M-G"``, or wave vectors, (n, 3), rad/m; by default the standard path
+        of the cell.
     points
         Wave vectors of each stretch.
     n_bands
@@ -54,7 +55,8 @@ def bands(
     allow_floppy
         Go on where grains can move without resistance; such frequencies are NaN.
     slab
-        Take the packing as it ends above and below: waves of its surface. Its sides must be periodic.
+        Take the packing as it ends above and below: waves of its surface. Its sides must be
+        periodic.
     directory
         Directory of the results, as of ``granwave bands``; by default nothing is written.
     force
@@ -109,7 +111,12 @@ def modes(
     InputError
         As of `bands`.
     """
-    how = {"n_modes": n_modes, "directions": directions, "allow_floppy": allow_floppy, "force": force}
+    how = {
+        "n_modes": n_modes,
+        "directions": directions,
+        "allow_floppy": allow_floppy,
+        "force": force,
+    }
     return _solved("modes", source, changes, keys, directory, **how)
 
 
@@ -135,7 +142,8 @@ def transmission(
     source, changes, keys, directions, directory, force
         As in `bands`.
     drive, sensors
-        Ids of the grain that is moved, or of several that are moved alike, and of those that are watched.
+        Ids of the grain that is moved, or of several that are moved alike, and of those that are
+        watched.
     frequencies
         (n,), Hz.
     axis
@@ -179,5 +187,7 @@ def _solved(
             case, kind = read_case(source, changes, keys)
             if kind is not GRANULAR:
                 raise InputError(f"{case.name}: found a continuum case, expected a packing")
-        waves, _ = getattr(spectra, name)(case, None if directory is None else Path(home(directory)), **how)
+        waves, _ = getattr(spectra, name)(
+            case, None if directory is None else Path(home(directory)), **how
+        )
     return dataset(waves.name, waves.tables, waves.summary)

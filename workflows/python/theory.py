@@ -1,4 +1,6 @@
-"""Closed forms: elliptic contacts, Hertz's chain, precompressed lines, Hertz's impact; ``granwave.theory``."""
+"""Closed forms: elliptic contacts, Hertz's chain, precompressed lines, Hertz's impact;
+``granwave.theory``.
+"""
 
 from granwave._contact_laws import elliptic_radius
 from granwave.analysis.measures.hertz_lattices import (

@@ -26,7 +26,8 @@ class Balance:
     accepted
         Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
     error
-        Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if any value is NaN.
+        Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if
+        any value is NaN.
     moved
         Mass of the grains whose displacement is prescribed, kg.
     row
@@ -96,10 +97,15 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
     RunError
         The packing is not in equilibrium, or has rearranged.
     """
-    title, values = (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+    title, values = (
+        (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+    )
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
-    moved, limit = (length / case.packing.diameter for length in (found["displacement"], largest_move(assemble(case))))
+    moved, limit = (
+        length / case.packing.diameter
+        for length in (found["displacement"], largest_move(assemble(case)))
+    )
     if not moved <= limit:
         raise RunError(
             f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"
@@ -122,12 +128,14 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
 
 
 def expected_neighbours(case: Case) -> tuple[int, float] | None:
-    """Return how many pairs of spheres LAMMPS must find at the start, and within which distance (m).
+    """Return how many pairs of spheres LAMMPS must find at the start, and within which distance
+    (m).
 
-    None if no one distance tells them. Packings of unlike spheres hold an array of all sites for this; one rank does it
-    for all.
+    None if no one distance tells them. Packings of unlike spheres hold an array of all sites for
+    this; one rank does it for all.
     """
-    packing, assembly = case.packing, assemble(case)
+    packing = case.packing
+    assembly = assemble(case)
     sites = assembly.sites
     unlike = sites.stacked is not None or packing.grains is not None
     if assembly.strikers or assembly.bars or unlike:
@@ -141,7 +149,8 @@ def expected_neighbours(case: Case) -> tuple[int, float] | None:
 
 
 def check_coordination(kind: str, expected: tuple[int, float] | None, engine: Engine) -> None:
-    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, none lost to rounding of positions.
+    """Check that LAMMPS sees the `expected_neighbours` of a kind of packing, none lost to rounding
+    of positions.
 
     Raises
     ------
@@ -158,4 +167,6 @@ def check_coordination(kind: str, expected: tuple[int, float] | None, engine: En
     found = engine.lammps.extract_compute("start_contacts", 0, 0) / 2
     engine.commands("uncompute start_contacts\nuncompute start_coordination")
     if round(found) != pairs:
-        raise RunError(f"{kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {pairs}")
+        raise RunError(
+            f"{kind}: LAMMPS finds {found:.0f} neighbours at the start, the lattice has {pairs}"
+        )

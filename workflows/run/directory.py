@@ -1,4 +1,6 @@
-"""Directory of a run: start, continue or refuse, by the rules of `lammps_inputs.directories`; and its lock."""
+"""Directory of a run: start, continue or refuse, by the rules of `lammps_inputs.directories`; and
+its lock.
+"""
 
 from __future__ import annotations
 
@@ -30,7 +32,10 @@ if TYPE_CHECKING:
 
 logger = logging.getLogger(__name__)
 
-START, CONTINUE, ANALYSE, FINISHED = "start", "continue", "analyse", "finished"
+START = "start"
+CONTINUE = "continue"
+ANALYSE = "analyse"
+FINISHED = "finished"
 
 
 def decide(
@@ -43,15 +48,17 @@ def decide(
     figures: bool = True,
     processes: Processes = ALONE,
 ) -> str:
-    """Decide what to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing (FINISHED).
+    """Decide what to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing
+    (FINISHED).
 
     Changes nothing. ``processes`` read the files of the checkpoint.
 
     Raises
     ------
     InputError
-        The directory holds results and neither resume nor force was given; it holds another case, or files that
-        granwave did not write and would overwrite; or memory or disk space is insufficient.
+        The directory holds results and neither resume nor force was given; it holds another case,
+        or files that granwave did not write and would overwrite; or memory or disk space is
+        insufficient.
     """
     expected = plan(case, n_ranks=n_ranks)
     names = run_files(case, expected.schedule)
@@ -65,7 +72,9 @@ def decide(
         return _without_figures(case_from_dict(tables, directory / files.CASE_FILE))
 
     asked = _without_figures(case)
-    if directories.decide(directory, files.RUN, names, resume=resume, force=force, case=asked, read=read):
+    if directories.decide(
+        directory, files.RUN, names, resume=resume, force=force, case=asked, read=read
+    ):
         found = _remaining_work(directory, processes)
         if found == FINISHED:
             return found
@@ -82,7 +91,8 @@ def decide(
 
 
 def _remaining_work(directory: Path, processes: Processes) -> str:
-    """Decide what remains to be done in the directory of a run of the same case; warn about damaged files.
+    """Decide what remains to be done in the directory of a run of the same case; warn about damaged
+    files.
 
     Raises
     ------
@@ -96,12 +106,17 @@ def _remaining_work(directory: Path, processes: Processes) -> str:
             f"{directory}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
             f"granwave analyse {directory}  makes the results, --force runs the case again"
         )
-    there, fault = record.read(directory), directories.result_fault(directory)
+    there = record.read(directory)
+    fault = directories.result_fault(directory)
     seen = there or record.recover(directory) or record.Record(state="")
     if seen.state == record.FINISHED and not fault:
-        lost = not (directory / files.RESULT_FILE).exists() and directories.outputs_complete(directory)
+        lost = not (directory / files.RESULT_FILE).exists() and directories.outputs_complete(
+            directory
+        )
         return ANALYSE if lost else FINISHED
-    if seen.state in (record.FINISHED, record.INTEGRATED) and directories.outputs_complete(directory):
+    if seen.state in (record.FINISHED, record.INTEGRATED) and directories.outputs_complete(
+        directory
+    ):
         way = ANALYSE
     else:
         saved = seen.checkpoint
@@ -110,7 +125,9 @@ def _remaining_work(directory: Path, processes: Processes) -> str:
         if useless:
             logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)
     if fault and (there is None or seen.state == record.FINISHED):
-        logger.warning("%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again")
+        logger.warning(
+            "%s; %s", fault, "analysed again" if way == ANALYSE else "the case is run again"
+        )
     return way
 
 
@@ -121,11 +138,17 @@ def _without_figures(case: Case) -> dict[str, Any]:
 
 def run_files(case: Case, schedule: Schedule) -> list[str]:
     """Return the names of the files of a run, without figures."""
-    return [*deck_files(assemble(case), schedule), files.RECORD_FILE, files.RESULT_FILE, files.SUMMARY_FILE]
+    return [
+        *deck_files(assemble(case), schedule),
+        files.RECORD_FILE,
+        files.RESULT_FILE,
+        files.SUMMARY_FILE,
+    ]
 
 
 def start(case: Case, directory: Path) -> None:
-    """Remove the results of an earlier run, after checking that the deck can be written; make it a run's directory.
+    """Remove the results of an earlier run, after checking that the deck can be written; make it a
+    run's directory.
 
     Raises
     ------
@@ -155,7 +178,9 @@ def busy(directory: Path) -> bool:
 
 
 @contextlib.contextmanager
-def held(directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o") -> Iterator[None]:
+def held(
+    directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o"
+) -> Iterator[None]:
     """Lock a directory against other runs within a ``with`` block; create it if necessary.
 
     Parameters

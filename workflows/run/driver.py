@@ -1,7 +1,8 @@
 """One run from case to figures: deck, LAMMPS in pieces, energy balance, checkpoints, analysis.
 
-LAMMPS executes the lines of in.granwave. Only the run section is replaced by pieces of the run; between them the energy
-balance is checked, the progress bar is updated, and a request to stop is answered.
+LAMMPS executes the lines of in.granwave. Only the run section is replaced by pieces of the run;
+between them the energy balance is checked, the progress bar is updated, and a request to stop is
+answered.
 """
 
 from __future__ import annotations
@@ -30,7 +31,14 @@ from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.processes import Processes
-from granwave.lammps_inputs.run_directory import CASE_FILE, DATA_FILE, DUMPS, ENERGY_FILE, LOG_FILE, RESULT_FILE
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    DATA_FILE,
+    DUMPS,
+    ENERGY_FILE,
+    LOG_FILE,
+    RESULT_FILE,
+)
 from granwave.workflows.run import checks, record
 from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
 from granwave.workflows.run.initial_state import make_spheres
@@ -84,7 +92,8 @@ def run_case(
     directory
         Directory of the results; the page 'What a run leaves' of the documents lists its files.
     resume
-        Continue existing results; a finished run is not changed, and an empty directory is a new run.
+        Continue existing results; a finished run is not changed, and an empty directory is a new
+        run.
     force
         Replace existing results.
     progress
@@ -99,7 +108,8 @@ def run_case(
     Raises
     ------
     InputError
-        The directory holds results or another case, or memory or disk space is insufficient. Nothing was run.
+        The directory holds results or another case, or memory or disk space is insufficient.
+        Nothing was run.
     RunError
         LAMMPS failed; results so far are kept.
     """
@@ -108,11 +118,21 @@ def run_case(
 
     def prepare(ranks: Processes) -> str:
         n_ranks = comm.size
-        what = decide(case, directory, resume=resume, force=force, figures=figures, n_ranks=n_ranks, processes=ranks)
+        what = decide(
+            case,
+            directory,
+            resume=resume,
+            force=force,
+            figures=figures,
+            n_ranks=n_ranks,
+            processes=ranks,
+        )
         if what == START:
             start(case, directory)
         elif directories.restore_case(directory):
-            logger.warning("%s was missing or damaged: written again as it was run", directory / CASE_FILE)
+            logger.warning(
+                "%s was missing or damaged: written again as it was run", directory / CASE_FILE
+            )
         return what
 
     with held(directory, comm):
@@ -125,9 +145,14 @@ def run_case(
                 if comm.rank == 0:
                     logger.warning("%s; the case is run again", error)
                 on_first(comm, lambda: start(case, directory))
-                what, run = START, _Run(case, directory, comm, progress, figures, checkpoint_interval)
+                what = START
+                run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
         if what == FINISHED:
-            return Outcome(directory, record.FINISHED, on_first(comm, lambda: directories.read_summary(directory)))
+            return Outcome(
+                directory,
+                record.FINISHED,
+                on_first(comm, lambda: directories.read_summary(directory)),
+            )
         if run.show:
             announce(plan(case, n_ranks=comm.size, figures=figures))
         with StopRequest(comm) as stop, contextlib.chdir(directory):
@@ -137,26 +162,43 @@ def run_case(
 
 class _Run:
     def __init__(
-        self, case: Case, directory: Path, comm: Intracomm, show: bool, figures: bool, checkpoint_interval: float
+        self,
+        case: Case,
+        directory: Path,
+        comm: Intracomm,
+        show: bool,
+        figures: bool,
+        checkpoint_interval: float,
     ) -> None:
-        self.case, self.directory, self.comm, self.figures = case, directory, comm, figures
+        self.case = case
+        self.directory = directory
+        self.comm = comm
+        self.figures = figures
         self.assembly = assemble(case)
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
         self.record = record.Record(name=case.name, n_ranks=comm.size)
         accepted = max(checks.TOLERANCE, case.run.energy_tolerance)
-        self.balance = checks.Balance(directory / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly))
+        self.balance = checks.Balance(
+            directory / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
+        )
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
-        self.reserve = on_first(comm, lambda: plan(case).disk_reserve)  # disk space to keep free, bytes
-        self.lost_before_block = 0.0  # dissipated energy at the start of the current block of end_time = "auto", J
+        self.reserve = on_first(
+            comm, lambda: plan(case).disk_reserve
+        )  # disk space to keep free, bytes
+        # dissipated energy at the start of the current block of end_time = "auto", J
+        self.lost_before_block = 0.0
 
     # ------------------------------------------------------------------ attempts
 
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
         """Integrate in time; halve an automatic timestep as long as the balance does not close."""
         if go_on:
-            self.record = on_first(self.comm, lambda: record.read(self.directory) or record.Record())
-        timestep, chosen = None, self.case.run.timestep == "auto"
+            self.record = on_first(
+                self.comm, lambda: record.read(self.directory) or record.Record()
+            )
+        timestep = None
+        chosen = self.case.run.timestep == "auto"
         while True:
             deck = self._deck(timestep, go_on)
             try:
@@ -165,7 +207,8 @@ class _Run:
                 self._fail(error)
             if self.state != record.REFUSED:
                 break
-            misses, accepted = self.balance.error, self.balance.accepted
+            misses = self.balance.error
+            accepted = self.balance.accepted
             if not chosen or len(self.record.attempts) + 1 >= MOST_ATTEMPTS:
                 advice = "" if chosen else '; give a shorter run.timestep, or leave it to "auto"'
                 self._log(
@@ -174,7 +217,8 @@ class _Run:
                 break
             tried = deck.schedule.first_timestep
             self.record.attempts.append({"timestep_s": tried, "energy_balance_error": misses})
-            timestep, go_on = tried / 2, False
+            timestep = tried / 2
+            go_on = False
             self.balance = checks.Balance(self.balance.path, accepted, self.balance.moved)
             self._log(
                 f"the energy balance misses by {misses:.1e} of the input; "
@@ -185,18 +229,28 @@ class _Run:
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
     def _fail(self, error: RunError | OSError) -> NoReturn:
-        """Record the error that ends the run, and raise it; if the disk is full, with advice how to resume."""
+        """Record the error that ends the run, and raise it; if the disk is full, with advice how to
+        resume.
+        """
         saved = self.record.checkpoint
-        where = f"from the checkpoint at step {saved['step']}" if saved else "from the start, as there is no checkpoint"
+        where = (
+            f"from the checkpoint at step {saved['step']}"
+            if saved
+            else "from the start, as there is no checkpoint"
+        )
         advice = f"what was computed is kept; make room, then the same command with --resume goes on {where}"
         failure = error
         if isinstance(error, OSError):
-            failure = RunError(f"{error.filename or self.directory}: {error.strerror or error}; {advice}")
+            failure = RunError(
+                f"{error.filename or self.directory}: {error.strerror or error}; {advice}"
+            )
         elif free_space(self.directory) < self.reserve:
             failure = type(error)(f"{self.directory}: the disk is full: {error}; {advice}")
         if isinstance(failure, SingleRankError) and self.comm.size > 1:
             # the first rank may be waiting inside LAMMPS: this rank writes the record and ends all
-            dataclasses.replace(self.record, state=record.FAILED, reason=str(failure)).write(self.directory)
+            dataclasses.replace(self.record, state=record.FAILED, reason=str(failure)).write(
+                self.directory
+            )
             abort(self.comm, str(failure))
         with contextlib.suppress(OSError):  # on a full disk the last record remains
             self._note(state=record.FAILED, reason=str(failure))
@@ -206,14 +260,22 @@ class _Run:
         """Analyse the output; ``take_up``: that of an earlier session."""
         if take_up:
             there = on_first(self.comm, lambda: record.read(self.directory))
-            self.record = there or on_first(self.comm, lambda: record.recover(self.directory)) or record.Record()
+            self.record = (
+                there
+                or on_first(self.comm, lambda: record.recover(self.directory))
+                or record.Record()
+            )
             if there is None:  # it was damaged
                 self._note()
-            self.state = record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+            self.state = (
+                record.REFUSED if self.record.end_reason == BALANCE_REFUSED else record.FINISHED
+            )
 
         def work(ranks: Processes) -> dict[str, Any]:
             ownership.clear_scratch(self.directory, [RESULT_FILE])  # of an analysis that was killed
-            return analyse(self.directory, progress=self.show, figures=self.figures, processes=ranks)
+            return analyse(
+                self.directory, progress=self.show, figures=self.figures, processes=ranks
+            )
 
         try:
             summary = shared(self.comm, work)
@@ -239,9 +301,15 @@ class _Run:
 
         deck = shared(self.comm, write)
         if not go_on:
-            fresh: dict[str, Any] = {"checkpoint": None, "n_steps": 0, "end_time_s": 0.0, "wall_time_s": 0.0}
+            fresh: dict[str, Any] = {
+                "checkpoint": None,
+                "n_steps": 0,
+                "end_time_s": 0.0,
+                "wall_time_s": 0.0,
+            }
             self.record = dataclasses.replace(self.record, versions=record.versions(), **fresh)
-        self.record.n_ranks, self.record.nodes = self.comm.size, nodes(self.comm)
+        self.record.n_ranks = self.comm.size
+        self.record.nodes = nodes(self.comm)
         self.record.timestep_s = deck.schedule.first_timestep
         return deck
 
@@ -249,7 +317,8 @@ class _Run:
 
     def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
         script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
-        self.state, self.lost_before_block = record.RUNNING, 0.0
+        self.state = record.RUNNING
+        self.lost_before_block = 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint if go_on else None
         with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
@@ -259,7 +328,9 @@ class _Run:
 
                 def cut_back() -> str:
                     record.cut_back(self.directory, saved)
-                    ownership.claim(self.directory, [added, *ownership.output_names(self.directory)])
+                    ownership.claim(
+                        self.directory, [added, *ownership.output_names(self.directory)]
+                    )
                     return input_script(self.assembly, deck.schedule, restart_from=saved["file"])
 
                 script = on_first(self.comm, cut_back)
@@ -275,9 +346,13 @@ class _Run:
                 make_spheres(engine, self.assembly)
             self._set_up(engine, setup, stop)
             if not saved and self.case.precompression:
-                found = on_first(self.comm, lambda: checks.check_equilibrium(self.case, self.directory))
+                found = on_first(
+                    self.comm, lambda: checks.check_equilibrium(self.case, self.directory)
+                )
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
-                    self._log(f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression")
+                    self._log(
+                        f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression"
+                    )
             elif not saved:
                 expected = on_first(self.comm, lambda: checks.expected_neighbours(self.case))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
@@ -285,9 +360,12 @@ class _Run:
             engine.commands(part(script, "end"))
 
     def _set_up(self, engine: Engine, commands: str, stop: StopRequest) -> None:
-        """Execute the commands before the first step; a request to stop ends them, as a static stage can be long."""
+        """Execute the commands before the first step; a request to stop ends them, as a static
+        stage can be long.
+        """
         interrupted: dict[str, Any] = {"state": record.INTERRUPTED, "end_reason": "interrupted"}
-        ended, failure = threading.Event(), None
+        ended = threading.Event()
+        failure = None
 
         def end() -> None:
             ended.set()
@@ -314,10 +392,18 @@ class _Run:
 
     def _advance(self, engine: Engine, schedule: Schedule, stop: StopRequest) -> None:
         blocks = schedule.block_steps
-        bar = Progress(schedule.n_steps, self.case.name, enabled=self.show, done=engine.step, at_most=blocks > 0)
+        bar = Progress(
+            schedule.n_steps,
+            self.case.name,
+            enabled=self.show,
+            done=engine.step,
+            at_most=blocks > 0,
+        )
         begin = last_checkpoint = time.monotonic()
         before = self.record.wall_time_s
-        unit, fresh = schedule.longest_step, True  # pieces end where every timestep can
+        # pieces end where every timestep can
+        unit = schedule.longest_step
+        fresh = True
         piece = 20 * unit
         try:
             while self.state == record.RUNNING:
@@ -331,9 +417,11 @@ class _Run:
                 longer = min(4 * piece, piece * _PIECE / max(now - started, 1e-3))
                 piece = self.comm.bcast(unit * max(1, int(longer / unit)))
                 self._look(engine.step, schedule)
-                self.record.n_steps, self.record.end_time_s = engine.step, engine.step * schedule.timestep
+                self.record.n_steps = engine.step
+                self.record.end_time_s = engine.step * schedule.timestep
                 self.record.wall_time_s = before + now - begin
-                row, here = self.balance.row, 1e3 * self.record.end_time_s
+                row = self.balance.row
+                here = 1e3 * self.record.end_time_s
                 share = row["dissipated"] / row["input"] if row and row["input"] else 0.0
                 note = f"{here:.3f}/{1e3 * schedule.end_time:g} ms, dissipated {share:.3f}"
                 last = self.state == record.FINISHED
@@ -341,16 +429,20 @@ class _Run:
                 if self.state != record.RUNNING:
                     break
                 if stop.wanted():
-                    self.state, self.record.end_reason = record.INTERRUPTED, "interrupted"
+                    self.state = record.INTERRUPTED
+                    self.record.end_reason = "interrupted"
                 due, free = self.comm.bcast(
                     (now - last_checkpoint > self.checkpoint_interval, free_space(self.directory))
                 )
                 full = free <= self.reserve  # LAMMPS does not report failed writes
                 if due or full or self.state == record.INTERRUPTED:
                     self._checkpoint(engine)
-                    last_checkpoint, fresh = time.monotonic(), True
+                    last_checkpoint = time.monotonic()
+                    fresh = True
                 if full and self.state == record.RUNNING:
-                    message = directories.disk_space_message("a snapshot and a checkpoint", self.reserve, 0.0, free)
+                    message = directories.disk_space_message(
+                        "a snapshot and a checkpoint", self.reserve, 0.0, free
+                    )
                     raise RunError(f"stopped at step {engine.step}: {message}")
         finally:
             bar.close()
@@ -361,11 +453,16 @@ class _Run:
 
         def decide() -> tuple[checks.Balance, str, str | None]:
             balance = self.balance.read()
-            row, ended = balance.row, step >= schedule.n_steps
+            row = balance.row
+            ended = step >= schedule.n_steps
             given = step * schedule.timestep >= self.case.load.lasts  # the energy input is complete
             if (given or ended) and not balance.closed and self.case.contact.variant != "published":
                 return balance, record.REFUSED, BALANCE_REFUSED
-            if given and at_block_end and row["dissipated"] - self.lost_before_block < BLOCK_THRESHOLD * row["input"]:
+            if (
+                given
+                and at_block_end
+                and row["dissipated"] - self.lost_before_block < BLOCK_THRESHOLD * row["input"]
+            ):
                 return balance, record.FINISHED, "settled"
             if ended:
                 return balance, record.FINISHED, "longest" if schedule.block_steps else "end_time"
@@ -377,7 +474,9 @@ class _Run:
 
     def _checkpoint(self, engine: Engine) -> None:
         parts = written_in_parts(self.assembly)
-        saved = record.write_checkpoint(engine, self.comm, self.directory, self.record.checkpoint, parts=parts)
+        saved = record.write_checkpoint(
+            engine, self.comm, self.directory, self.record.checkpoint, parts=parts
+        )
         self.record.checkpoint = saved | {"lost_before_block": self.lost_before_block}
 
         def keep() -> None:

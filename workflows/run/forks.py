@@ -1,4 +1,6 @@
-"""Runs in forked copies of a process that has loaded all modules, without MPI, which each run starts for itself."""
+"""Runs in forked copies of a process that has loaded all modules, without MPI, which each run
+starts for itself.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,8 @@ def load(*, figures: bool = False) -> None:
 
 
 def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
-    """Do work in a copy of this process, which ends with a checkpoint if this one ends; return its process id.
+    """Do work in a copy of this process, which ends with a checkpoint if this one ends; return its
+    process id.
 
     Parameters
     ----------

@@ -1,7 +1,7 @@
 """Spheres at the start of a run, made by the ranks: each makes those in its own part of the box.
 
-LAMMPS would read data.granwave on one rank and hand every row to every rank, which takes as long on any number of them.
-What is made here has the same bits, in the same order.
+LAMMPS would read data.granwave on one rank and hand every row to every rank, which takes as long on
+any number of them. What is made here has the same bits, in the same order.
 """
 
 from __future__ import annotations
@@ -42,12 +42,18 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
     for number, velocity in own_velocities(assembly).items():
         velocities[np.searchsorted(ids, number)] = velocity
     images = _images(centres, assembly) if assembly.lattice.periodic else None
-    engine.create_atoms(ids, 1 + assembly.body[ids - 1], centres, velocities, images, n_atoms=assembly.n_spheres)
+    engine.create_atoms(
+        ids, 1 + assembly.body[ids - 1], centres, velocities, images, n_atoms=assembly.n_spheres
+    )
     mine = engine.per_atom("id") - 1
-    diameters, bodies, density = assembly.diameter[mine], assembly.body[mine], np.empty(len(mine))
+    diameters = assembly.diameter[mine]
+    bodies = assembly.body[mine]
+    density = np.empty(len(mine))
     for body, species in enumerate(assembly.species):
         chosen = bodies == body
-        density[chosen] = density_as_sphere(species.material.density, diameters[chosen], species.shape)
+        density[chosen] = density_as_sphere(
+            species.material.density, diameters[chosen], species.shape
+        )
     radii = 0.5 * diameters
     engine.per_atom("radius")[:] = radii
     engine.per_atom("rmass")[:] = density * (_SPHERE * radii * radii * radii)
@@ -55,7 +61,8 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
 
 def _images(centres: NDArray[np.float64], assembly: Assembly) -> NDArray[np.int64]:
     """Return how many periods along x, y, z LAMMPS will move the centres back by: (n, 3)."""
-    inside, images = centres.copy(), np.zeros(centres.shape, dtype=np.int64)
+    inside = centres.copy()
+    images = np.zeros(centres.shape, dtype=np.int64)
     low, high = box_of(assembly)[:2].T
     while (beyond := (inside[:, :2] >= high) * 1 - (inside[:, :2] < low)).any():
         inside[:, :2] -= beyond * (high - low)
@@ -66,23 +73,31 @@ def _images(centres: NDArray[np.float64], assembly: Assembly) -> NDArray[np.int6
 def _own(
     assembly: Assembly, low: NDArray[np.float64], high: NDArray[np.float64]
 ) -> Iterator[tuple[NDArray[np.int64], NDArray[np.float64]]]:
-    """Iterate over ids and centres of the spheres between two corners, and of some outside, in batches by id.
+    """Iterate over ids and centres of the spheres between two corners, and of some outside, in
+    batches by id.
 
-    Ids of a lattice count its layers, so that most of it is not looked at. Grains that are elsewhere all come.
+    Ids of a lattice count its layers, so that most of it is not looked at. Grains that are
+    elsewhere all come.
     """
-    n, lattice, box = assembly.lattice.n_spheres, assembly.lattice, box_of(assembly)
+    n = assembly.lattice.n_spheres
+    lattice = assembly.lattice
+    box = box_of(assembly)
     layered = isinstance(lattice, Lattice) and assembly.sites.leaning is None
-    low, high = low - _MARGIN * lattice.diameter, high + _MARGIN * lattice.diameter
+    low = low - _MARGIN * lattice.diameter
+    high = high + _MARGIN * lattice.diameter
     for first in range(1, n + 1, _BATCH):
         last = min(first + _BATCH - 1, n)
         top, bottom = (assembly.sites.positions(one, one)[0, 2] for one in (first, last))
         if layered and not (top < high[2] and bottom >= low[2]):
             continue
-        centres, chosen = assembly.sites.positions(first, last), assembly.sites.present[first - 1 : last]
+        centres = assembly.sites.positions(first, last)
+        chosen = assembly.sites.present[first - 1 : last]
         if layered:
             inside = centres.copy()
             if lattice.periodic:
-                inside[:, :2] = box[:2, 0] + (inside[:, :2] - box[:2, 0]) % (box[:2, 1] - box[:2, 0])
+                inside[:, :2] = box[:2, 0] + (inside[:, :2] - box[:2, 0]) % (
+                    box[:2, 1] - box[:2, 0]
+                )
             chosen = chosen & ((inside >= low) & (inside < high)).all(axis=1)
         here = np.flatnonzero(chosen)
         yield here + first, centres[here]

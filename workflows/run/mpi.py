@@ -36,7 +36,9 @@ logger = logging.getLogger(__name__)
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
 _ALLOWED = "OMPI_ALLOW_"  # what the user tells Open MPI, as to run as root in a container
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
-_IMPATIENT, _PAUSE = 0.1, 0.01  # s of waiting at full speed, and then between looks
+# s of waiting at full speed, and then between looks
+_IMPATIENT = 0.1
+_PAUSE = 0.01
 _LOOK = 0.5  # s between looks for a stop file
 _MOST_RANKS = 8  # on a core, that are started here
 _C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
@@ -44,8 +46,10 @@ _SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of <sys/prctl.h>
 _FIRST_IS_READY = 1  # tag of a message
 PYTHON = (sys.executable, "-P")  # takes no modules from the working directory
 SAFE_PATH = "PYTHONSAFEPATH"  # environment variable that does the same for all Python started below
-STOP_FILE = "GRANWAVE_STOP_FILE"  # environment variable: file whose existence asks all ranks to stop
-EXPECTED_RANKS = "GRANWAVE_RANKS"  # environment variable: number of ranks requested from the launcher
+# environment variable: file whose existence asks all ranks to stop
+STOP_FILE = "GRANWAVE_STOP_FILE"
+# environment variable: number of ranks requested from the launcher
+EXPECTED_RANKS = "GRANWAVE_RANKS"
 
 
 def launched() -> bool:
@@ -54,12 +58,16 @@ def launched() -> bool:
 
 
 def is_first() -> bool:
-    """Return True on the first rank, or without a launcher; from the environment, without the MPI library."""
+    """Return True on the first rank, or without a launcher; from the environment, without the MPI
+    library.
+    """
     return all(os.environ.get(name, "0") == "0" for name in _RANK_VARIABLES)
 
 
 def alone() -> dict[str, str]:
-    """Return the environment without the variables of MPI launchers, for processes that are not ranks."""
+    """Return the environment without the variables of MPI launchers, for processes that are not
+    ranks.
+    """
     return {
         name: value
         for name, value in os.environ.items()
@@ -86,7 +94,9 @@ def world() -> Intracomm:
         )
     if comm.size > 1:
 
-        def abort_all(kind: type[BaseException], error: BaseException, trace: TracebackType | None) -> None:
+        def abort_all(
+            kind: type[BaseException], error: BaseException, trace: TracebackType | None
+        ) -> None:
             sys.__excepthook__(kind, error, trace)
             sys.stderr.flush()
             comm.Abort(1)
@@ -105,7 +115,8 @@ def nodes(comm: Intracomm) -> list[str]:
 def leave(status: int) -> NoReturn:
     """Finalise MPI and end this rank with an exit status; collective.
 
-    Python ends as usual: MPICH's launcher now and then takes ranks that leave by ``os._exit`` for killed ones.
+    Python ends as usual: MPICH's launcher now and then takes ranks that leave by ``os._exit`` for
+    killed ones.
     """
     from mpi4py import MPI
 
@@ -148,7 +159,9 @@ def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
 
 
 def find_mpiexec() -> str | None:
-    """Return the path of mpiexec: that of the environment, else, for a site's own MPI, that in PATH; None without."""
+    """Return the path of mpiexec: that of the environment, else, for a site's own MPI, that in
+    PATH; None without.
+    """
     own = Path(sys.prefix) / "bin" / "mpiexec"
     return str(own) if own.exists() else shutil.which("mpiexec")
 
@@ -174,14 +187,33 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
                 "environment, or load the site's MPI"
             )
         launcher = [mpiexec]
-    return [*launcher, "-n", str(n_ranks), *PYTHON, "-m", "mpi4py", "-m", "granwave.workflows", *arguments]
+    return [
+        *launcher,
+        "-n",
+        str(n_ranks),
+        *PYTHON,
+        "-m",
+        "mpi4py",
+        "-m",
+        "granwave.workflows",
+        *arguments,
+    ]
 
 
-def start(words: Sequence[str], n_ranks: int, stop: Path, stdout: int, stderr: int) -> subprocess.Popen[bytes]:
-    """Start a `command` in a session of its own; its ranks stop when the file ``stop`` exists, or this process ends."""
+def start(
+    words: Sequence[str], n_ranks: int, stop: Path, stdout: int, stderr: int
+) -> subprocess.Popen[bytes]:
+    """Start a `command` in a session of its own; its ranks stop when the file ``stop`` exists, or
+    this process ends.
+    """
     environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
     return subprocess.Popen(
-        words, env=environment, stdout=stdout, stderr=stderr, start_new_session=True, preexec_fn=end_with_parent
+        words,
+        env=environment,
+        stdout=stdout,
+        stderr=stderr,
+        start_new_session=True,
+        preexec_fn=end_with_parent,
     )
 
 
@@ -194,7 +226,8 @@ def launch(
     stderr: int | None = None,
     remedy: str = "go on with --resume",
 ) -> int:
-    """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a checkpoint.
+    """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a
+    checkpoint.
 
     Parameters
     ----------
@@ -247,10 +280,16 @@ def launch(
     return status
 
 
-def launch_unseen(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()) -> tuple[int, list[str]]:
-    """Run ranks as `launch` does without showing what they print; return exit status and lines of standard error."""
+def launch_unseen(
+    n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
+) -> tuple[int, list[str]]:
+    """Run ranks as `launch` does without showing what they print; return exit status and lines of
+    standard error.
+    """
     with tempfile.TemporaryFile() as said:
-        status = launch(n_ranks, arguments, launcher, stdout=subprocess.DEVNULL, stderr=said.fileno())
+        status = launch(
+            n_ranks, arguments, launcher, stdout=subprocess.DEVNULL, stderr=said.fileno()
+        )
         said.seek(0)
         return status, said.read().decode("utf-8", "replace").strip().splitlines()
 
@@ -277,11 +316,15 @@ def check_cores(n_ranks: int) -> None:
             f"give --np {cores}, or start them all the same: mpiexec -n {n_ranks} granwave run ..."
         )
     if n_ranks > cores:
-        logger.warning("%s: ranks that share a core wait for each other; --np %d is faster", found, cores)
+        logger.warning(
+            "%s: ranks that share a core wait for each other; --np %d is faster", found, cores
+        )
 
 
 def end_with_parent(number: int = signal.SIGKILL) -> None:
-    """Let the system send this process a signal when its parent ends, also where that was killed; under Linux alone."""
+    """Let the system send this process a signal when its parent ends, also where that was killed;
+    under Linux alone.
+    """
     if _C_LIBRARY is not None:
         _C_LIBRARY.prctl(_SET_PARENT_DEATH_SIGNAL, number)
 

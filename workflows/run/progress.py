@@ -1,4 +1,6 @@
-"""Messages of a run at work: a bar on a terminal or in a notebook, lines in a batch log, warnings once."""
+"""Messages of a run at work: a bar on a terminal or in a notebook, lines in a batch log, warnings
+once.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ def not_enough_memory(why: str) -> str:
 def announce(expected: Plan) -> None:
     """Tell how long a long run will take, and what makes its steps short, before it starts."""
     if expected.slowness:
-        _LOG.warning("%s: about %s: %s", expected.name, duration(expected.wall_time), expected.slowness)
+        _LOG.warning(
+            "%s: about %s: %s", expected.name, duration(expected.wall_time), expected.slowness
+        )
     elif expected.wall_time > _LONG:
         _LOG.info("%s: about %s", expected.name, duration(expected.wall_time))
 
@@ -61,10 +65,14 @@ class Progress:
         True if there may be fewer steps than ``total``.
     """
 
-    def __init__(self, total: int, label: str, *, enabled: bool, done: int = 0, at_most: bool = False) -> None:
+    def __init__(
+        self, total: int, label: str, *, enabled: bool, done: int = 0, at_most: bool = False
+    ) -> None:
         shows_bar = enabled and (sys.stderr.isatty() or in_notebook())
         self._lines = enabled and not shows_bar
-        self._total, self._label, self._done = total, label, done
+        self._total = total
+        self._label = label
+        self._done = done
         self._about = "at most" if at_most else "about"
         self._begin = self._last = time.monotonic()
         self._first = done
@@ -94,12 +102,15 @@ class Progress:
         """
         if last and done != self._total:
             self._bar.reset(total=done)  # a widget has a copy of the total
-            self._total, self._done = done, 0
+            self._total = done
+            self._done = 0
         now = time.monotonic()
         if times is None:
             passed = now - self._begin
             left = passed * (self._total - done) / max(1, done - self._first)
-            times = duration(passed) + (f", {self._about} {duration(left)} left" if done < self._total else "")
+            times = duration(passed) + (
+                f", {self._about} {duration(left)} left" if done < self._total else ""
+            )
         text = f"{note} [{times}]".lstrip()
         self._bar.set_postfix_str(text, refresh=False)
         self._bar.update(done - self._done)

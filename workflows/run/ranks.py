@@ -1,6 +1,8 @@
-"""Work that the first rank shares out: it hands tasks to all ranks in turn, and takes their results in order.
+"""Work that the first rank shares out: it hands tasks to all ranks in turn, and takes their results
+in order.
 
-A rank holds one result until the first takes it, so that memory does not grow with the number of ranks.
+A rank holds one result until the first takes it, so that memory does not grow with the number of
+ranks.
 """
 
 from __future__ import annotations
@@ -16,16 +18,23 @@ from granwave.workflows.run.mpi import on_first, wait_for
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm, Request
 
-_MOST_WORKING = 8  # ranks up to which the first one works too; of more it only takes what the others send
+# ranks up to which the first one works too; of more it only takes what the others send
+_MOST_WORKING = 8
 
 
-def shared(comm: Intracomm, work: Callable[[Processes], Result], stopped: Callable[[], bool] = lambda: False) -> Result:
-    """Do ``work`` on the first rank with the help of the others; return its result, or raise its error, on all.
+def shared(
+    comm: Intracomm,
+    work: Callable[[Processes], Result],
+    stopped: Callable[[], bool] = lambda: False,
+) -> Result:
+    """Do ``work`` on the first rank with the help of the others; return its result, or raise its
+    error, on all.
 
     Parameters
     ----------
     stopped
-        Function that tells if a stop was requested; then KeyboardInterrupt is raised before the next task.
+        Function that tells if a stop was requested; then KeyboardInterrupt is raised before the
+        next task.
     """
 
     def led() -> Result:
@@ -45,18 +54,25 @@ class _Ranks(Processes):
     """Ranks that serve the first one."""
 
     def __init__(self, comm: Intracomm, stopped: Callable[[], bool]) -> None:
-        self._comm, self._stopped = comm, stopped
+        self._comm = comm
+        self._stopped = stopped
         self._first = int(comm.size > _MOST_WORKING)
         self.number = comm.size - self._first
-        self._given: deque[tuple[int, Any, Request | None]] = deque()  # rank, task of the first, what was sent
+        self._given: deque[tuple[int, Any, Request | None]] = (
+            deque()
+        )  # rank, task of the first, what was sent
 
     def map(self, work: Callable[[Task], Result], tasks: Iterable[Task]) -> Iterator[Result]:
         try:
             for number, task in enumerate(tasks):
                 rank = self._first + number % self.number
-                sent = self._comm.isend((work, task), rank) if rank else None  # it may be sending a result
+                sent = (
+                    self._comm.isend((work, task), rank) if rank else None
+                )  # it may be sending a result
                 self._given.append((rank, task, sent))
-                if len(self._given) >= 2 * self.number:  # the next task is there when a rank has done one
+                if (
+                    len(self._given) >= 2 * self.number
+                ):  # the next task is there when a rank has done one
                     yield self._take(work)
             while self._given:
                 yield self._take(work)

@@ -1,9 +1,10 @@
 """Record of a run by the driver, `run.json`: state, versions, ranks, attempts; and its checkpoints.
 
-A checkpoint is a LAMMPS restart file, with sizes and checksums of all output files at that step. A resumed run
-truncates its output files to these sizes and appends, so that nothing is repeated. Of a packing whose snapshots are
-written in parts (`granwave.lammps_inputs.packing.motion.written_in_parts`) each rank writes its own part, a few a file
-where there are many, and any number of ranks can read them.
+A checkpoint is a LAMMPS restart file, with sizes and checksums of all output files at that step. A
+resumed run truncates its output files to these sizes and appends, so that nothing is repeated. Of a
+packing whose snapshots are written in parts
+(`granwave.lammps_inputs.packing.motion.written_in_parts`) each rank writes its own part, a few a
+file where there are many, and any number of ranks can read them.
 """
 
 from __future__ import annotations
@@ -39,18 +40,35 @@ if TYPE_CHECKING:
 
     from granwave.workflows.run.lammps_engine import Engine
 
-_PACKAGES = ("lammps", "mpi4py", "mpich", "numpy", "scipy", "ase", "MDAnalysis", "h5py", "matplotlib")
+_PACKAGES = (
+    "lammps",
+    "mpi4py",
+    "mpich",
+    "numpy",
+    "scipy",
+    "ase",
+    "MDAnalysis",
+    "h5py",
+    "matplotlib",
+)
 
 
 @cache
 def versions() -> dict[str, str]:
-    """Return the versions of granwave, Python and the packages used; "not installed" for missing ones."""
+    """Return the versions of granwave, Python and the packages used; "not installed" for missing
+    ones.
+    """
     return versions_of(_PACKAGES, plugin_built_for_lammps=plugins.lammps_release())
 
 
 # states of a run
-RUNNING, INTEGRATED = "running", "integrated"  # integrated: only the analysis remains
-INTERRUPTED, FAILED, REFUSED, FINISHED = "interrupted", "failed", "refused", "finished"
+# integrated: only the analysis remains
+RUNNING = "running"
+INTEGRATED = "integrated"
+INTERRUPTED = "interrupted"
+FAILED = "failed"
+REFUSED = "refused"
+FINISHED = "finished"
 
 
 @dataclasses.dataclass
@@ -60,11 +78,13 @@ class Record:
     Attributes
     ----------
     state
-        State: running, integrated, interrupted, failed (see ``reason``), refused (energy balance) or finished.
+        State: running, integrated, interrupted, failed (see ``reason``), refused (energy balance)
+        or finished.
     n_steps, end_time_s
         Steps and simulated time so far.
     end_reason
-        Why it ended: ``end_time``, ``settled`` (end_time = "auto"), ``longest`` (the same, at its limit), ...
+        Why it ended: ``end_time``, ``settled`` (end_time = "auto"), ``longest`` (the same, at its
+        limit), ...
     wall_time_s
         Wall time of the time integration, over all sessions of a resumed run.
     nodes
@@ -101,7 +121,9 @@ def read(directory: Path) -> Record | None:
 
 def recover(directory: Path) -> Record | None:
     """Read the record in result.h5, as of the analysis; None if there is none."""
-    from granwave.analysis.result.reader import Result  # h5py takes longer to load than most commands need
+    from granwave.analysis.result.reader import (
+        Result,
+    )  # h5py takes longer to load than most commands need
 
     try:
         with Result(directory) as result:
@@ -118,14 +140,21 @@ def _record(content: dict[str, Any] | None) -> Record | None:
 
 
 _MOST_PARTS = 64  # files of a checkpoint in parts; more ranks share them
-_BASE = "base"  # in the name of the file that LAMMPS writes beside the parts, in place of the number of a rank
+# in the name of the file that LAMMPS writes beside the parts, in place of the number of a rank
+_BASE = "base"
 _FILE = re.compile(re.escape(CHECKPOINT_FILE).replace(r"\{\}", rf"\d+(\.({RANK}|{_BASE}))?"))
 
 
 def write_checkpoint(
-    engine: Engine, comm: Intracomm, directory: Path, previous: dict[str, Any] | None = None, *, parts: bool = False
+    engine: Engine,
+    comm: Intracomm,
+    directory: Path,
+    previous: dict[str, Any] | None = None,
+    *,
+    parts: bool = False,
 ) -> dict[str, Any]:
-    """Write a checkpoint; the previous one remains until `keep_checkpoint` is called with the new one.
+    """Write a checkpoint; the previous one remains until `keep_checkpoint` is called with the new
+    one.
 
     Parameters
     ----------
@@ -156,10 +185,24 @@ def write_checkpoint(
         )
         earlier = previous or {}
         before = earlier.get("sums", {})
-        read = {name: (size, before[name]) for name, size in earlier.get("sizes", {}).items() if name in before}
-        tasks = [(directory / name, size, read.get(name, (0, 0))) for name, size in (sizes | whole).items()]
+        read = {
+            name: (size, before[name])
+            for name, size in earlier.get("sizes", {}).items()
+            if name in before
+        }
+        tasks = [
+            (directory / name, size, read.get(name, (0, 0)))
+            for name, size in (sizes | whole).items()
+        ]
         sums = dict(zip(sizes | whole, ranks.map(_sum, tasks), strict=True))
-        return {"file": name, "step": engine.step, "sizes": sizes, "whole": whole, "sums": sums, "version": __version__}
+        return {
+            "file": name,
+            "step": engine.step,
+            "sizes": sizes,
+            "whole": whole,
+            "sums": sums,
+            "version": __version__,
+        }
 
     on_first(comm, prepare)
     engine.commands(f"write_restart {name}" + f" nfile {min(comm.size, _MOST_PARTS)}" * parts)
@@ -175,21 +218,32 @@ def _sum(task: tuple[Path, int, tuple[int, int]]) -> int:
 def keep_checkpoint(directory: Path, checkpoint: dict[str, Any] | None) -> None:
     """Remove the restart files of all checkpoints but this one."""
     kept = (checkpoint["file"], checkpoint["file"].replace(RANK, _BASE)) if checkpoint else ()
-    clear(directory, [name for name in read_marker(directory).files if _FILE.fullmatch(name) and name not in kept])
+    clear(
+        directory,
+        [
+            name
+            for name in read_marker(directory).files
+            if _FILE.fullmatch(name) and name not in kept
+        ],
+    )
 
 
-def checkpoint_fault(directory: Path, checkpoint: dict[str, Any], processes: Processes = ALONE) -> str:
-    """Describe why a run cannot go on from a checkpoint; empty if it can. ``processes`` read its files.
+def checkpoint_fault(
+    directory: Path, checkpoint: dict[str, Any], processes: Processes = ALONE
+) -> str:
+    """Describe why a run cannot go on from a checkpoint; empty if it can. ``processes`` read its
+    files.
 
-    It is of another minor version, whose restart files may differ, or a file is not what the run wrote. Output files
-    may have grown.
+    It is of another minor version, whose restart files may differ, or a file is not what the run
+    wrote. Output files may have grown.
     """
     try:
         made = str(checkpoint.get("version", ""))
         if made.split(".")[:2] != __version__.split(".")[:2]:
             found = f"of granwave {made}" if made else "of a version before 0.3"
             return f"{directory}: its checkpoint is {found}, expected one of {__version__}"
-        whole, sums = checkpoint["whole"], checkpoint.get("sums", {})
+        whole = checkpoint["whole"]
+        sums = checkpoint.get("sums", {})
         sizes = whole | checkpoint["sizes"]
         for name, size in sizes.items():
             path = directory / name
@@ -199,7 +253,9 @@ def checkpoint_fault(directory: Path, checkpoint: dict[str, Any], processes: Pro
             if found < size or (found != size and name in whole):
                 return f"{path}: has {found} bytes, had {size} at the checkpoint"
         tasks = [(directory / name, sizes[name], (0, 0)) for name in sums]
-        for (path, *_), now, before in zip(tasks, processes.map(_sum, tasks), sums.values(), strict=True):
+        for (path, *_), now, before in zip(
+            tasks, processes.map(_sum, tasks), sums.values(), strict=True
+        ):
             if now != before:
                 return f"{path}: is not what the run wrote: its checksum differs"
     except (AttributeError, KeyError, TypeError):

@@ -1,4 +1,6 @@
-"""Cost of a scan on this machine or a cluster, batches of points that are jobs, and the time that is left."""
+"""Cost of a scan on this machine or a cluster, batches of points that are jobs, and the time that
+is left.
+"""
 
 from __future__ import annotations
 
@@ -31,7 +33,9 @@ from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.solvers import GRANULAR
 
 _LOCAL_START = 1.0  # s, start of a job on this machine: Python, libraries
-PUBLISH = 4.0  # s, table, figures and report: 2.5 for 8 points, 4 for 24; most of a minute where a study reads much
+# s, table, figures and report: 2.5 for 8 points, 4 for 24; most of a minute where a study reads
+# much
+PUBLISH = 4.0
 _LONGEST = 1800.0  # s, limit for a batch of several points
 
 
@@ -93,8 +97,9 @@ class Machine:
     def batches(self, points: Iterable[Point], prefix: str) -> list[Batch]:
         """Distribute points over batches, the longest first.
 
-        A batch lasts about ``sqrt(2 s T / jobs)``, with the time s to start a job and the total time T of all points,
-        and at least s. This balances the start-up of many jobs against idle ones at the end.
+        A batch lasts about ``sqrt(2 s T / jobs)``, with the time s to start a job and the total
+        time T of all points, and at least s. This balances the start-up of many jobs against idle
+        ones at the end.
 
         Parameters
         ----------
@@ -103,11 +108,17 @@ class Machine:
         """
         points = list(points)
         times = {point.id: self.slowness * point.plan.wall_time for point in points}
-        length = min(max(math.sqrt(2 * self._start * sum(times.values()) / self.jobs), self._start), _LONGEST)
+        length = min(
+            max(math.sqrt(2 * self._start * sum(times.values()) / self.jobs), self._start), _LONGEST
+        )
         groups: list[list[Point]] = []
         lasts = 0.0  # the last group
         for point in sorted(points, key=lambda point: (-times[point.id], point.number)):
-            if groups and point.ranks == 1 == groups[-1][0].ranks and lasts + times[point.id] <= length:
+            if (
+                groups
+                and point.ranks == 1 == groups[-1][0].ranks
+                and lasts + times[point.id] <= length
+            ):
                 groups[-1].append(point)
                 lasts += times[point.id]
             else:
@@ -121,18 +132,27 @@ class Machine:
                 memory=max(point.plan.memory for point in group),
                 wall_time=sum(times[point.id] for point in group),
                 longest=self.slowness
-                * sum(p.plan.times.longest if isinstance(p.plan, Plan) else p.plan.wall_time for p in group),
+                * sum(
+                    p.plan.times.longest if isinstance(p.plan, Plan) else p.plan.wall_time
+                    for p in group
+                ),
             )
             for n, group in enumerate(groups)
         ]
 
     def time(self, points: Iterable[Point]) -> float:
-        """Return the expected wall time of a scan with these points left, without waiting in a queue, s."""
+        """Return the expected wall time of a scan with these points left, without waiting in a
+        queue, s.
+        """
         batches = self.batches(points, prefix="")
-        return self.spread([self._start + batch.wall_time for batch in batches], [batch.ranks for batch in batches])
+        return self.spread(
+            [self._start + batch.wall_time for batch in batches], [batch.ranks for batch in batches]
+        )
 
     def spread(self, times: Sequence[float], ranks: Sequence[int]) -> float:
-        """Return the wall time of jobs of these times (s) and ranks, and of table, figures and report, s."""
+        """Return the wall time of jobs of these times (s) and ranks, and of table, figures and
+        report, s.
+        """
         cores = [1 if self.profile else min(n, self.jobs) for n in ranks]
         shared = sum(time * n for time, n in zip(times, cores, strict=True)) / self.jobs
         return max(shared, max(times, default=0.0)) + PUBLISH
@@ -189,7 +209,9 @@ class Outlook:
         return f"{passed}, about {duration(rest)} left"
 
 
-_WARM, _SPAN = 1.5, 1.0  # s of wall time: warm-up, in which contacts get loaded, and measurement
+# s of wall time: warm-up, in which contacts get loaded, and measurement
+_WARM = 1.5
+_SPAN = 1.0
 _PIECE = 50  # steps between looks at the clock
 _MEASURED_WITHIN = 60.0  # s after which the measurement is given up
 
@@ -197,12 +219,14 @@ _MEASURED_WITHIN = 60.0  # s after which the measurement is given up
 def slowness_of(point: Point, jobs: int) -> float | None:
     """Measure the wall time of a granular point over the planned one; None if not possible.
 
-    The first part of the impact is timed, in which nearly all contacts are elastic, without the static stage.
+    The first part of the impact is timed, in which nearly all contacts are elastic, without the
+    static stage.
 
     Parameters
     ----------
     jobs
-        Number of simultaneous measurements, limited by memory: cores that share a cache slow each other down.
+        Number of simultaneous measurements, limited by memory: cores that share a cache slow each
+        other down.
     """
     if point.kind is not GRANULAR:
         return None
@@ -241,7 +265,8 @@ def _measure(document: str) -> float:
             engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
             engine.commands("run 20 post no")
             for span in (_WARM, _SPAN):
-                steps, begin = 0, time.monotonic()
+                steps = 0
+                begin = time.monotonic()
                 while (elapsed := time.monotonic() - begin) < span:
                     engine.commands(f"run {_PIECE} pre no post no")
                     steps += _PIECE

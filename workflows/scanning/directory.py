@@ -1,4 +1,6 @@
-"""Directory of a scan: may the scan be run there, what do its remaining points require, and how is it made ready."""
+"""Directory of a scan: may the scan be run there, what do its remaining points require, and how is
+it made ready.
+"""
 
 from __future__ import annotations
 
@@ -15,7 +17,13 @@ from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.directories import check_directory, check_disk, refuse_source
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import claim, refuse_foreign, refuse_other_kind, refuse_results, results_in
+from granwave.lammps_inputs.ownership import (
+    claim,
+    refuse_foreign,
+    refuse_other_kind,
+    refuse_results,
+    results_in,
+)
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_WORK, is_scan
 from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout, slurm
@@ -32,7 +40,8 @@ def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Poi
     """
     if fresh:
         return list(scan.distinct.values())
-    found, errors = [], []
+    found = []
+    errors = []
     for name, point in scan.distinct.items():
         try:
             found += [] if layout.is_whole(directory, name) else [point]
@@ -74,7 +83,9 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
                     found.setdefault(fault, []).append(f"point {point.number} ({labels}): {fault}")
         errors: list[str] = []
         for fault, lines in found.items():
-            errors += [f"{scan.name}: {line}" for line in ([fault] if len(lines) == len(points) else lines)]
+            errors += [
+                f"{scan.name}: {line}" for line in ([fault] if len(lines) == len(points) else lines)
+            ]
         if errors:
             raise InputError(errors)
 
@@ -96,8 +107,8 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
     Raises
     ------
     InputError
-        It holds results and neither resume nor force was given, or holds something else, or files that granwave did not
-        write and would overwrite; or the case.toml of a point was changed.
+        It holds results and neither resume nor force was given, or holds something else, or files
+        that granwave did not write and would overwrite; or the case.toml of a point was changed.
     """
     check_directory(directory, resume=resume, force=force)
     refuse_other_kind(directory, SCAN)
@@ -108,7 +119,11 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
         there = None
         with contextlib.suppress(OutputFormatError):  # a damaged index is written anew
             there = ScanResult(directory)
-        if there and there.name != scan.name and not {point.id for point in there.points} & set(scan.distinct):
+        if (
+            there
+            and there.name != scan.name
+            and not {point.id for point in there.points} & set(scan.distinct)
+        ):
             raise InputError(
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
                 "--force replaces it, or choose another directory with -o"
@@ -130,7 +145,9 @@ def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
     (directory / layout.STOP).unlink(missing_ok=True)
     replace_text(directory / SCAN_FILE, scan.text)
     replace_text(directory / SCAN_INDEX, json.dumps(scan.index(), indent=1) + "\n")
-    adopted = {name for job in slurm.jobs_of(directory) for name in job.points} if on_cluster else set()
+    adopted = (
+        {name for job in slurm.jobs_of(directory) for name in job.points} if on_cluster else set()
+    )
     for point in scan.distinct:
         in_work = point in adopted or busy(layout.unfinished(directory, point))
         if not in_work and (fault := layout.fault(directory, point)):

@@ -32,8 +32,12 @@ logger = logging.getLogger(__name__)
 
 STOPPED = "stopped"  # by Ctrl-C or SIGTERM
 _FORCED = 3  # signals that stop at once; the first one asks for checkpoints
-_POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of the directory, and of the queue
-_TABLE_EVERY, _FIGURES_EVERY = 5.0, 60.0  # shortest s between updates during the run
+# s between checks of the directory, and of the queue
+_POLL = 0.3
+_QUEUE_POLL = 2.0
+# shortest s between updates during the run
+_TABLE_EVERY = 5.0
+_FIGURES_EVERY = 60.0
 # a round that leaves points unfinished (jobs killed, time limit) is followed by another
 _MOST_ROUNDS = 20
 _MOST_SHOWN = 3  # running points, and labels of each, beside the bar
@@ -104,7 +108,8 @@ def run_scan(
     Raises
     ------
     InputError
-        The directory holds results or another scan, or is in use; or there is no Slurm. Nothing was run.
+        The directory holds results or another scan, or is in use; or there is no Slurm. Nothing was
+        run.
     RunError
         No job could start a point.
     """
@@ -126,13 +131,21 @@ def run_scan(
 
 
 def default_jobs(profile: Profile | None) -> int:
-    """Return the default number of simultaneous jobs: cores of this machine, or that of the profile."""
+    """Return the default number of simultaneous jobs: cores of this machine, or that of the
+    profile.
+    """
     return profile.jobs if profile else len(os.sched_getaffinity(0))
 
 
 class _ScanRun:
-    def __init__(self, scan: Scan, directory: Path, machine: Machine, stop: Interrupts, *, show: bool) -> None:
-        self.scan, self.directory, self.machine, self.stop, self.show = scan, directory, machine, stop, show
+    def __init__(
+        self, scan: Scan, directory: Path, machine: Machine, stop: Interrupts, *, show: bool
+    ) -> None:
+        self.scan = scan
+        self.directory = directory
+        self.machine = machine
+        self.stop = stop
+        self.show = show
         self.open = dict(scan.distinct)  # points not known to be done or failed
         self.running: dict[str, float] = {}  # start times of running points, by id
         self.result = ScanResult(directory)
@@ -146,11 +159,16 @@ class _ScanRun:
     def work(self) -> None:
         """Run rounds of jobs until every point is done or has failed; update table and figures."""
         self._update_points()
-        self._bar = Progress(len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed())
+        self._bar = Progress(
+            len(self.scan.distinct), self.scan.name, enabled=self.show, done=self._closed()
+        )
         try:
             for number in range(_MOST_ROUNDS):
-                # no point runs twice: an earlier start of this scan may have left jobs on the cluster
-                while self.machine.profile and not self.stop.count and slurm.jobs_of(self.directory):
+                # no point runs twice: an earlier start of this scan may have left jobs on the
+                # cluster
+                while (
+                    self.machine.profile and not self.stop.count and slurm.jobs_of(self.directory)
+                ):
                     self._look("jobs of an earlier start go on")
                     time.sleep(_QUEUE_POLL)
                 self._update_points()
@@ -167,7 +185,8 @@ class _ScanRun:
             publish(self.directory, self.scan.study)
 
     def _round(self, points: Sequence[Point], prefix: str) -> None:
-        batches, profile = self.machine.batches(points, prefix), self.machine.profile
+        batches = self.machine.batches(points, prefix)
+        profile = self.machine.profile
         stop = self.directory / layout.STOP
         for batch in batches:
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
@@ -187,7 +206,9 @@ class _ScanRun:
                 self._look()
                 if self.stop.count or stop.exists():
                     if self.stop.count:
-                        logger.warning("%s: stopping; the points in work write checkpoints ...", self.scan.name)
+                        logger.warning(
+                            "%s: stopping; the points in work write checkpoints ...", self.scan.name
+                        )
                     with contextlib.suppress(OSError):
                         stop.touch()
                     jobs.stop(lambda: self.stop.count >= _FORCED)
@@ -199,14 +220,19 @@ class _ScanRun:
         if not self.stopped and not self.stop.count:
             refused = [point.id for batch in jobs.waiting for point in batch.points]
             if not refused and self._states(points) == before:
-                raise RunError(f"no job has started a point; their logs are in {self.directory / layout.LOGS}")
+                raise RunError(
+                    f"no job has started a point; their logs are in {self.directory / layout.LOGS}"
+                )
             note_refused(self.directory, refused, jobs.refusal)
             if profile:
                 note_ended(self.directory, [point.id for point in points])
         self._update_points()
 
     def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
-        return [(layout.is_done(self.directory, p.id), layout.state(self.directory, p.id)) for p in points]
+        return [
+            (layout.is_done(self.directory, p.id), layout.state(self.directory, p.id))
+            for p in points
+        ]
 
     # ------------------------------------------------------------------ looking
 
@@ -217,14 +243,17 @@ class _ScanRun:
         parts = [note, f"{failed} failed" if failed else ""]
         if self.running:
             shown = [self.scan.distinct[name] for name in self.running][:_MOST_SHOWN]
-            parts.append(f"now {'; '.join(f'{point.number}: {_labels_of(point)}' for point in shown)}")
+            parts.append(
+                f"now {'; '.join(f'{point.number}: {_labels_of(point)}' for point in shown)}"
+            )
         ages = {name: time.time() - started for name, started in self.running.items()}
         times = self.outlook.text(list(self.open.values()), ages)
         self._bar.update(self._closed(), ", ".join(part for part in parts if part), times)
         now = time.monotonic()
         if self.changed and now - self.tabled > _TABLE_EVERY:
             write_scan_table(self.result)
-            self.changed, self.tabled = False, now
+            self.changed = False
+            self.tabled = now
             if now - self.drawn > _FIGURES_EVERY:
                 _draw(self.result, pdf=False)
                 self.drawn = time.monotonic()
@@ -250,8 +279,12 @@ class _ScanRun:
     def outcome(self) -> ScanOutcome:
         """Return the outcome of the scan."""
         # one point may have several rows in the table
-        counts = Counter({point.id: point.status for point in ScanResult(self.directory).points}.values())
-        done, failed, missing = counts["done"], counts["failed"], counts["missing"]
+        counts = Counter(
+            {point.id: point.status for point in ScanResult(self.directory).points}.values()
+        )
+        done = counts["done"]
+        failed = counts["failed"]
+        missing = counts["missing"]
         if not failed and not missing:
             with contextlib.suppress(OSError):
                 (self.directory / layout.unfinished(self.directory, "")).rmdir()
@@ -259,7 +292,9 @@ class _ScanRun:
 
 
 def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> None:
-    """Draw the figures of studies, and of the comparison of the scans of a suite, and write the report."""
+    """Draw the figures of studies, and of the comparison of the scans of a suite, and write the
+    report.
+    """
     # the drawing library is loaded when all points are done
     from granwave.analysis.reports.inputs import read_inputs
     from granwave.analysis.reports.report import write_report
@@ -283,4 +318,6 @@ def _draw(result: ScanResult, *, pdf: bool = True) -> None:
 def _labels_of(point: Point) -> str:
     """Return the main labels of a point."""
     shown = list(point.labels.items())[:_MOST_SHOWN]
-    return ", ".join(f"{key.split('.')[-1]} {f'{v:.4g}' if isinstance(v, float) else v}" for key, v in shown)
+    return ", ".join(
+        f"{key.split('.')[-1]} {f'{v:.4g}' if isinstance(v, float) else v}" for key, v in shown
+    )

@@ -1,4 +1,6 @@
-"""Jobs of a scan, one for each batch: processes on this machine, or jobs of Slurm; as many at once as have room."""
+"""Jobs of a scan, one for each batch: processes on this machine, or jobs of Slurm; as many at once
+as have room.
+"""
 
 from __future__ import annotations
 
@@ -22,9 +24,12 @@ from granwave.workflows.scanning import layout, slurm
 from granwave.workflows.scanning.batches import Batch
 from granwave.workflows.scanning.slurm import Profile
 
-LOCAL, SLURM = "local", "slurm"
+LOCAL = "local"
+SLURM = "slurm"
 EXECUTORS = (LOCAL, SLURM)
-_POLL, _QUEUE_POLL = 0.3, 2.0  # s between checks of processes, and of the queue
+# s between checks of processes, and of the queue
+_POLL = 0.3
+_QUEUE_POLL = 2.0
 _PATIENCE = 60.0  # s that running jobs have to stop after a request
 _LEAST_MINUTES = 10  # shortest default time limit
 _LEFT_ALONE = 30  # s that ranks may go on after one has died
@@ -50,7 +55,9 @@ class Jobs:
     """
 
     def __init__(self, directory: Path, batches: Iterable[Batch]) -> None:
-        self.directory, self.waiting, self.refusal = directory, list(batches), ""
+        self.directory = directory
+        self.waiting = list(batches)
+        self.refusal = ""
         self._live: dict[Any, Batch] = {}  # by process, or by id of the job
         self._repeated: set[str] = set()
 
@@ -58,7 +65,9 @@ class Jobs:
         """Start the jobs that have room; return True while jobs are running or pending."""
         for job in self._ended():
             batch = self._live.pop(job)
-            if batch.id not in self._repeated and not all(layout.is_final(self.directory, p.id) for p in batch.points):
+            if batch.id not in self._repeated and not all(
+                layout.is_final(self.directory, p.id) for p in batch.points
+            ):
                 self._repeated.add(batch.id)
                 self.waiting.insert(0, batch)
         for batch in [*self.waiting]:
@@ -68,7 +77,8 @@ class Jobs:
         return bool(self._live) or (bool(self.waiting) and not self.refusal)
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
-        """Start no further job, and wait until the running ones have stopped, which a file has asked for.
+        """Start no further job, and wait until the running ones have stopped, which a file has
+        asked for.
 
         Parameters
         ----------
@@ -129,16 +139,23 @@ class Processes(Jobs):
 class SlurmJobs(Jobs):
     """Jobs of Slurm, so many at once, by the profile of a cluster; ``name`` is that of the scan."""
 
-    def __init__(self, directory: Path, batches: Sequence[Batch], at_once: int, profile: Profile, name: str) -> None:
+    def __init__(
+        self, directory: Path, batches: Sequence[Batch], at_once: int, profile: Profile, name: str
+    ) -> None:
         super().__init__(directory, batches)
-        self._at_once, self._profile, self._name = at_once, profile, name
+        self._at_once = at_once
+        self._profile = profile
+        self._name = name
         self._asked = -math.inf  # time of the last look at the queue
         self._reported: set[str] = set()  # reasons of pending jobs
 
     def running(self) -> bool:
-        """Do so for all jobs at once, from time to time; return the answer of the last time in between."""
+        """Do so for all jobs at once, from time to time; return the answer of the last time in
+        between.
+        """
         if time.monotonic() > self._asked + _QUEUE_POLL:
-            self._unended, self._asked = super().running(), time.monotonic()
+            self._unended = super().running()
+            self._asked = time.monotonic()
         return self._unended
 
     def stop(self, in_haste: Callable[[], bool]) -> None:
@@ -166,19 +183,31 @@ class SlurmJobs(Jobs):
         logs = self.directory / layout.LOGS / batch.id
         logs.mkdir(exist_ok=True)
         command, script = submission(self._profile, batch, self._name)
-        environment = {name: value for name, value in _environment().items() if not name.startswith("SLURM_")}
+        environment = {
+            name: value for name, value in _environment().items() if not name.startswith("SLURM_")
+        }
         try:
-            return slurm.ask(command, input=script, env=environment, cwd=self.directory).strip().partition(";")[0]
+            return (
+                slurm.ask(command, input=script, env=environment, cwd=self.directory)
+                .strip()
+                .partition(";")[0]
+            )
         except RunError as error:
             if not self._live:  # otherwise there may be a limit, and room later
                 lines = str(error).removeprefix("sbatch failed: ").split("sbatch: error: ")
-                self.refusal = "; ".join(dict.fromkeys(filter(None, (line.strip(" .") for line in lines))))
+                self.refusal = "; ".join(
+                    dict.fromkeys(filter(None, (line.strip(" .") for line in lines)))
+                )
             return None
 
 
 def submission(profile: Profile, batch: Batch, name: str) -> tuple[list[str], str]:
-    """Return the command that submits a batch of the scan ``name`` to Slurm, and the script that it reads."""
-    minutes = profile.time or max(_LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60))
+    """Return the command that submits a batch of the scan ``name`` to Slurm, and the script that it
+    reads.
+    """
+    minutes = profile.time or max(
+        _LEAST_MINUTES, math.ceil(max(3 * batch.wall_time, batch.longest) / 60)
+    )
     given = {"partition": profile.partition, "account": profile.account}
     if batch.ranks > 1:
         given["nodes"] = str(_nodes_of(profile, batch))
@@ -191,7 +220,10 @@ def submission(profile: Profile, batch: Batch, name: str) -> tuple[list[str], st
         f"--signal=TERM@{min(_WARNING, minutes * 60 // 3)}", *shlex.split(profile.options),
     ]  # fmt: skip
     step = [] if batch.ranks > 1 else ["srun", "--ntasks=1", "--cpu-bind=q"]
-    return command, f"#!/bin/bash\nset -euo pipefail\n{profile.before}\nexec {shlex.join([*step, *_worker(batch)])}\n"
+    return (
+        command,
+        f"#!/bin/bash\nset -euo pipefail\n{profile.before}\nexec {shlex.join([*step, *_worker(batch)])}\n",
+    )
 
 
 def launcher_of(profile: Profile | None, batch: Batch) -> list[str]:
@@ -207,7 +239,13 @@ def _nodes_of(profile: Profile, batch: Batch) -> int:
 
 
 def _worker(batch: Batch) -> list[str]:
-    return [sys.executable, "-P", "-m", "granwave.workflows.cli.worker", f"{layout.BATCHES}/{batch.id}.json"]
+    return [
+        sys.executable,
+        "-P",
+        "-m",
+        "granwave.workflows.cli.worker",
+        f"{layout.BATCHES}/{batch.id}.json",
+    ]
 
 
 def _environment() -> dict[str, str]:

@@ -40,21 +40,29 @@ def _parse_ranks(value: Any) -> RanksBySize:
     errors = ErrorList("")
     read = schema.read_table(RanksBySize, value, "ranks", errors)
     if read is None:
-        raise ValidationError(f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in errors.lines)})")
+        raise ValidationError(
+            f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in errors.lines)})"
+        )
     return read
 
 
 def parse_studies(value: Any) -> tuple[str, ...]:
     """Parse the name or path of a study, or a list of them."""
     names = [value] if isinstance(value, str) else value
-    known = isinstance(names, list) and all(isinstance(n, str) and (n in STUDIES or is_study_file(n)) for n in names)
+    known = isinstance(names, list) and all(
+        isinstance(n, str) and (n in STUDIES or is_study_file(n)) for n in names
+    )
     if not names or not known:
-        raise ValidationError(f"a Python file, a study, or a list of them; studies are: {', '.join(STUDIES)}")
+        raise ValidationError(
+            f"a Python file, a study, or a list of them; studies are: {', '.join(STUDIES)}"
+        )
     return tuple(names)
 
 
 def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tuple[str, ...]:
-    """Return studies with the absolute paths of their files, which are relative to a scan or suite file."""
+    """Return studies with the absolute paths of their files, which are relative to a scan or suite
+    file.
+    """
     found, faults = find_studies(names, path.parent)
     for fault in faults:
         errors.add("study", fault)
@@ -68,7 +76,9 @@ class Header:
     name: str = custom("name of the scan", schema.plain_name, default="")
     case: str = schema.text("a built-in study or a case file")
     ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)
-    replicates: int = count("runs of each point in which something is random, with seeds 1 to n", default=1)
+    replicates: int = count(
+        "runs of each point in which something is random, with seeds 1 to n", default=1
+    )
     figures: bool = schema.choice("figures of every point too", (False, True), default=False)
     study: tuple[str, ...] = custom(
         "study, or list of studies, that the report makes of the scan", parse_studies, default=()
@@ -83,7 +93,9 @@ def _values_of(value: Any) -> list[Any]:
     ValidationError
         It is neither, or the list is empty.
     """
-    expected = "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
+    expected = (
+        "a list of values such as [1, 2, 5], or {log = [1, 100, 9]} or {linear = [0, 10, 11]}"
+    )
     if isinstance(value, list):
         if not value:
             raise ValidationError("at least one value")
@@ -95,9 +107,13 @@ def _values_of(value: Any) -> list[Any]:
     ((shape, limits),) = value.items()
     expected = f"{{{shape} = [first, last, how many]}}"
     numbers = limits if isinstance(limits, list) else []
-    if len(numbers) != 3 or not all(isinstance(n, int | float) and not isinstance(n, bool) for n in numbers):
+    if len(numbers) != 3 or not all(
+        isinstance(n, int | float) and not isinstance(n, bool) for n in numbers
+    ):
         raise ValidationError(expected)
-    first, last, count = schema.finite(numbers[0], expected), schema.finite(numbers[1], expected), numbers[2]
+    first = schema.finite(numbers[0], expected)
+    last = schema.finite(numbers[1], expected)
+    count = numbers[2]
     if not isinstance(count, int) or not 2 <= count <= _MOST_POINTS:
         raise ValidationError(f"{expected} with 2 to {_MOST_POINTS} values")
     if shape == "log" and (first <= 0 or last <= 0):
@@ -111,8 +127,11 @@ def _values_of(value: Any) -> list[Any]:
     return [first, *(float(f"{value:.14g}") for value in inner), last]
 
 
-def variations_of(tables: Mapping[str, Any], header: Header | None, errors: ErrorList) -> list[dict[str, Any]]:
-    """Make the values of each point, by dotted key, out of [grid], [[zip]] and [[points]]; a product of the first two.
+def variations_of(
+    tables: Mapping[str, Any], header: Header | None, errors: ErrorList
+) -> list[dict[str, Any]]:
+    """Make the values of each point, by dotted key, out of [grid], [[zip]] and [[points]]; a
+    product of the first two.
 
     Faults go into ``errors``.
     """
@@ -126,9 +145,16 @@ def variations_of(tables: Mapping[str, Any], header: Header | None, errors: Erro
         lengths = {key: len(values) for key, values in zipped.items()}
         if len(set(lengths.values())) > 1:
             found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-            errors.add(f"zip {n}", f"found lists of different lengths ({found}), expected one length")
+            errors.add(
+                f"zip {n}", f"found lists of different lengths ({found}), expected one length"
+            )
         elif zipped:
-            axes.append([dict(zip(zipped, values, strict=True)) for values in zip(*zipped.values(), strict=True)])
+            axes.append(
+                [
+                    dict(zip(zipped, values, strict=True))
+                    for values in zip(*zipped.values(), strict=True)
+                ]
+            )
     single = [
         flat(table, f"points {n}", errors)
         for n, table in enumerate(_tables(tables.get("points", []), "points", errors), start=1)
@@ -138,13 +164,17 @@ def variations_of(tables: Mapping[str, Any], header: Header | None, errors: Erro
     keys = [key for axis in axes for key in axis[0]]
     for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
         errors.add(key, "varies twice; let it stand in one of [grid] and [[zip]]")
-    count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (header.replicates if header else 1)
+    count = ((math.prod(map(len, axes)) if axes else 0) + len(single)) * (
+        header.replicates if header else 1
+    )
     if count > _MOST_POINTS:
         errors.add("grid", f"found {count} points, expected at most {_MOST_POINTS}")
     if errors.lines:
         return []
     products = itertools.product(*axes) if axes else []
-    points = [{key: value for part in parts for key, value in part.items()} for parts in products] + single
+    points = [
+        {key: value for part in parts for key, value in part.items()} for parts in products
+    ] + single
     return points
 
 
@@ -170,7 +200,9 @@ def flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
         if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
             errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
             continue
-        whole_table = "." in key or (key == "material" and isinstance(value, Mapping) and "preset" in value)
+        whole_table = "." in key or (
+            key == "material" and isinstance(value, Mapping) and "preset" in value
+        )
         if isinstance(value, Mapping) and not whole_table and not set(value) & {*_SHAPES}:
             flat |= {f"{key}.{inner}": held for inner, held in value.items()}
         else:

@@ -30,13 +30,19 @@ from granwave.lammps_inputs.run_directory import (
     UNFINISHED,
 )
 
-DRIVER = "GRANWAVE_SCAN_DRIVER"  # environment variable: process id of the local driver; jobs stop when it ends
-BATCHES, DONE, LOGS = f"{SCAN_WORK}/batches", f"{SCAN_WORK}/done", f"{SCAN_WORK}/logs"
+# environment variable: process id of the local driver; jobs stop when it ends
+DRIVER = "GRANWAVE_SCAN_DRIVER"
+BATCHES = f"{SCAN_WORK}/batches"
+DONE = f"{SCAN_WORK}/done"
+LOGS = f"{SCAN_WORK}/logs"
 STOP = f"{SCAN_WORK}/stop"  # file whose existence asks all workers to stop; its text is the reason
 _FILES = (SCAN_FILE, SCAN_INDEX, SCAN_TABLE, SCAN_DATA, SCAN_MEANS, SCAN_REPORT, STUDY_ROWS)
 
 # states of a point
-RUNNING, INTERRUPTED, FAILED, DONE_STATE = "running", "interrupted", "failed", "done"
+RUNNING = "running"
+INTERRUPTED = "interrupted"
+FAILED = "failed"
+DONE_STATE = "done"
 MOST_ATTEMPTS = 2
 
 LEAST_FREE = 50e6  # bytes of disk space in addition to the expected output of a point
@@ -68,7 +74,8 @@ def fault(directory: Path, point: str) -> str:
     Raises
     ------
     InputError
-        The case.toml of the point was changed after the run, or the directory is that of another point.
+        The case.toml of the point was changed after the run, or the directory is that of another
+        point.
     """
     place = finished(directory, point)
     if not place.is_dir():
@@ -112,7 +119,9 @@ def _move(place: Path, target: Path) -> None:
         with contextlib.suppress(OSError):
             target.rmdir()
     if os.path.lexists(target):
-        raise InputError(f"{target}: holds files that granwave did not write; move them away, then --resume")
+        raise InputError(
+            f"{target}: holds files that granwave did not write; move them away, then --resume"
+        )
     target.parent.mkdir(exist_ok=True)
     os.replace(place, target)
 
@@ -128,7 +137,9 @@ def seconds(directory: Path, point: str) -> float | None:
 
 
 def write_state(place: Path, **record: Any) -> None:
-    """Replace the record of a point, all or nothing; raises InputError where somebody else's file is in its place."""
+    """Replace the record of a point, all or nothing; raises InputError where somebody else's file
+    is in its place.
+    """
     place.mkdir(parents=True, exist_ok=True)
     claim(place, POINT_FILES)
     replace_text(place / POINT_FILE, json.dumps({**record, "id": place.name}, indent=1) + "\n")

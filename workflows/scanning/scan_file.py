@@ -1,7 +1,8 @@
 """A scan file: one case, varied keys, and the resulting points.
 
-Every point is a complete case, checked before anything runs. Its id is a hash of the resolved case and of the versions
-that its result depends on, so that equal points are run once, within a scan and in repeated scans.
+Every point is a complete case, checked before anything runs. Its id is a hash of the resolved case
+and of the versions that its result depends on, so that equal points are run once, within a scan and
+in repeated scans.
 """
 
 from __future__ import annotations
@@ -151,7 +152,11 @@ def find_scan(scan: str | Path, directory: Path = Path()) -> Path:
 
 
 def load_scan(
-    scan: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (), *, here: bool = True, most: int | None = None
+    scan: str | Path,
+    overrides: Iterable[str] | Mapping[str, Any] = (),
+    *,
+    here: bool = True,
+    most: int | None = None,
 ) -> Scan:
     """Read a scan file and make its points.
 
@@ -160,7 +165,8 @@ def load_scan(
     scan
         Path of the file, or name of a built-in scan.
     overrides
-        Keys of the case for all points, in addition to those of ``[set]`` and with precedence over them.
+        Keys of the case for all points, in addition to those of ``[set]`` and with precedence over
+        them.
     here
         True if the points run on this machine and must fit into its memory.
     most
@@ -192,7 +198,8 @@ def scan_from_dict(
     Parameters
     ----------
     path
-        Name of the file in messages; its stem is the default name of the scan, and its folder that of relative paths.
+        Name of the file in messages; its stem is the default name of the scan, and its folder that
+        of relative paths.
     changes
         Keys of the case for all points, by dotted key.
     here
@@ -206,14 +213,20 @@ def scan_from_dict(
     """
     data = dict(data)
     if "scans" in data:
-        raise InputError(f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}")
+        raise InputError(
+            f"{path}: is a suite of scans, expected one scan: one of {', '.join(map(str, data['scans']))}"
+        )
     errors = ErrorList(str(path), vocabulary=[f"set.{key}" for key in case_keys()])
-    tables: dict[str, Any] = {name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data}
+    tables: dict[str, Any] = {
+        name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data
+    }
     header = read_table(Header, {"name": path.stem, **data}, "", errors)
     fixed = {
         key: value
         for key, value in flat(tables.get("set", {}), "set", errors).items()
-        if not any(key.startswith(f"{changed}.") for changed in changes)  # --set material=steel, all of it
+        if not any(
+            key.startswith(f"{changed}.") for changed in changes
+        )  # --set material=steel, all of it
     } | dict(changes)
     variations = variations_of(tables, header, errors)
     if header is not None:
@@ -247,14 +260,19 @@ def _build(
     template: Mapping[str, Any] | None = None,
     most: int | None = None,
 ) -> Scan:
-    n_all, n_values = len(variations), {}
+    n_all = len(variations)
+    n_values = {}
     if most is not None and n_all > most:
-        n_values = {key: len({repr(values.get(key)) for values in variations}) for key in variations[0]}
+        n_values = {
+            key: len({repr(values.get(key)) for values in variations}) for key in variations[0]
+        }
         variations = [variations[n] for n in sorted(random.Random(0).sample(range(n_all), most))]
     varied = tuple(dict.fromkeys(key for values in variations for key in values))
     if header.replicates > 1:
         if SEED in varied:
-            raise InputError(f"{path}: {SEED}: varies twice; leave out replicates, which are seeds from 1 on")
+            raise InputError(
+                f"{path}: {SEED}: varies twice; leave out replicates, which are seeds from 1 on"
+            )
         varied = (*varied, SEED)
     twice = [key for key in fixed if key in varied]
     if twice:
@@ -264,7 +282,9 @@ def _build(
         )
     if template is None:
         try:
-            base = library.find_for(header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
+            base = library.find_for(
+                header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent
+            )
         except InputError as error:
             raise InputError(f"{path}: case: {fault}" for fault in error.errors) from None
         except OSError as error:
@@ -298,7 +318,9 @@ def _build(
                 errors.append((n, values, error.errors))
             progress.update(n, "checked")
     if header.replicates > 1 and len(points) == len(variations):
-        _LOG.warning("%s: replicates: nothing is random in these packings, so that each is run once", path)
+        _LOG.warning(
+            "%s: replicates: nothing is random in these packings, so that each is run once", path
+        )
     if errors:
         raise InputError(_error_lines(path, errors, len(variations)))
     return Scan(
@@ -325,12 +347,18 @@ def _with(
     except InputError as error:
         places = [fault.removeprefix("--set: ") for fault in error.errors]
         raise InputError(
-            f"{'--set' if place.partition(':')[0] in changes else path}: {place}" for place in places
+            f"{'--set' if place.partition(':')[0] in changes else path}: {place}"
+            for place in places
         ) from None
 
 
 def _point(
-    number: int, values: Mapping[str, Any], case: AnyCase, kind: Kind, header: Header, varied: Sequence[str]
+    number: int,
+    values: Mapping[str, Any],
+    case: AnyCase,
+    kind: Kind,
+    header: Header,
+    varied: Sequence[str],
 ) -> Point:
     ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
     expected = kind.cost(case, ranks, header.figures)
@@ -343,11 +371,15 @@ def _point(
         for name in one.split("."):
             found = found.get(name, "") if isinstance(found, Mapping) else ""
         labels[one] = values.get(one, found)
-    return Point(number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks)
+    return Point(
+        number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks
+    )
 
 
 def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> list[Point]:
-    """Replace the varied values of points by labels, with paths relative to the folder of the scan file."""
+    """Replace the varied values of points by labels, with paths relative to the folder of the scan
+    file.
+    """
     columns: dict[str, list[Scalar]] = {}
     for key in varied:
         values = [with_short_paths(point.labels[key], folder, key) for point in points]
@@ -357,19 +389,30 @@ def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> l
             for value, words in zip(values, unique_labels(values), strict=True)
         ]
     return [
-        dataclasses.replace(point, labels={key: columns[key][n] for key in varied}) for n, point in enumerate(points)
+        dataclasses.replace(point, labels={key: columns[key][n] for key in varied})
+        for n, point in enumerate(points)
     ]
 
 
-def _error_lines(path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int) -> list[str]:
+def _error_lines(
+    path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int
+) -> list[str]:
     """Return errors common to all points once; otherwise a line for each invalid point."""
-    shared = [fault for fault in errors[0][2] if len(errors) == count and all(fault in f for _, _, f in errors)]
-    lines = [fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}" for fault in shared]
+    shared = [
+        fault
+        for fault in errors[0][2]
+        if len(errors) == count and all(fault in f for _, _, f in errors)
+    ]
+    lines = [
+        fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}"
+        for fault in shared
+    ]
     for n, values, found in errors:
         own = [fault for fault in found if fault not in shared]
         if own:
             labels = ", ".join(
-                f"{key} = {show(with_short_paths(value, path.parent, key))}" for key, value in values.items()
+                f"{key} = {show(with_short_paths(value, path.parent, key))}"
+                for key, value in values.items()
             )
             message = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
             lines.append(f"{path}: point {n} ({labels}): {message}")

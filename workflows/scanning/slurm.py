@@ -1,4 +1,6 @@
-"""A cluster with Slurm: the profile that `granwave scan --profile FILE` reads, the queue, and how jobs ended."""
+"""A cluster with Slurm: the profile that `granwave scan --profile FILE` reads, the queue, and how
+jobs ended.
+"""
 
 from __future__ import annotations
 
@@ -69,15 +71,23 @@ class Profile:
     time: int | None = custom(
         "time limit of a job, minutes; default: thrice the expected time", _positive, default=None
     )
-    memory: int | None = custom("memory of a job, MB; default: what its points need", _positive, default=None)
+    memory: int | None = custom(
+        "memory of a job, MB; default: what its points need", _positive, default=None
+    )
     jobs: int = custom("jobs at once, where --jobs is not given", _positive, default=100)
     nodes: int = custom("nodes that the ranks of a point are spread over", _positive, default=1)
     launcher: str = text("starts the ranks of a point", default="srun --mpi=pmi2")
-    before: str = custom("shell commands before each job, such as module load ...", _lines, default="")
-    options: str = custom("further options for sbatch, such as --constraint=...", _options, default="")
+    before: str = custom(
+        "shell commands before each job, such as module load ...", _lines, default=""
+    )
+    options: str = custom(
+        "further options for sbatch, such as --constraint=...", _options, default=""
+    )
     job_start: float = schema.number("time that it takes to start a job, s", above=0, default=15.0)
     status: Literal["squeue", "sacct"] = schema.choice(
-        "how the state of jobs is asked for; sacct needs an accounting database", ("squeue", "sacct"), default="squeue"
+        "how the state of jobs is asked for; sacct needs an accounting database",
+        ("squeue", "sacct"),
+        default="squeue",
     )
 
 
@@ -103,12 +113,28 @@ def load_profile(path: str | Path) -> Profile:
 logger = logging.getLogger(__name__)
 
 COMMENT = "granwave batch "  # of our jobs, followed by the id of the batch
-_USUAL = ("None", "Resources", "Priority", "BeginTime", "Cleaning", "Prolog")  # normal reasons of pending jobs
+_USUAL = (
+    "None",
+    "Resources",
+    "Priority",
+    "BeginTime",
+    "Cleaning",
+    "Prolog",
+)  # normal reasons of pending jobs
 _STATES = {  # commands that list jobs with their states
     "squeue": ["squeue", "--me", "--noheader", "--format=%i|%T"],
     "sacct": ["sacct", "-X", "-n", "-P", "-o", "JobID,State"],
 }
-_UNENDED = ("PENDING", "RUNNING", "CONFIGURING", "COMPLETING", "SUSPENDED", "REQUEUED", "RESIZING", "STOPPED")
+_UNENDED = (
+    "PENDING",
+    "RUNNING",
+    "CONFIGURING",
+    "COMPLETING",
+    "SUSPENDED",
+    "REQUEUED",
+    "RESIZING",
+    "STOPPED",
+)
 _ANSWER = 60.0  # s, time limit for an answer of Slurm
 
 
@@ -145,10 +171,14 @@ def jobs_of(directory: Path) -> list[QueuedJob]:
         Slurm does not answer, so that its jobs are unknown.
     """
     jobs = []
-    for line in ask(["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]).splitlines():
+    for line in ask(
+        ["squeue", "--me", "--array", "--noheader", "--format=%i|%T|%r|%k|%Z"]
+    ).splitlines():
         name, state, reason, comment, place = line.split("|", 4)
         if comment.startswith(COMMENT) and os.path.realpath(place) == os.path.realpath(directory):
-            batch = read_json(directory / layout.BATCHES / f"{comment.removeprefix(COMMENT)}.json") or {"points": []}
+            batch = read_json(
+                directory / layout.BATCHES / f"{comment.removeprefix(COMMENT)}.json"
+            ) or {"points": []}
             points = tuple(point["id"] for point in batch["points"])
             jobs.append(QueuedJob(name, state == "PENDING", points, reason))
     return jobs
@@ -163,11 +193,15 @@ def ended(jobs: Iterable[str], status: str) -> set[str]:
 
 
 def warn_of_pending(directory: Path, scan: str, reported: set[str]) -> None:
-    """Log the unusual reasons why jobs of a scan are pending that were not ``reported``, and add them there."""
+    """Log the unusual reasons why jobs of a scan are pending that were not ``reported``, and add
+    them there.
+    """
     for reason in {job.reason for job in jobs_of(directory) if job.pending} - reported:
         reported.add(reason)
         if reason not in _USUAL:
-            logger.warning("%s: Slurm lets jobs wait: %s; Ctrl-C takes them back", scan, reason.strip("()"))
+            logger.warning(
+                "%s: Slurm lets jobs wait: %s; Ctrl-C takes them back", scan, reason.strip("()")
+            )
 
 
 def cancel(jobs: list[QueuedJob]) -> None:
@@ -177,9 +211,13 @@ def cancel(jobs: list[QueuedJob]) -> None:
 
 
 def ask(command: list[str], **options: Any) -> str:
-    """Return the output of a command of Slurm, run with options of `subprocess.run`; raise RunError on failure."""
+    """Return the output of a command of Slurm, run with options of `subprocess.run`; raise RunError
+    on failure.
+    """
     try:
-        done = subprocess.run(command, capture_output=True, text=True, timeout=_ANSWER, check=False, **options)
+        done = subprocess.run(
+            command, capture_output=True, text=True, timeout=_ANSWER, check=False, **options
+        )
     except OSError as error:
         raise RunError(f"{command[0]} cannot be run: {error.strerror}") from None
     except subprocess.TimeoutExpired:
@@ -200,7 +238,9 @@ _REMEDIES = {
 def note_refused(directory: Path, points: Iterable[str], reason: str) -> None:
     """Mark points whose jobs could not be submitted as failed, for this reason."""
     for point in points:
-        layout.change_state(directory, point, state=layout.FAILED, reason=f"Slurm did not run the job: {reason}")
+        layout.change_state(
+            directory, point, state=layout.FAILED, reason=f"Slurm did not run the job: {reason}"
+        )
 
 
 def note_ended(directory: Path, points: Iterable[str]) -> None:
@@ -210,10 +250,16 @@ def note_ended(directory: Path, points: Iterable[str]) -> None:
         for point in points:
             state = layout.state(directory, point)
             job = str(state.get("job") or "")
-            left = point not in live and not layout.is_done(directory, point) and job and state.get("asked") != job
+            left = (
+                point not in live
+                and not layout.is_done(directory, point)
+                and job
+                and state.get("asked") != job
+            )
             if not left or not (reason := end_of(directory, job)):
                 continue
-            in_work, last = state.get("state") == layout.RUNNING, state.get("attempts", 0) >= layout.MOST_ATTEMPTS
+            in_work = state.get("state") == layout.RUNNING
+            last = state.get("attempts", 0) >= layout.MOST_ATTEMPTS
             layout.change_state(
                 directory, point, asked=job, state=layout.FAILED if in_work and last else state.get("state"),
                 reason=reason if in_work else "; ".join(filter(None, (state.get("reason"), reason))),
@@ -221,9 +267,11 @@ def note_ended(directory: Path, points: Iterable[str]) -> None:
 
 
 def end_of(directory: Path, job: str) -> str:
-    """Return why Slurm ended a job of a scan, with a remedy; empty if it did not, or has no record of the job.
+    """Return why Slurm ended a job of a scan, with a remedy; empty if it did not, or has no record
+    of the job.
 
-    An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a longer slurm.time``.
+    An example is ``TIMEOUT (TimeLimit): JOB 17 ON n1 CANCELLED AT ... DUE TO TIME LIMIT; give a
+    longer slurm.time``.
     """
     try:
         found = ask(["scontrol", "--oneliner", "show", "job", job])
@@ -231,7 +279,9 @@ def end_of(directory: Path, job: str) -> str:
         state, why, code = (match[1] if match else "" for match in parts)
     except RunError:  # it has no record of old jobs
         try:
-            rows = ask(["sacct", "-X", "-n", "-P", "-j", job, "-o", "State,Reason,ExitCode"]).splitlines()
+            rows = ask(
+                ["sacct", "-X", "-n", "-P", "-j", job, "-o", "State,Reason,ExitCode"]
+            ).splitlines()
         except RunError:  # there is no accounting
             return ""
         state, why, code = rows[-1].split("|") if rows else ("", "", "")
@@ -243,6 +293,15 @@ def end_of(directory: Path, job: str) -> str:
     for log in (directory / layout.LOGS).glob(f"**/{job}.log"):
         with contextlib.suppress(OSError):
             lines += log.read_text(encoding="utf-8", errors="replace").splitlines()
-    errors = "; ".join(dict.fromkeys(match[1].strip("* ") for line in lines if (match := _SLURM_ERROR.match(line))))
-    remedy = next((text for sign, text in _REMEDIES.items() if re.search(sign, f"{state} {errors}", re.IGNORECASE)), "")
+    errors = "; ".join(
+        dict.fromkeys(match[1].strip("* ") for line in lines if (match := _SLURM_ERROR.match(line)))
+    )
+    remedy = next(
+        (
+            text
+            for sign, text in _REMEDIES.items()
+            if re.search(sign, f"{state} {errors}", re.IGNORECASE)
+        ),
+        "",
+    )
     return f"Slurm ended job {job}: {state}{f': {errors}' if errors else ''}{f'; {remedy}' if remedy else ''}"

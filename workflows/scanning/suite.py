@@ -15,12 +15,24 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.versions import versions_of
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, plain_name, read_table
+from granwave.lammps_inputs.case.schema import (
+    ErrorList,
+    ValidationError,
+    custom,
+    plain_name,
+    read_table,
+)
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
-from granwave.lammps_inputs.run_directory import SCAN_FILE, SCAN_REPORT, STUDY_ROWS, SUITE, SUITE_INDEX
+from granwave.lammps_inputs.run_directory import (
+    SCAN_FILE,
+    SCAN_REPORT,
+    STUDY_ROWS,
+    SUITE,
+    SUITE_INDEX,
+)
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
 from granwave.workflows.scanning.driver import ScanOutcome, publish, run_scan
@@ -32,7 +44,11 @@ _FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT, STUDY_ROWS)
 
 
 def _parse_scans(value: Any) -> tuple[str, ...]:
-    if not isinstance(value, list) or not value or not all(isinstance(name, str) and name for name in value):
+    if (
+        not isinstance(value, list)
+        or not value
+        or not all(isinstance(name, str) and name for name in value)
+    ):
         raise ValidationError("a list of names of built-in studies and of files")
     return tuple(value)
 
@@ -42,9 +58,15 @@ class SuiteFile:
     """Keys of a suite file."""
 
     name: str = custom("name of the suite", plain_name, default="")
-    scans: tuple[str, ...] = custom("built-in scans, or scan files as seen from this file", _parse_scans)
-    cases: tuple[str, ...] = custom("built-in studies, or case files as seen from this file", _parse_scans, default=())
-    study: tuple[str, ...] = custom("study, or list of studies, of all its runs", parse_studies, default=())
+    scans: tuple[str, ...] = custom(
+        "built-in scans, or scan files as seen from this file", _parse_scans
+    )
+    cases: tuple[str, ...] = custom(
+        "built-in studies, or case files as seen from this file", _parse_scans, default=()
+    )
+    study: tuple[str, ...] = custom(
+        "study, or list of studies, of all its runs", parse_studies, default=()
+    )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -101,7 +123,9 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     if header is None or errors.lines:
         raise InputError(errors.lines)
     scans: list[Scan] = []
-    for key, entry in [(_SCANS, entry) for entry in header.scans] + [("cases", entry) for entry in header.cases]:
+    for key, entry in [(_SCANS, entry) for entry in header.scans] + [
+        ("cases", entry) for entry in header.cases
+    ]:
         try:
             if key == _SCANS:
                 scans.append(load_scan(find_scan(entry, path.parent), here=here))
@@ -109,10 +133,15 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
                 scans.append(scan_of_case(entry, path, here=here))
         except InputError as error:
             known = f"{entry}: " if key == _SCANS else f"{path}: case: {entry}: "
-            errors.lines += [f"{path}: {key}: {entry}: {fault.removeprefix(known)}" for fault in error.errors]
+            errors.lines += [
+                f"{path}: {key}: {entry}: {fault.removeprefix(known)}" for fault in error.errors
+            ]
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
-        errors.add(_SCANS, f"found two scans of the name {twice}, expected different names: each has its directory")
+        errors.add(
+            _SCANS,
+            f"found two scans of the name {twice}, expected different names: each has its directory",
+        )
     if errors.lines:
         raise InputError(errors.lines)
     return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), studies)
@@ -153,7 +182,12 @@ def run_suite(
         claim(directory, _FILES, kind=SUITE)
         replace_text(directory / SCAN_FILE, suite.text)
         names = [scan.name for scan in suite.scans]
-        index = {"name": suite.name, "scans": names, "study": list(suite.study), "versions": versions_of(())}
+        index = {
+            "name": suite.name,
+            "scans": names,
+            "study": list(suite.study),
+            "versions": versions_of(()),
+        }
         replace_text(directory / SUITE_INDEX, json.dumps(index, indent=1) + "\n")
         outcomes: list[ScanOutcome] = []
         options |= {"resume": resume, "force": force}
@@ -164,14 +198,22 @@ def run_suite(
                 break
         stopped = outcomes[-1].stopped
         if not stopped:
-            studies = [name for names in (suite.study, *(scan.study for scan in suite.scans)) for name in names]
+            studies = [
+                name
+                for names in (suite.study, *(scan.study for scan in suite.scans))
+                for name in names
+            ]
             publish(directory, studies, suite=True)
-        complete = len(outcomes) == len(suite.scans) and all(outcome.complete for outcome in outcomes)
+        complete = len(outcomes) == len(suite.scans) and all(
+            outcome.complete for outcome in outcomes
+        )
         return SuiteOutcome(directory, tuple(outcomes), complete, stopped)
 
 
 def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> None:
-    """Raise InputError if a suite cannot be run in ``directory``, see `decide`, without changing anything."""
+    """Raise InputError if a suite cannot be run in ``directory``, see `decide`, without changing
+    anything.
+    """
     results_directory(directory, force=force)
     refuse_other_kind(directory, SUITE)
     for scan in suite.scans:

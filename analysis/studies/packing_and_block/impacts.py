@@ -1,7 +1,8 @@
-"""Impacts on packings and on blocks that can be compared, as tables with a row for each run, and groups of them.
+"""Impacts on packings and on blocks that can be compared, as tables with a row for each run, and
+groups of them.
 
-Columns have the names that they have in the data of the figures. Energies are normalised by F_y alpha_y for packings,
-and by sigma_y^2 D^3/E for blocks, D being the diameter of the punch.
+Columns have the names that they have in the data of the figures. Energies are normalised by F_y
+alpha_y for packings, and by sigma_y^2 D^3/E for blocks, D being the diameter of the punch.
 """
 
 from __future__ import annotations
@@ -16,7 +17,13 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
-from granwave.analysis.measures.impact import Involved, QuadraticLaw, elements_involved, quadratic_law, spheres_involved
+from granwave.analysis.measures.impact import (
+    Involved,
+    QuadraticLaw,
+    elements_involved,
+    quadratic_law,
+    spheres_involved,
+)
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -36,7 +43,13 @@ _DIFFERENCES = {  # what tells substances apart: word, size of the unit, and uni
     "density": ("density", 1.0, "kg/m³"),
     "yield_strength": ("yield strength", 1e6, "MPa"),
 }
-_KEYS = ("substance", "shape", "held", "but_for_mass", "but_for_taper")  # equal numbers for equal content
+_KEYS = (
+    "substance",
+    "shape",
+    "held",
+    "but_for_mass",
+    "but_for_taper",
+)  # equal numbers for equal content
 _MEASURED = (  # columns that a table without rows has, too
     "run", "label", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
     "diameter", "mass_kg", "taper", "fine",
@@ -47,14 +60,18 @@ Curves = dict[str, DataFrame]  # runs by name, the reference first
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Impacts:
-    """All runs that can be compared: of elasto-plastic spheres, and of blocks that a rigid punch hit."""
+    """All runs that can be compared: of elasto-plastic spheres, and of blocks that a rigid punch
+    hit.
+    """
 
     granular: DataFrame
     continuum: DataFrame
 
     @cached_property
     def reference(self) -> DataFrame:
-        """The largest group of granular runs that differ in velocity alone, one sphere struck; by velocity."""
+        """The largest group of granular runs that differ in velocity alone, one sphere struck; by
+        velocity.
+        """
         single = self.granular[self.granular.struck_spheres == 1]
         return rising(largest(single, "shape", "substance"), "velocity_normalised")
 
@@ -62,37 +79,48 @@ class Impacts:
     def fast(self) -> DataFrame:
         """Runs of the reference from a tenth of its largest velocity on.
 
-        Below, the peak forces of too many contacts are near F_y, where dissipation is not quadratic in force.
+        Below, the peak forces of too many contacts are near F_y, where dissipation is not quadratic
+        in force.
         """
         velocity = self.reference.velocity_normalised
         return self.reference[velocity >= _FAST * velocity.max() * (1 - SAME)]
 
     @property
     def like_reference(self) -> DataFrame:
-        """Granular runs on the packing of the reference, of whatever material, diameter and loading area."""
+        """Granular runs on the packing of the reference, of whatever material, diameter and loading
+        area.
+        """
         return self.granular[self.granular["shape"].isin(self.reference["shape"])]
 
     @property
     def other_packings(self) -> DataFrame:
         """Granular runs on packings that no figure or table of the reference shows."""
         runs = self.granular
-        return runs[~runs["shape"].isin(self.reference["shape"]) & ~runs.held.isin(self.reference.held)]
+        return runs[
+            ~runs["shape"].isin(self.reference["shape"]) & ~runs.held.isin(self.reference.held)
+        ]
 
     @cached_property
     def continuum_reference(self) -> DataFrame:
-        """The largest group of continuum runs that differ in the energy of the punch alone; by energy."""
+        """The largest group of continuum runs that differ in the energy of the punch alone; by
+        energy.
+        """
         return rising(largest(self.continuum, "shape", "substance"), "energy_normalised")
 
 
 def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
     """The runs that can be compared; others are left out.
 
-    What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by the elasto-plastic
-    law, and of punches on blocks.
+    What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by
+    the elasto-plastic law, and of punches on blocks.
     """
     runs = list(runs)
-    granular = [_granular(run) for run in runs if isinstance(run, FinishedRun) and not not_ideal(run)]
-    return Impacts(_table(granular), _table([_continuum(run) for run in runs if isinstance(run, ContinuumRun)]))
+    granular = [
+        _granular(run) for run in runs if isinstance(run, FinishedRun) and not not_ideal(run)
+    ]
+    return Impacts(
+        _table(granular), _table([_continuum(run) for run in runs if isinstance(run, ContinuumRun)])
+    )
 
 
 def not_ideal(run: FinishedRun) -> str:
@@ -122,7 +150,9 @@ def rising(runs: DataFrame, column: str) -> DataFrame:
 
 
 def equal(runs: DataFrame, others: DataFrame, column: str) -> DataFrame:
-    """Pairs of runs and others that are meant to be equal in a column; those of the others have an underscore."""
+    """Pairs of runs and others that are meant to be equal in a column; those of the others have an
+    underscore.
+    """
     pairs = runs.merge(others, how="cross", suffixes=("", "_"))
     return pairs[np.abs(pairs[column] / pairs[f"{column}_"] - 1) < SAME]
 
@@ -148,25 +178,36 @@ def differences(first: pd.Series, other: pd.Series) -> str:
 
 def energy_unit(run: pd.Series | DataFrame, diameter: float | None = None) -> Any:
     """sigma_y^2 D^3/E, J, by default with the run's own diameter."""
-    return run.yield_strength**2 * (run.diameter if diameter is None else diameter) ** 3 / run.youngs_modulus
+    return (
+        run.yield_strength**2
+        * (run.diameter if diameter is None else diameter) ** 3
+        / run.youngs_modulus
+    )
 
 
 def variants(impacts: Impacts) -> Curves:
-    """The reference and the groups that differ from it in material or diameter, one sphere struck; with their names."""
+    """The reference and the groups that differ from it in material or diameter, one sphere struck;
+    with their names.
+    """
     same = impacts.like_reference
     return substances(same[same.struck_spheres == 1], impacts.reference)
 
 
 def materials(impacts: Impacts) -> Curves:
-    """The reference of blocks and the groups that differ from it in material alone, with their names."""
-    runs, reference = impacts.continuum, impacts.continuum_reference
+    """The reference of blocks and the groups that differ from it in material alone, with their
+    names.
+    """
+    runs = impacts.continuum
+    reference = impacts.continuum_reference
     return substances(runs[runs["shape"].isin(reference["shape"])], reference)
 
 
 def masses(impacts: Impacts) -> Curves:
     """Groups that differ from the reference in the mass of the punch alone, by rising mass."""
     runs = impacts.continuum
-    same = runs[runs.but_for_mass.isin(impacts.continuum_reference.but_for_mass[:1])].groupby("mass_kg")
+    same = runs[runs.but_for_mass.isin(impacts.continuum_reference.but_for_mass[:1])].groupby(
+        "mass_kg"
+    )
     return {f"m = {mass:.4g} kg": rising(group, "energy_J") for mass, group in same}
 
 
@@ -178,23 +219,34 @@ def by_area(impacts: Impacts) -> Curves:
 
 
 def area_table(curves: Curves) -> DataFrame:
-    """Dissipated fractions by normalised input energy and number of struck spheres, where several numbers were."""
+    """Dissipated fractions by normalised input energy and number of struck spheres, where several
+    numbers were.
+    """
     if "W = 1" not in curves:
         return DataFrame()
     pairs = equal(curves["W = 1"], pd.concat(curves.values()), "energy_J")
-    table = pairs.pivot_table("dissipated_fraction_", "energy_normalised", "struck_spheres_", "first")
+    table = pairs.pivot_table(
+        "dissipated_fraction_", "energy_normalised", "struck_spheres_", "first"
+    )
     table = table[table.notna().sum(axis=1) > 1]
     return table.loc[:, table.notna().any()]
 
 
 def quadratic_fit(impacts: Impacts) -> QuadraticLaw | None:
-    """Quadratic law of the fast runs of the reference, in units in which the input is ``v0^2/2``; v0 is normalised."""
-    return quadratic_law(*dissipation(impacts.fast)) if len(impacts.fast) >= _FEWEST_FITTED else None
+    """Quadratic law of the fast runs of the reference, in units in which the input is ``v0^2/2``;
+    v0 is normalised.
+    """
+    return (
+        quadratic_law(*dissipation(impacts.fast)) if len(impacts.fast) >= _FEWEST_FITTED else None
+    )
 
 
 def involved(run: Any) -> Involved | None:
-    """The material of a run that dissipated; None where its result cannot be read, or nothing was dissipated."""
-    directory, energy = run.run.directory, run.energy_J
+    """The material of a run that dissipated; None where its result cannot be read, or nothing was
+    dissipated.
+    """
+    directory = run.run.directory
+    energy = run.energy_J
     try:
         if run.what == "continuum":
             found = elements_involved(directory / RESULT_FILE, energy)
@@ -221,8 +273,11 @@ def _table(rows: Sequence[dict[str, Any]]) -> DataFrame:
 
 def _granular(run: FinishedRun) -> dict[str, Any]:
     """Row of an impact on a packing."""
-    case, law = run.case, sphere_contact(run.case)
-    packing, boundary, energy = case.packing, case.boundary, run.value("energy_input_J")
+    case = run.case
+    law = sphere_contact(run.case)
+    packing = case.packing
+    boundary = case.boundary
+    energy = run.value("energy_input_J")
     constants = {name: getattr(case.material, name) for name in _CONSTANTS}
     return {
         **constants, "what": "granular", "run": run, "label": run.label, "material": case.material.name,
@@ -241,7 +296,8 @@ def _continuum(run: ContinuumRun) -> dict[str, Any]:
     """Row of an impact of a rigid punch on a block."""
     material, punch, mesh = (run.case[table] for table in ("material", "punch", "run"))
     constants = {name: material.get(name) for name in _CONSTANTS}
-    block, volume = (run.case["block"]["diameter"], run.case["block"]["height"]), math.pi * punch["diameter"] ** 3 / 6
+    block = (run.case["block"]["diameter"], run.case["block"]["height"])
+    volume = math.pi * punch["diameter"] ** 3 / 6
     rest = (block, mesh["elements"], *constants.values())
     return {
         **constants, "what": "continuum", "run": run, "label": run.label, "material": material.get("name"),

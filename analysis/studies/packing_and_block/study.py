@@ -66,7 +66,8 @@ def select(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Impacts]:
 
 def text(impacts: Impacts) -> str:
     """The references, the units of energy, and the time that it took."""
-    parts, many = [], len(impacts.reference)
+    parts = []
+    many = len(impacts.reference)
     if many:
         first = impacts.reference.iloc[0]
         packing = first.run.case.packing
@@ -83,7 +84,9 @@ def text(impacts: Impacts) -> str:
             f"{first.material or 'one material'}, {first.run.case['run']['elements']} elements; energies are "
             f"normalised by sigma_y^2 D^3/E = {show(float(energy_unit(first)))} J."
         )
-    runs = [run for table in (impacts.granular, impacts.continuum) if len(table) for run in table.run]
+    runs = [
+        run for table in (impacts.granular, impacts.continuum) if len(table) for run in table.run
+    ]
     seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
     if seconds >= 1:
         who = f"All {len(runs)} runs" if len(runs) > 1 else "The run"
@@ -93,7 +96,8 @@ def text(impacts: Impacts) -> str:
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Packings and blocks side by side, then each of them, as far as something was varied."""
-    grains, blocks = impacts.reference, impacts.continuum_reference
+    grains = impacts.reference
+    blocks = impacts.continuum_reference
 
     def sketch(name: str, draw: Callable[..., Drawing], *of: Any) -> Picture:
         return Picture(name, _CAPTIONS[name], partial(draw, *of))
@@ -105,7 +109,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     yield from zone.pictures(impacts)
     if len(grains):
         if len(curves := variants(impacts)) > 1:
-            yield sketch("granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log")
+            yield sketch(
+                "granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log"
+            )
         if fit := quadratic_fit(impacts):
             yield sketch("granular_velocity", figures.against_velocity, grains, fit)
         if len(areas := by_area(impacts)) > 1:
@@ -113,7 +119,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     yield from figures.pictures(impacts)
     if len(blocks):
         if len(curves := materials(impacts)) > 1:
-            yield sketch("continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear")
+            yield sketch(
+                "continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear"
+            )
         if len(curves := masses(impacts)) > 1:
             yield sketch("continuum_mass", figures.by_mass, curves)
 
@@ -127,8 +135,12 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
         ("Dissipated per mass", "J/kg"), ("Dissipated per volume", "MJ/m³"),
     )  # fmt: skip
     if rows:
-        caption = f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
-        yield table_of(caption, (Column("Run", key=True), Column("What"), *numbers), rows, sortable=True)
+        caption = (
+            f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
+        )
+        yield table_of(
+            caption, (Column("Run", key=True), Column("What"), *numbers), rows, sortable=True
+        )
     yield from zone.tables(impacts)
     if len(impacts.reference):
         yield from _of_packings(impacts)
@@ -138,7 +150,9 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
 
 
 def _dissipating(reference: DataFrame, most: int) -> DataFrame:
-    """Runs that dissipate, from the largest energy down, a factor of two or more apart; in rising order."""
+    """Runs that dissipate, from the largest energy down, a factor of two or more apart; in rising
+    order.
+    """
     chosen: list[int] = []
     energy = reference.get("energy_J", pd.Series(dtype=float)).to_numpy()
     for n in reversed(range(len(reference))):
@@ -154,8 +168,17 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
     if found is None:
         return None
     fraction, volume = found.part(SHARE)
-    energy, mass, bulk = fraction * run.energy_J, volume * run.density, volume / run.solid_fraction
-    values = run.energy_J, run.dissipated_fraction, mass, 1e6 * bulk, energy / mass, 1e-6 * (energy / bulk)
+    energy = fraction * run.energy_J
+    mass = volume * run.density
+    bulk = volume / run.solid_fraction
+    values = (
+        run.energy_J,
+        run.dissipated_fraction,
+        mass,
+        1e6 * bulk,
+        energy / mass,
+        1e-6 * (energy / bulk),
+    )
     return run.label, Cell(run.what), *values
 
 
@@ -184,7 +207,11 @@ def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
     if len(areas):
         numbers = numeric(*(f"Fraction, W = {count}" for count in areas), "Largest difference")
         rows = [
-            (energy, *(None if math.isnan(one) else one for one in row), float(np.ptp([x for x in row if x == x])))
+            (
+                energy,
+                *(None if math.isnan(one) else one for one in row),
+                float(np.ptp([x for x in row if x == x])),
+            )
             for energy, row in zip(areas.index, areas.to_numpy().tolist(), strict=True)
         ]
         columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
@@ -194,8 +221,9 @@ def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
 def _of_blocks(impacts: Impacts) -> Iterator[Table]:
     """Collapse of the scaling, and influence of the taper.
 
-    With one ratio of yield strength to modulus the differences are nothing but rounding. With another one the punch's
-    rounded edge is larger or smaller beside the displacements, which matters where little more than its edge touches.
+    With one ratio of yield strength to modulus the differences are nothing but rounding. With
+    another one the punch's rounded edge is larger or smaller beside the displacements, which
+    matters where little more than its edge touches.
     """
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(materials(impacts).items())[1:]:
@@ -211,14 +239,22 @@ def _of_blocks(impacts: Impacts) -> Iterator[Table]:
             *numeric("Input over sigma_y^2 D^3/E", key=True),
             *numeric("Difference in fraction", "Difference in volume"),
         )
-        yield table_of("Continuum scaling: at equal normalised energy", columns, rows, sortable=True)
+        yield table_of(
+            "Continuum scaling: at equal normalised energy", columns, rows, sortable=True
+        )
     fine = impacts.continuum[(impacts.continuum.taper != 0) & impacts.continuum.fine]
     tapers = rising(largest(fine, "but_for_taper"), "taper")
     if len(tapers) > 1:
-        numbers = numeric("Dissipated fraction", ("Plastic volume", "mm³"), ("Volume that ever yielded", "mm³"))
+        numbers = numeric(
+            "Dissipated fraction", ("Plastic volume", "mm³"), ("Volume that ever yielded", "mm³")
+        )
         names = "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3"
         rows = [
-            (1e3 * run.taper, run.dissipated_fraction, *(1e9 * run.run.value(name) for name in names))
+            (
+                1e3 * run.taper,
+                run.dissipated_fraction,
+                *(1e9 * run.run.value(name) for name in names),
+            )
             for run in tapers.itertuples()
         ]
         caption = "Continuum: taper of the punch's edge, two elements or more across it"

@@ -1,6 +1,8 @@
-"""Size of the plastic zone against energy, packings and continuum side by side: what holds 50, 90 and 99 %.
+"""Size of the plastic zone against energy, packings and continuum side by side: what holds 50, 90
+and 99 %.
 
-Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in sigma_y^2 D^3/E.
+Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in
+sigma_y^2 D^3/E.
 """
 
 from __future__ import annotations
@@ -13,6 +15,7 @@ from typing import Any
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame, concat
 
 from granwave.analysis.document.model import Cell, Column, Note, Table, Tone, show, value_cell
@@ -42,19 +45,30 @@ _WAVE_REMARK = (
 
 
 def zones(impacts: Impacts) -> dict[str, DataFrame]:
-    """Plastic zones by energy: of the reference's spheres, one of them struck, each in the largest packing; of blocks.
+    """Plastic zones by energy: of the reference's spheres, one of them struck, each in the largest
+    packing; of blocks.
 
     Returns
     -------
     dict
-        Of ``packing`` and ``continuum``, rows of runs whose summaries tell: columns of the figure's data, and those of
-        the run.
+        Of ``packing`` and ``continuum``, rows of runs whose summaries tell: columns of the figure's
+        data, and those of the run.
     """
-    grains, first = impacts.granular, impacts.reference[:1]
-    same = (grains.struck_spheres == 1) & grains.substance.isin(first.substance) & grains.held.isin(first.held)
-    found = {"packing": _sizes("packing", grains[same]), "continuum": _sizes("continuum", impacts.continuum_reference)}
+    grains = impacts.granular
+    first = impacts.reference[:1]
+    same = (
+        (grains.struck_spheres == 1)
+        & grains.substance.isin(first.substance)
+        & grains.held.isin(first.held)
+    )
+    found = {
+        "packing": _sizes("packing", grains[same]),
+        "continuum": _sizes("continuum", impacts.continuum_reference),
+    }
     if len(packings := found["packing"]):
-        found["packing"] = rising(packings.sort_values("n_spheres", ascending=False, kind="stable"), "energy_J")
+        found["packing"] = rising(
+            packings.sort_values("n_spheres", ascending=False, kind="stable"), "energy_J"
+        )
     return found
 
 
@@ -88,7 +102,9 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     )
     caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"
     yield table_of(caption, columns, map(_row, found), sortable=True)
-    if any(zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in found):
+    if any(
+        zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in found
+    ):
         yield Note(_CUT_REMARK, "note")
     if any(zone["mark"] == Mark.WAVE and zone["what"] == "continuum" for zone in found):
         yield Note(_WAVE_REMARK, "note")
@@ -98,20 +114,32 @@ def _sizes(what: str, runs: DataFrame) -> DataFrame:
     """Return the zones of runs, without those whose summaries, of an older version, do not tell."""
     rows = []
     for run in runs.to_dict("records"):
-        summary, diameter = run["run"].summary, run["diameter"]
+        summary = run["run"].summary
+        diameter = run["diameter"]
         if summary.get(f"zone_volume_{SHARES[0]}_m3") is None:
             continue
-        cut, growing = summary.get("zone_cut") or (), summary.get("zone_growing") or ()
-        units = {"depth": (diameter, "m"), "radius": (diameter, "m"), "volume": (math.pi * diameter**3 / 6, "m3")}
+        cut = summary.get("zone_cut") or ()
+        growing = summary.get("zone_growing") or ()
+        units = {
+            "depth": (diameter, "m"),
+            "radius": (diameter, "m"),
+            "volume": (math.pi * diameter**3 / 6, "m3"),
+        }
         names = {
             f"{name}_{share}": (f"zone_{name}_{share}_{unit}", size)
             for name, (size, unit) in units.items()
             for share in SHARES
         }
-        names |= {f"outermost_{name}": (f"plastic_zone_{name}_m", diameter) for name in ("depth", "radius")}
+        names |= {
+            f"outermost_{name}": (f"plastic_zone_{name}_m", diameter)
+            for name in ("depth", "radius")
+        }
         sizes = {column: run["run"].value(name) / size for column, (name, size) in names.items()}
         ends = {"depth": "bottom", "radius": "sides"}
-        sizes |= {f"outermost_{name}_open_ended": int(end in cut or name in growing) for name, end in ends.items()}
+        sizes |= {
+            f"outermost_{name}_open_ended": int(end in cut or name in growing)
+            for name, end in ends.items()
+        }
         over = run["energy_J"] / energy_unit(DataFrame([run]).iloc[0])
         rows.append(run | sizes | {"side": what, "energy": over, "mark": int(mark_of(summary))})
     return DataFrame(rows)
@@ -124,7 +152,8 @@ def _row(zone: dict[str, Any]) -> Iterator[Cell]:
     for name in _SIZES:
         for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):
             if column in zone:
-                value, before = zone[column], "≥ " if zone.get(f"{column}_open_ended") else ""
+                value = zone[column]
+                before = "≥ " if zone.get(f"{column}_open_ended") else ""
                 text = before + show(float(f"{value:.4g}"))
                 yield value_cell(None) if math.isnan(value) else Cell(text, value, tone)
     yield Cell(bounds_in_words(summary.get("zone_cut")), tone=tone)
@@ -132,7 +161,9 @@ def _row(zone: dict[str, Any]) -> Iterator[Cell]:
 
 
 def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
-    """Draw depth, radius and volume that hold 50, 90 and 99 % of the energy of yielding against the input energy."""
+    """Draw depth, radius and volume that hold 50, 90 and 99 % of the energy of yielding against the
+    input energy.
+    """
     figure, *axes_of_sizes = panels(3.1, len(sizes))
     there = {what: side for what, side in sides.items() if len(side)}
     for axes, name in zip(axes_of_sizes, sizes, strict=True):
@@ -144,37 +175,84 @@ def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
         {"color": _LOOKS[what][0], "linestyle": _LOOKS[what][1], "label": what} for what in there
     ]
     lines += [
-        {"color": "black", "marker": marker, "linestyle": "none", "markersize": 4, "label": f"{percent} %"}
+        {
+            "color": "black",
+            "marker": marker,
+            "linestyle": "none",
+            "markersize": 4,
+            "label": f"{percent} %",
+        }
         for marker, percent in zip(_MARKERS, SHARES, strict=True)
     ]
     lines.append({"color": "black", "linestyle": ":", "linewidth": 0.9, "label": "outermost yield"})
     marks = marks_of(concat(there.values())["mark"].tolist())
-    lines += [{"label": text, **marked_marker(mark, "o", 4, "black")} for mark, text in marks.items()]
+    lines += [
+        {"label": text, **marked_marker(mark, "o", 4, "black")} for mark, text in marks.items()
+    ]
     handles = [Line2D([], [], **line) for line in lines]
-    figure.legend(handles=handles, loc="outside upper center", ncols=len(handles), fontsize=6.5, columnspacing=1.0)
-    outermost = [f"outermost_{name}{end}" for name in ("depth", "radius") for end in ("", "_open_ended")]
-    names = ["side", "energy", "mark", *(f"{name}_{share}" for name in _SIZES for share in SHARES), *outermost]
-    table = concat(there.values())[names].rename(columns={"side": "what", "energy": "energy_normalised"})
+    figure.legend(
+        handles=handles,
+        loc="outside upper center",
+        ncols=len(handles),
+        fontsize=6.5,
+        columnspacing=1.0,
+    )
+    outermost = [
+        f"outermost_{name}{end}" for name in ("depth", "radius") for end in ("", "_open_ended")
+    ]
+    names = [
+        "side",
+        "energy",
+        "mark",
+        *(f"{name}_{share}" for name in _SIZES for share in SHARES),
+        *outermost,
+    ]
+    table = concat(there.values())[names].rename(
+        columns={"side": "what", "energy": "energy_normalised"}
+    )
     return Drawing(figure, table.to_dict("list"))
 
 
 def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> None:
-    """Draw one size of the zones of packings or blocks, with the outermost yield; gaps where nothing yielded."""
+    """Draw one size of the zones of packings or blocks, with the outermost yield; gaps where
+    nothing yielded.
+    """
     for share, marker in zip(SHARES, _MARKERS, strict=True):
         y = zones[f"{name}_{share}"].replace(0.0, math.nan)
-        axes.plot(zones.energy, y, linestyle=line, color=colour, marker=marker, markersize=4, linewidth=0.8)
+        axes.plot(
+            zones.energy,
+            y,
+            linestyle=line,
+            color=colour,
+            marker=marker,
+            markersize=4,
+            linewidth=0.8,
+        )
         draw_marks(axes, zones.energy, y, zones["mark"], marker, 4, colour)
     if name != "volume":
-        axes.plot(zones.energy, zones[f"outermost_{name}"].replace(0.0, math.nan), ":", color=colour, linewidth=0.9)
+        axes.plot(
+            zones.energy,
+            zones[f"outermost_{name}"].replace(0.0, math.nan),
+            ":",
+            color=colour,
+            linewidth=0.9,
+        )
 
 
 def _axis_of_contacts(axes: Axes, packing: Any) -> None:
     """Give the energies of the packing in F_y alpha_y too, on top."""
     factor = packing.energy_normalised / packing.energy
     axes.tick_params(axis="x", which="both", top=False)
-    there, back = (lambda x: factor * np.asarray(x, float)), (lambda x: np.asarray(x, float) / factor)
+
+    def there(energy: ArrayLike) -> NDArray[np.float64]:
+        return factor * np.asarray(energy, float)
+
+    def back(normalised: ArrayLike) -> NDArray[np.float64]:
+        return np.asarray(normalised, float) / factor
+
     top = axes.secondary_xaxis("top", functions=(there, back))
     top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
     top.tick_params(labelsize=7)
     low, high = there(axes.get_xlim())
-    top.xaxis.set_view_interval(low, high, ignore=True)  # else it has that of the axis below only when it is drawn
+    # else the interval of the axis below arrives only when the figure is drawn
+    top.xaxis.set_view_interval(low, high, ignore=True)

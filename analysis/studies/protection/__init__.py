@@ -1,1 +1,3 @@
-"""Protection of the target below a packing: force, impulse and energy that arrive, by bottom and by height."""
+"""Protection of the target below a packing: force, impulse and energy that arrive, by bottom and by
+height.
+"""

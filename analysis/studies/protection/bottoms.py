@@ -1,4 +1,6 @@
-"""Influence of the bottom: the same impact on the same packing, on a rigid wall, plates, half-spaces and bars."""
+"""Influence of the bottom: the same impact on the same packing, on a rigid wall, plates,
+half-spaces and bars.
+"""
 
 from __future__ import annotations
 
@@ -20,7 +22,10 @@ _MICRO = 1e6
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
     """Packings of the height with most bottoms, two at least, for each impact."""
-    found = (_one_height([run for run in group if run.assembly.lattice.n_spheres > 1]) for group in impacts(runs))
+    found = (
+        _one_height([run for run in group if run.assembly.lattice.n_spheres > 1])
+        for group in impacts(runs)
+    )
     return [chosen for chosen in found if len({run.bottom for run in chosen}) > 1]
 
 
@@ -78,7 +83,9 @@ def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
 
 def _one_height(runs: Sequence[TargetRun]) -> list[TargetRun]:
     heights = {run.layers for run in runs}
-    best = max(heights, key=lambda n: (len({run.bottom for run in runs if run.layers == n}), n), default=0)
+    best = max(
+        heights, key=lambda n: (len({run.bottom for run in runs if run.layers == n}), n), default=0
+    )
     return [run for run in runs if run.layers == best]
 
 

@@ -1,4 +1,6 @@
-"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of target."""
+"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of
+target.
+"""
 
 from __future__ import annotations
 
@@ -17,13 +19,18 @@ TEXT = (
     "impulse, or on a spring so stiff that it follows the force; what an impedance takes from a force that it "
     "hardly changes."
 )
-_MICRO, _MILLI = 1e6, 1e3
+_MICRO = 1e6
+_MILLI = 1e3
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
     """Elastic spheres that hit a target with no packing between, for each impact."""
-    elastic = [run for run in runs if run.case.contact.law == "hertz" and run.case.load.kind == "impact"]
-    groups = ([run for run in group if run.assembly.lattice.n_spheres == 1] for group in impacts(elastic))
+    elastic = [
+        run for run in runs if run.case.contact.law == "hertz" and run.case.load.kind == "impact"
+    ]
+    groups = (
+        [run for run in group if run.assembly.lattice.n_spheres == 1] for group in impacts(elastic)
+    )
     return [alone for alone in groups if alone and rows(alone)]
 
 
@@ -40,33 +47,48 @@ def rows(runs: Sequence[TargetRun]) -> list[Row]:
 def _rows(run: TargetRun, name: str) -> Iterator[Row]:
     impact = HertzImpact.of(run.case)
     if not run.moves:
-        yield _row(f"Peak force, {name}", "N", 1.0, run.reached.peak_force, (impact.force, "Hertz (1882)"))
-        yield _row(f"Impulse, {name}", "mN s", _MILLI, run.reached.impulse[-1], (impact.impulse, "2 m v"))
+        yield _row(
+            f"Peak force, {name}", "N", 1.0, run.reached.peak_force, (impact.force, "Hertz (1882)")
+        )
+        yield _row(
+            f"Impulse, {name}", "mN s", _MILLI, run.reached.impulse[-1], (impact.impulse, "2 m v")
+        )
     elif run.plate:
         if expected := plate_displacement(impact, run.plate):
-            yield _row(f"Largest displacement, {name}", "µm", _MICRO, run.displacement.max(), expected)
+            yield _row(
+                f"Largest displacement, {name}", "µm", _MICRO, run.displacement.max(), expected
+            )
     elif expected := energy_into_impedance(impact, run.case.boundary):
-        yield _row(f"Energy at the target, {name}", "mJ", _MILLI, run.value("energy_target_J"), expected)
+        yield _row(
+            f"Energy at the target, {name}", "mJ", _MILLI, run.value("energy_target_J"), expected
+        )
 
 
-def _row(quantity: str, unit: str, per_unit: float, ours: float, expected: tuple[float, str]) -> Row:
+def _row(
+    quantity: str, unit: str, per_unit: float, ours: float, expected: tuple[float, str]
+) -> Row:
     value, theory = expected
     return Row(quantity, unit, None, float(per_unit * ours), theory, "", per_unit * value, True)
 
 
 _SHORT = 20.0  # periods in contact times from which on an impact is short
 _SLOW = 0.2  # and up to which it is slow
-_SLIGHT = 0.005  # of the sphere's momentum over that of a target in the same time: it hardly gives way
+# of the sphere's momentum over that of a target in the same time: it hardly gives way
+_SLIGHT = 0.005
 
 
 def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] | None:
-    """Largest displacement of an undamped plate, m, and the theory that it is from; None between the two limits."""
+    """Largest displacement of an undamped plate, m, and the theory that it is from; None between
+    the two limits.
+    """
     period = period_of(plate)
     if plate.damping:
         return None
     if period > _SHORT * impact.duration:
         impulse = impact.impulse * plate.mass / (plate.mass + impact.mass)
-        return after_impulse(impulse, plate.mass, plate.stiffness), "impulse 2 v m M/(m + M), then J/(M omega)"
+        return after_impulse(
+            impulse, plate.mass, plate.stiffness
+        ), "impulse 2 v m M/(m + M), then J/(M omega)"
     if period < _SLOW * impact.duration:
         return impact.on_spring(plate.stiffness) / plate.stiffness, "a spring without mass: F/k"
     return None
@@ -75,19 +97,27 @@ def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] |
 def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[float, str] | None:
     """Energy that a bar without an echo, or a half-space, takes, J, and the theory that it is from.
 
-    The force is that on a rigid wall as long as the target hardly gives way; None where it does, and of other targets.
+    The force is that on a rigid wall as long as the target hardly gives way; None where it does,
+    and of other targets.
     """
-    support, material = boundary.bottom_support, boundary.bottom_material
+    support = boundary.bottom_support
+    material = boundary.bottom_material
     if support is None or material is None:
         return None
     if isinstance(support, HalfSpace) and support.radius is not None:
         behind = support.backing(material, support.radius)
-        spring, damping = behind.stiffness, behind.damping
+        spring = behind.stiffness
+        damping = behind.damping
     elif isinstance(support, SupportBar) and support.end == "infinite":
-        spring, damping = 0.0, support.area * math.sqrt(material.youngs_modulus * material.density)
+        spring = 0.0
+        damping = support.area * math.sqrt(material.youngs_modulus * material.density)
     else:
         return None
     if impact.mass > _SLIGHT * (damping + spring * impact.duration) * impact.duration:
         return None
-    how = "spring and damper under Hertz's force" if spring else "Hertz's force, squared and summed over Z"
+    how = (
+        "spring and damper under Hertz's force"
+        if spring
+        else "Hertz's force, squared and summed over Z"
+    )
     return impact.energy_into(spring, damping), how

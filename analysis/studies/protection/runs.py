@@ -1,4 +1,6 @@
-"""Runs of the same impact on packings of other heights and on other bottoms: what reaches the target in each."""
+"""Runs of the same impact on packings of other heights and on other bottoms: what reaches the
+target in each.
+"""
 
 from __future__ import annotations
 
@@ -47,14 +49,20 @@ class TargetRun(FinishedRun):
         """A number of the summary, or one of the further `QUANTITIES`; NaN where it does not apply."""
         if name == "largest_of_one_N":
             with Result(self.directory) as result:
-                single = result["wall_contacts/peak_force"][result["wall_contacts/wall"] == "bottom"]
+                single = result["wall_contacts/peak_force"][
+                    result["wall_contacts/wall"] == "bottom"
+                ]
             return float(single.max()) if len(single) else math.nan  # where a layer is held
         if name == "gain_per_kg":
             return (self.value("peak_reduction") - 1) / self.value("packing_mass_kg")
         if name == "impulse_over_momentum":
             return self.value("wall_impulse_Ns") / self.momentum if self.momentum else math.nan
         if name == "energy_over_input":
-            return float(self.energy[1].max()) / self.value("energy_input_J") if self.moves else math.nan
+            return (
+                float(self.energy[1].max()) / self.value("energy_input_J")
+                if self.moves
+                else math.nan
+            )
         return super().value(name)
 
     @property
@@ -90,11 +98,15 @@ class TargetRun(FinishedRun):
 
     @property
     def momentum(self) -> float:
-        """Momentum of what hits the packing, towards the target, kg m/s; NaN under a force or a prescribed motion."""
+        """Momentum of what hits the packing, towards the target, kg m/s; NaN under a force or a
+        prescribed motion.
+        """
         if self.case.load.driven:
             return math.nan
         moving = velocities_of(self.assembly).items()
-        return sum(self.assembly.mass_of(sphere) * max(velocity[2], 0.0) for sphere, velocity in moving)
+        return sum(
+            self.assembly.mass_of(sphere) * max(velocity[2], 0.0) for sphere, velocity in moving
+        )
 
     @cached_property
     def reached(self) -> Reached:
@@ -106,7 +118,9 @@ class TargetRun(FinishedRun):
 
     @cached_property
     def energy(self) -> tuple[Array, Array]:
-        """Times of the ledger, s, and the work on the target by then, J; 0 if it does not move: (n_instants,) each."""
+        """Times of the ledger, s, and the work on the target by then, J; 0 if it does not move:
+        (n_instants,) each.
+        """
         with Result(self.directory) as result:
             time = result["energy/time"]
             return time, result["energy/target"] if self.moves else np.zeros_like(time)
@@ -121,38 +135,55 @@ class TargetRun(FinishedRun):
 def impacts(runs: Iterable[FinishedRun]) -> list[list[TargetRun]]:
     """Runs of one impact in which the bottom, the height or friction differs, for each impact.
 
-    A group has a bottom that moves, or so many heights on one bottom that they make a series; the runs are in the order
-    of bottoms, friction and layers. Of equal cases the longest run counts.
+    A group has a bottom that moves, or so many heights on one bottom that they make a series; the
+    runs are in the order of bottoms, friction and layers. Of equal cases the longest run counts.
     """
     groups: dict[str, dict[str, TargetRun]] = {}
     for run in runs:
         if run.case.boundary.bottom != "free" and not run.assembly.bars:
-            one, group, key = run.seen_as(TargetRun), groups.setdefault(_impact(run), {}), all_but(run.case)
+            one = run.seen_as(TargetRun)
+            group = groups.setdefault(_impact(run), {})
+            key = all_but(run.case)
             if one.value("end_time_s") > group.setdefault(key, one).value("end_time_s"):
                 group[key] = one
     ordered = (sorted(group.values(), key=_order) for group in groups.values())
-    return [runs for runs in ordered if len(runs) > 1 and (any(run.moves for run in runs) or series(runs))]
+    return [
+        runs
+        for runs in ordered
+        if len(runs) > 1 and (any(run.moves for run in runs) or series(runs))
+    ]
 
 
 def series(runs: Sequence[TargetRun]) -> list[list[TargetRun]]:
-    """Runs that differ in nothing but the height, by rising height; at least `FEWEST_HEIGHTS` of them."""
+    """Runs that differ in nothing but the height, by rising height; at least `FEWEST_HEIGHTS` of
+    them.
+    """
     alike: dict[str, list[TargetRun]] = {}
     for run in runs:
         boundary = run.case.to_dict()["boundary"]
-        alike.setdefault(repr((boundary.get("bottom"), boundary.get("friction"), run.friction)), []).append(run)
-    found = [{run.layers: run for run in reversed(one)} for one in alike.values()]  # of equal heights the first
+        alike.setdefault(
+            repr((boundary.get("bottom"), boundary.get("friction"), run.friction)), []
+        ).append(run)
+    found = [
+        {run.layers: run for run in reversed(one)} for one in alike.values()
+    ]  # of equal heights the first
     return [[one[layers] for layers in sorted(one)] for one in found if len(one) >= FEWEST_HEIGHTS]
 
 
 def names(runs: Sequence[TargetRun]) -> list[str]:
-    """Label each run of a group by what differs: the bottom, and where they differ layers and friction."""
+    """Label each run of a group by what differs: the bottom, and where they differ layers and
+    friction.
+    """
     parts = [[run.bottom for run in runs]]
     if len({run.layers for run in runs}) > 1:
         parts.append([f"{run.layers} layers" for run in runs])
     if len({run.friction for run in runs}) > 1:
         parts.append([f"friction {run.friction:g}" for run in runs])
     found = [", ".join(words) for words in zip(*parts, strict=True)]
-    return [name if found.count(name) == 1 else f"{name} ({found[:n].count(name) + 1})" for n, name in enumerate(found)]
+    return [
+        name if found.count(name) == 1 else f"{name} ({found[:n].count(name) + 1})"
+        for n, name in enumerate(found)
+    ]
 
 
 def _impact(run: FinishedRun) -> str:
@@ -170,9 +201,19 @@ def _order(run: TargetRun) -> tuple:
 
 
 def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
-    """A row for each run: bottom, layers, friction, and the quantities of a kind of table that any of the runs has."""
-    named = {name: (heading, unit, size) for name, (heading, unit, size, kinds) in QUANTITIES.items() if kind in kinds}
-    shown = {name: entry for name, entry in named.items() if any(math.isfinite(run.value(name)) for run in runs)}
+    """A row for each run: bottom, layers, friction, and the quantities of a kind of table that any
+    of the runs has.
+    """
+    named = {
+        name: (heading, unit, size)
+        for name, (heading, unit, size, kinds) in QUANTITIES.items()
+        if kind in kinds
+    }
+    shown = {
+        name: entry
+        for name, entry in named.items()
+        if any(math.isfinite(run.value(name)) for run in runs)
+    }
     heads = (Column("Bottom", key=True), *numeric("Layers", key=True), *numeric("Friction"))
     rows = [
         (
@@ -180,7 +221,9 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
             run.layers,
             Cell(f"{run.friction:g}", run.friction),
             *(
-                Cell(f"{value:.{_DIGITS}g}", value) if math.isfinite(value := size * run.value(name)) else Cell(BLANK)
+                Cell(f"{value:.{_DIGITS}g}", value)
+                if math.isfinite(value := size * run.value(name))
+                else Cell(BLANK)
                 for name, (_, _, size) in shown.items()
             ),
         )
@@ -194,6 +237,8 @@ def spans(runs: Sequence[TargetRun], *quantities: str) -> Iterator[str]:
     """Say between which values quantities lie, and on which bottoms."""
     for name in quantities:
         heading, unit, size, _ = QUANTITIES[name]
-        found = {run.bottom: size * run.value(name) for run in runs if math.isfinite(run.value(name))}
+        found = {
+            run.bottom: size * run.value(name) for run in runs if math.isfinite(run.value(name))
+        }
         if found:
             yield span(heading, {bottom: exactly(value) for bottom, value in found.items()}, unit)

@@ -1,4 +1,6 @@
-"""Shock spectrum of what a packing transmits: how far a plate on a spring moves, against its period."""
+"""Shock spectrum of what a packing transmits: how far a plate on a spring moves, against its
+period.
+"""
 
 from __future__ import annotations
 
@@ -36,7 +38,9 @@ Spectrum = tuple[TargetRun, DataFrame]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
-    """All plates of at least four stiffnesses beside the same packing on a wall of their material, for each impact."""
+    """All plates of at least four stiffnesses beside the same packing on a wall of their material,
+    for each impact.
+    """
     return [found for group in impacts(runs) if (found := spectra(group))]
 
 
@@ -57,7 +61,9 @@ def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
     ):
         like = layers, friction, group.run.iloc[0].case.boundary.bottom_material
         held = [
-            one for one in runs if one.held and (one.layers, one.friction, one.case.boundary.bottom_material) == like
+            one
+            for one in runs
+            if one.held and (one.layers, one.friction, one.case.boundary.bottom_material) == like
         ]
         if held and len(group) >= _FEWEST:
             found.append((held[0], group.sort_values("period", kind="stable")))
@@ -74,11 +80,15 @@ def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
     """The displacement of each plate."""
     for held, plates in found:
         for run in plates.itertuples():
-            expected, theory = expected_displacement(held.reached, run.plate, run.run.reached.time[-1])
+            expected, theory = expected_displacement(
+                held.reached, run.plate, run.run.reached.time[-1]
+            )
             gives_way = run.displacement < _GIVES_WAY * expected
             remark = "The plate gives way, and less force reaches it." if gives_way else ""
             what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
-            yield Row(what, "µm", None, _MICRO * run.displacement, theory, remark, _MICRO * expected)
+            yield Row(
+                what, "µm", None, _MICRO * run.displacement, theory, remark, _MICRO * expected
+            )
 
 
 def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
@@ -104,7 +114,13 @@ def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
         word = column_name(name)
         columns |= {f"{word}_period_s": plates.period, f"{word}_line_period_s": period}
         for column, x, values, line, called in (
-            ("displacement", plates.period, plates.displacement, marker, f"below the packing: {name}"),
+            (
+                "displacement",
+                plates.period,
+                plates.displacement,
+                marker,
+                f"below the packing: {name}",
+            ),
             ("without", plates.period, plates.without, marker, "without it"),
             ("oscillator", period, theory.oscillator, "-", "oscillator"),
             ("slow_force", period, theory.slow_force, ":", "slow force, F/k"),

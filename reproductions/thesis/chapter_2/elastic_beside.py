@@ -1,6 +1,7 @@
 """Elasto-plastic and elastic chain under one pulse.
 
-20 kN within 10 us on the first bead of a chain under the elasto-plastic law, and of one under Hertz's.
+20 kN within 10 us on the first bead of a chain under the elasto-plastic law, and of one under
+Hertz's.
 """
 
 import numpy as np
@@ -13,13 +14,18 @@ import granwave as gw
 CONTACT = 20  # where the elastic wave is taken
 STACK = (20, 15, 10, 5)  # contacts of Fig. 2.11, from the top
 SHOWN = 500  # tau of Fig. 2.11
-MAP, SHIFT = 90, 20  # contacts of the map; by which the elastic chain is moved in it
-FORCE, TIME = r"Force $F/E^*R^{*2}$", r"Time $t/\tau$"
+# contacts of the map; by which the elastic chain is moved in it
+MAP = 90
+SHIFT = 20
+FORCE = r"Force $F/E^*R^{*2}$"
+TIME = r"Time $t/\tau$"
 
 
 def pair(runs):
     """The elastic chain, and the elasto-plastic one under the same pulse."""
-    return next(PlasticWave(run) for run in runs if run.case.contact.law == "hertz"), usual(groups(runs)[0])
+    return next(PlasticWave(run) for run in runs if run.case.contact.law == "hertz"), usual(
+        groups(runs)[0]
+    )
 
 
 def rows(runs):
@@ -34,7 +40,8 @@ def rows(runs):
 def pictures(runs):
     elastic, plastic = pair(runs)
     waves = {"elastoplastic": (plastic, "-C0"), "elastic": (elastic, ":C1")}
-    figure, data = Figure((3.5, 4.2), layout="constrained"), {}
+    figure = Figure((3.5, 4.2), layout="constrained")
+    data = {}
     stack = figure.subplots(len(STACK), sharex=True)
     for name, (wave, _) in waves.items():
         time = wave.time / wave.scales.time
@@ -56,13 +63,17 @@ def pictures(runs):
     )
     yield gw.Picture("elastoplastic_histories", caption, figure, data)
 
-    scales, place = plastic.scales, SPACING * np.arange(1, MAP + 1)
+    scales = plastic.scales
+    place = SPACING * np.arange(1, MAP + 1)
     last = np.flatnonzero(plastic.force[:, MAP - 1] >= 0.01 * plastic.peak_force[MAP - 1])[0]
     step = slice(0, last, max(1, last // 600))
-    force, time = plastic.force[step, :MAP].T / scales.force, plastic.time[step] / scales.time
+    force = plastic.force[step, :MAP].T / scales.force
+    time = plastic.time[step] / scales.time
     axes = Figure((4.6, 2.8), layout="constrained").subplots()
     norm = LogNorm(3e-3 * force.max(), force.max(), clip=True)
-    image = axes.pcolormesh(time, place, np.maximum(force, 1e-30), norm=norm, rasterized=True, shading="nearest")
+    image = axes.pcolormesh(
+        time, place, np.maximum(force, 1e-30), norm=norm, rasterized=True, shading="nearest"
+    )
     crest = elastic.of_contacts("time_peak")[: MAP - SHIFT] / scales.time
     moved = elastic.x[: MAP - SHIFT] + SPACING * SHIFT
     axes.plot(crest, moved, "C1", label=f"crest of the elastic wave, moved by {SHIFT} contacts")

@@ -1,8 +1,8 @@
 """Elasto-plastic chain after a pulse: decay.
 
-10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. Peak forces are the largest
-ever at a contact. Free beads collide chaotically behind the front: far contacts of like runs differ by some per cent,
-fits over many contacts do not.
+10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. Peak
+forces are the largest ever at a contact. Free beads collide chaotically behind the front: far
+contacts of like runs differ by some per cent, fits over many contacts do not.
 """
 
 import numpy as np
@@ -12,7 +12,8 @@ from plastic_waves import DECAY, INVERSE, PLACE, SPACING, START, SWITCH, groups,
 import granwave as gw
 
 FAR = 15  # first contact of the fits in the inverse regime
-COLLAPSE = 15  # contacts up to which runs of one impulse are compared: collisions farther on are chaotic
+# contacts up to which runs of one impulse are compared: collisions farther on are chaotic
+COLLAPSE = 15
 
 
 def rows(runs):
@@ -32,7 +33,8 @@ def rows(runs):
         yield gw.Row(f"Start of the second regime, contact, {wave.tag}", source=SWITCH, ours=wave.transition,
                      where="thesis 2.2.4", remark="The source saw 6 to 10 and took 7 for all. Ours: the first contact "
                      "that a later wave presses more.")
-        steps, last = wave.x[9:] * wave.normalised[9:], wave.contacts
+        steps = wave.x[9:] * wave.normalised[9:]
+        last = wave.contacts
         yield gw.Row(f"C: mean of (x/R*) F/(E*R*^2 I), contacts 10 to {last}, {wave.tag}", source=INVERSE,
                      ours=wave.inverse_constant(), where="thesis 2.26",
                      remark=f"Between {steps.min():.2f} and {steps.max():.2f} from contact to contact.")
@@ -65,14 +67,21 @@ def pictures(runs):
         for wave, line in zip(group, ("-", "--", ":", "-."), strict=False):
             data[f"peak_force_normalised_{wave.name}"] = force = wave.largest / wave.scales.force
             right.semilogy(wave.x, force * 4.0**-n, f"{line}C{n}", linewidth=0.9, label=wave.name)
-    early, late = contact[contact <= 12], SPACING * contact[3:]
-    left.semilogy(SPACING * early, START * np.exp(-DECAY * (early - 1)), "--k", label="2.25 by contact")
+    early = contact[contact <= 12]
+    late = SPACING * contact[3:]
+    left.semilogy(
+        SPACING * early, START * np.exp(-DECAY * (early - 1)), "--k", label="2.25 by contact"
+    )
     left.semilogy(late, INVERSE / late, "k", label="2.26")
-    left.set(xlabel=PLACE, ylabel=r"Peak force $F/(E^*R^{*2}\,\bar I)$", xlim=(0, 160), ylim=(5e-4, 1e-1))
+    left.set(
+        xlabel=PLACE, ylabel=r"Peak force $F/(E^*R^{*2}\,\bar I)$", xlim=(0, 160), ylim=(5e-4, 1e-1)
+    )
     title = r"All pulses (each impulse $\times 1/4$ of the last)"
     right.set(xlabel=PLACE, ylabel=r"Peak force $F/E^*R^{*2}$, moved", title=title)
     left.legend(fontsize=7)
     right.legend(fontsize=6, ncols=2)
     caption = "Peak force over impulse along the chain: all impulses follow the source's two laws, 2.25 and then 2.26 "
-    caption += "(thesis Fig. 2.13). Right: pulses of one impulse differ near the load alone (Fig. 2.14)"
+    caption += (
+        "(thesis Fig. 2.13). Right: pulses of one impulse differ near the load alone (Fig. 2.14)"
+    )
     yield gw.Picture("elastoplastic_peaks", caption, figure, data)

@@ -1,7 +1,7 @@
 """Elasto-plastic chain after a pulse: dissipation.
 
-What three chains dissipate up to each contact, beside the source's model: a contact of peak force F takes
-d0 + d1 F + d2 F^2 (2.28), with the source's law of the peak force.
+What three chains dissipate up to each contact, beside the source's model: a contact of peak force F
+takes d0 + d1 F + d2 F^2 (2.28), with the source's law of the peak force.
 """
 
 import numpy as np
@@ -23,16 +23,23 @@ def dissipated(wave):
 
 def summed(contacts, peak):
     """The model up to each contact, J, with the peak force in units of `peak` = E* R*^2 I (N)."""
-    return np.cumsum(np.polynomial.polynomial.polyval(peak * peak_force(np.arange(1.0, contacts + 1)), QUADRATIC))
+    return np.cumsum(
+        np.polynomial.polynomial.polyval(peak * peak_force(np.arange(1.0, contacts + 1)), QUADRATIC)
+    )
 
 
 def integrated(contacts, peak):
     """The same with the integral over distance in place of the sum, from contact 1 on (2.31)."""
     n = np.arange(1.0, contacts + 1)
     d0, d1, d2 = QUADRATIC
-    early, late, f, c = np.minimum(n, SWITCH), np.maximum(n, SWITCH), START * peak, INVERSE / SPACING * peak
+    early = np.minimum(n, SWITCH)
+    late = np.maximum(n, SWITCH)
+    f = START * peak
+    c = INVERSE / SPACING * peak
     linear = f / DECAY * (1 - np.exp(-DECAY * (early - 1))) + c * np.log(late / SWITCH)
-    square = f**2 / (2 * DECAY) * (1 - np.exp(-2 * DECAY * (early - 1))) + c**2 * (1 / SWITCH - 1 / late)
+    square = f**2 / (2 * DECAY) * (1 - np.exp(-2 * DECAY * (early - 1))) + c**2 * (
+        1 / SWITCH - 1 / late
+    )
     return d0 * (n - 1) + d1 * linear + d2 * square
 
 
@@ -49,7 +56,9 @@ def rows(runs):
     # fmt: off
     for wave in waves:
         own = dissipated(wave)
-        ours, model, integral = own[LAST - 1], summed(LAST, wave.unit)[-1], integrated(LAST, wave.unit)[-1]
+        ours = own[LAST - 1]
+        model = summed(LAST, wave.unit)[-1]
+        integral = integrated(LAST, wave.unit)[-1]
         remark = ("Theory: the source's sum of 2.28. It calls small impulses accurate and others within 6 %. Its "
                   f"integral in place of the sum gives {integral / unit:.4g} ({ours / integral - 1:+.0%}): it drops "
                   f"half of contact 1, which holds {own[0] / ours:.0%}.")
@@ -57,7 +66,8 @@ def rows(runs):
             remark += f" The constant d0 alone, at every contact, makes {constant:.0%} of the sum."
         yield gw.Row(f"Dissipated up to contact {LAST} over F_y alpha_y, {wave.tag}", ours=ours / unit,
                      theory=model / unit, where="thesis Fig. 2.16", remark=remark)
-    forces, fitted_at = np.array([1e3, 5e3]), np.linspace(law.yield_force, FITTED_TO, 500)
+    forces = np.array([1e3, 5e3])
+    fitted_at = np.linspace(law.yield_force, FITTED_TO, 500)
     compared = "; ".join(f"at {force:g} N {np.polynomial.polynomial.polyval(force, QUADRATIC):.4g} J for {lost:.4g} J "
                          "of the law" for force, lost in zip(forces, by_law(law, forces), strict=True))
     remarks = (f"Depends on the range of the fit. With the printed constants a contact dissipates {compared}.",
@@ -73,15 +83,24 @@ def rows(runs):
 
 def pictures(runs):
     figure = Figure((3.5, 2.8), layout="constrained")
-    axes, data = figure.subplots(), {}
+    axes = figure.subplots()
+    data = {}
     for n, wave in enumerate(map(usual, groups(runs))):
         unit = wave.law.yield_force * wave.law.yield_overlap
-        data |= {f"place_{wave.name}": wave.x, f"dissipated_over_yield_{wave.name}": dissipated(wave) / unit}
+        data |= {
+            f"place_{wave.name}": wave.x,
+            f"dissipated_over_yield_{wave.name}": dissipated(wave) / unit,
+        }
         axes.plot(wave.x, dissipated(wave) / unit, f"C{n}", label=wave.label)
         for name, line, model in (("sum", "--", summed), ("integral", ":", integrated)):
             data[f"model_{name}_{wave.name}"] = values = model(wave.contacts, wave.unit) / unit
             axes.plot(wave.x, values, f"{line}C{n}", label=None if n else f"model, {name}")
-    axes.set(xlabel=PLACE, ylabel=r"Dissipated $E/F_\mathrm{y}\alpha_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
+    axes.set(
+        xlabel=PLACE,
+        ylabel=r"Dissipated $E/F_\mathrm{y}\alpha_\mathrm{y}$",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
     axes.legend(fontsize=7)
     by_model = [values[-1] for name, values in data.items() if name.startswith("model")]
     total = next(values[-1] for name, values in data.items() if name.startswith("dissipated"))

@@ -1,7 +1,8 @@
 """Elasto-plastic chain after a pulse: speed.
 
-10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. The leading disturbance
-arrives with 1 % of the largest force ever at a contact, and its speed is taken over ten contacts.
+10 chains under the elasto-plastic law, impulse 0.46, 0.23, 0.046 in units of E*R*^2 tau. The
+leading disturbance arrives with 1 % of the largest force ever at a contact, and its speed is taken
+over ten contacts.
 """
 
 import numpy as np
@@ -23,7 +24,8 @@ def rows(runs):
     for wave in waves:
         of_distance, of_force = wave.speed_powers(FIRST, last)
         levels = [f"{wave.speed_powers(FIRST, last, level)[0].exponent:.2f}" for level in (0.01, 0.1, 0.5)]
-        near, low = wave.speed_powers(20, 40)[0].exponent, wave.largest[last - 1] / wave.law.yield_force
+        near = wave.speed_powers(20, 40)[0].exponent
+        low = wave.largest[last - 1] / wave.law.yield_force
         what = f"contacts {FIRST} to {last}, {wave.tag}"
         yield gw.Row(f"Power of the leading speed with distance, {what}", source=-0.2, ours=of_distance.exponent,
                      remark=f"Arrival at 1, 10, 50 % of a contact's largest force: {', '.join(levels)}. Contacts 20 to "
@@ -42,7 +44,8 @@ def rows(runs):
 
 def pictures(runs):
     figure = Figure((3.5, 2.8), layout="constrained")
-    axes, data = figure.subplots(), {}
+    axes = figure.subplots()
+    data = {}
     for n, group in enumerate(groups(runs)):
         for wave in group:
             number, speed = wave.speed()
@@ -52,7 +55,11 @@ def pictures(runs):
             axes.loglog(SPACING * number, scaled, f"C{n}", linewidth=width, label=label)
     guide = SPACING * np.array([8.0, 0.95 * wave.contacts])
     axes.loglog(guide, 0.29 * (guide / guide[0]) ** -0.2, "--k", label="power -1/5")
-    axes.set(xlabel=PLACE, ylabel=r"Leading speed $(v\,\tau/R^*)\,/\,\bar I^{1/6}$", xticks=(20, 50, 100, 200))
+    axes.set(
+        xlabel=PLACE,
+        ylabel=r"Leading speed $(v\,\tau/R^*)\,/\,\bar I^{1/6}$",
+        xticks=(20, 50, 100, 200),
+    )
     axes.xaxis.set_major_formatter("{x:g}")
     axes.xaxis.set_minor_locator(NullLocator())
     axes.legend(fontsize=7)

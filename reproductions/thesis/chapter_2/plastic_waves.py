@@ -1,8 +1,9 @@
-"""Elasto-plastic chains after a pulse, in the units of the chain, and the source's two laws of the peak force.
+"""Elasto-plastic chains after a pulse, in the units of the chain, and the source's two laws of the
+peak force.
 
-With I the impulse over E* R*^2 tau, n the contact from 1 and x/R* = 4n, F/(E* R*^2 I) is a exp(-b (n - 1)) up to
-contact 7 (2.25), and C/(4n) from there (2.26). The source prints b as if per R*; only per contact does it agree with
-its figures.
+With I the impulse over E* R*^2 tau, n the contact from 1 and x/R* = 4n, F/(E* R*^2 I) is a exp(-b
+(n - 1)) up to contact 7 (2.25), and C/(4n) from there (2.26). The source prints b as if per R*;
+only per contact does it agree with its figures.
 """
 
 import math
@@ -12,7 +13,10 @@ import numpy as np
 
 from granwave.measures import Chain, arrival, power_law
 
-START, DECAY, INVERSE = 3.74e-2, 0.256, 0.268  # a, b, C
+# a, b, C
+START = 3.74e-2
+DECAY = 0.256
+INVERSE = 0.268
 SWITCH = 7  # contact: x_t/R* = 28
 SPACING = 4.0  # R* from contact to contact
 OVERTAKEN = 1.005  # of the leading peak of a contact: from then on a later wave presses it harder
@@ -25,20 +29,30 @@ class PlasticWave(Chain):
 
     def __init__(self, run):
         super().__init__(run)
-        scales, load = self.scales, self.load
-        self.reduced, self.duration = self.impulse / scales.impulse, load.lasts / scales.time
+        scales = self.scales
+        load = self.load
+        self.reduced = self.impulse / scales.impulse
+        self.duration = load.lasts / scales.time
         self.peak_force = self.of_contacts("peak_force")
         self.contacts = min(100, len(self.peak_force) - 2 * HALF)
-        self.number, self.largest = np.arange(1.0, self.contacts + 1), self.peak_force[: self.contacts]
+        self.number, self.largest = (
+            np.arange(1.0, self.contacts + 1),
+            self.peak_force[: self.contacts],
+        )
         self.x, self.unit = SPACING * self.number, scales.force * self.reduced
         self.normalised = self.largest / self.unit
         self.name = f"{load.largest / 1e3:g} kN, {load.lasts * 1e6:.3g} µs"
-        self.tag, self.label = f"I {self.reduced:.3g} ({self.name})", rf"$\bar I$ = {self.reduced:.3g}"
+        self.tag, self.label = (
+            f"I {self.reduced:.3g} ({self.name})",
+            rf"$\bar I$ = {self.reduced:.3g}",
+        )
 
     @property
     def transition(self):
         """First contact that a later wave presses harder than the leading one did."""
-        return next(n + 1 for n, top in enumerate(self.largest) if top > OVERTAKEN * self.first_peak(n)[1])
+        return next(
+            n + 1 for n, top in enumerate(self.largest) if top > OVERTAKEN * self.first_peak(n)[1]
+        )
 
     def decay(self, first, last):
         """Decay of the logarithm of the largest force, per contact."""
@@ -53,13 +67,19 @@ class PlasticWave(Chain):
         return np.mean(self.x[9:] * self.normalised[9:])
 
     def speed(self, level=0.01):
-        """Contacts, and the speed there (contacts/s) of what first reaches a share of each contact's largest force."""
+        """Contacts, and the speed there (contacts/s) of what first reaches a share of each
+        contact's largest force.
+        """
         pairs = zip(self.force.T, self.peak_force, strict=True)
-        time = np.array([arrival(self.time, force, level * top) for force, top in pairs])[: self.contacts]
+        time = np.array([arrival(self.time, force, level * top) for force, top in pairs])[
+            : self.contacts
+        ]
         return self.number[HALF:-HALF], 2 * HALF / (time[2 * HALF :] - time[: -2 * HALF])
 
     def speed_powers(self, first, last, level=0.01):
-        """Powers of that speed with the distance, and with the largest force (its own power law of distance)."""
+        """Powers of that speed with the distance, and with the largest force (its own power law of
+        distance).
+        """
         number, speed = self.speed(level)
         inside = (number >= first) & (number <= last)
         force = self.force_power(first, last)(number[inside])
@@ -68,7 +88,9 @@ class PlasticWave(Chain):
 
 def peak_force(contact):
     """Peak force over E* R*^2 I by the source."""
-    return np.where(contact <= SWITCH, START * np.exp(-DECAY * (contact - 1)), INVERSE / (SPACING * contact))
+    return np.where(
+        contact <= SWITCH, START * np.exp(-DECAY * (contact - 1)), INVERSE / (SPACING * contact)
+    )
 
 
 def groups(runs):

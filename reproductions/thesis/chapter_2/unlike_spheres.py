@@ -1,7 +1,8 @@
 """Unlike spheres.
 
-12 impacts of two spheres, their contact probed: loading, and unloading to separation, beside the law's curve. The
-thesis prints curves, no values; its finite elements are the static contact of two spheres.
+12 impacts of two spheres, their contact probed: loading, and unloading to separation, beside the
+law's curve. The thesis prints curves, no values; its finite elements are the static contact of two
+spheres.
 """
 
 import numpy as np
@@ -25,18 +26,24 @@ class Pair:
         self.materials = [chain.assembly.material_of(n) for n in (1, 2)]
         diameters = [chain.assembly.diameter_of(n) for n in (1, 2)]
         constants = [
-            {name: getattr(one, name) for name in ("youngs_modulus", "poisson_ratio", "density", "yield_strength")}
+            {
+                name: getattr(one, name)
+                for name in ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
+            }
             for one in self.materials
         ]
         self.bodies = [
-            {"shape": "sphere", "diameter": d, "material": m} for d, m in zip(diameters, constants, strict=True)
+            {"shape": "sphere", "diameter": d, "material": m}
+            for d, m in zip(diameters, constants, strict=True)
         ]
-        self.names, self.ratio = " on ".join(one.name for one in self.materials), max(diameters) / min(diameters)
+        self.names = " on ".join(one.name for one in self.materials)
+        self.ratio = max(diameters) / min(diameters)
         self.strength = min(one.yield_strength for one in self.materials)
         self.like = self.materials[0] == self.materials[1]
         self.radius = 0.5 / sum(1 / d for d in diameters)
         self.yield_overlap, self.yield_force = gw.contact_yield("elastoplastic", self.bodies)
-        self.overlap, self.force = run.result["probes/contact_1_2_overlap"], run.result["probes/contact_1_2_force"]
+        self.overlap = run.result["probes/contact_1_2_overlap"]
+        self.force = run.result["probes/contact_1_2_force"]
         self.deepest = max(self.overlap.max(), run.result["contacts/peak_overlap"].max())
         self.turn = self.overlap.argmax()
         self.loading = slice(0, self.turn + 1)
@@ -47,11 +54,16 @@ class Pair:
 
     @property
     def deviation(self):
-        """Largest |force - law| while the overlap is above 1 % of the largest, over the largest force."""
+        """Largest |force - law| while the overlap is above 1 % of the largest, over the largest
+        force.
+        """
         peak = np.maximum.accumulate(self.overlap)
         peak[self.turn + 1 :] = self.deepest
         chosen = self.overlap > 1e-2 * self.deepest
-        return np.abs(self.law(self.overlap, peak) - self.force)[chosen].max() / self.force[chosen].max()
+        return (
+            np.abs(self.law(self.overlap, peak) - self.force)[chosen].max()
+            / self.force[chosen].max()
+        )
 
     def row(self, overlap, what, where, remark=""):
         """Force at an overlap, recorded and of the law."""
@@ -61,11 +73,19 @@ class Pair:
 
 
 def groups(runs):
-    """All pairs; those of brass by the ratio of radii, of unlike materials, and equal spheres by yield strength."""
+    """All pairs; those of brass by the ratio of radii, of unlike materials, and equal spheres by
+    yield strength.
+    """
     pairs = [Pair(run) for run in runs]
-    like, unlike = [pair for pair in pairs if pair.like], [pair for pair in pairs if not pair.like]
+    like = [pair for pair in pairs if pair.like]
+    unlike = [pair for pair in pairs if not pair.like]
     radii = sorted((pair for pair in like if pair.strength == 550e6), key=lambda pair: pair.ratio)
-    return pairs, radii, unlike, sorted((p for p in like if p.ratio == 1), key=lambda pair: pair.strength)
+    return (
+        pairs,
+        radii,
+        unlike,
+        sorted((p for p in like if p.ratio == 1), key=lambda pair: pair.strength),
+    )
 
 
 def rows(runs):
@@ -79,20 +99,41 @@ def rows(runs):
         remark = next((ALLOYS[one] for one in ALLOYS if one in pair.names.split()), "")
         yield pair.row(SHALLOW, f"0.4 mm, {pair.names}", "thesis Fig. 3.3", remark)
     for pair in band:
-        edge = "An edge of the range that the thesis gives for the experiment." if pair.strength != 550e6 else ""
-        yield pair.row(SHALLOW, f"0.4 mm, sigma_y {pair.strength / 1e6:.0f} MPa", "thesis Fig. 2.9", edge)
+        edge = (
+            "An edge of the range that the thesis gives for the experiment."
+            if pair.strength != 550e6
+            else ""
+        )
+        yield pair.row(
+            SHALLOW, f"0.4 mm, sigma_y {pair.strength / 1e6:.0f} MPa", "thesis Fig. 2.9", edge
+        )
 
 
 def loading(axes, pairs, labels, unit, data):
-    """Recorded loading as marks, in units of first yield and of an attribute of the pair; the law as a line."""
+    """Recorded loading as marks, in units of first yield and of an attribute of the pair; the law
+    as a line.
+    """
     for n, (pair, label) in enumerate(zip(pairs, labels, strict=True)):
-        overlap, force = pair.overlap[pair.loading] / getattr(pair, unit), pair.force[pair.loading] / pair.yield_force
-        axes.plot(overlap, force, ls="", marker="os^Dv"[n % 5], ms=4, fillstyle="none", markevery=(0.01 * n, 0.06))
+        overlap = pair.overlap[pair.loading] / getattr(pair, unit)
+        force = pair.force[pair.loading] / pair.yield_force
+        axes.plot(
+            overlap,
+            force,
+            ls="",
+            marker="os^Dv"[n % 5],
+            ms=4,
+            fillstyle="none",
+            markevery=(0.01 * n, 0.06),
+        )
         axes.lines[-1].set_label(label)
-        data |= {f"overlap_over_{unit}_{n + 1}": overlap, f"force_of_{unit}_{n + 1}_over_yield_force": force}
+        data |= {
+            f"overlap_over_{unit}_{n + 1}": overlap,
+            f"force_of_{unit}_{n + 1}_over_yield_force": force,
+        }
     pair = max(pairs, key=lambda pair: pair.deepest / getattr(pair, unit))
     overlap = np.geomspace(1e-4, 1, 400) * pair.deepest
-    x, law = overlap / getattr(pair, unit), pair.law(overlap) / pair.yield_force
+    x = overlap / getattr(pair, unit)
+    law = pair.law(overlap) / pair.yield_force
     axes.plot(x, law, "k", linewidth=0.8, zorder=0, label="law (thesis 2.14)")
     data |= {f"law_overlap_over_{unit}": x, f"law_of_{unit}_over_yield_force": law}
 
@@ -100,26 +141,53 @@ def loading(axes, pairs, labels, unit, data):
 def contact(axes, pairs, labels, data):
     """Loading and unloading: the law as a line, the records as marks."""
     for pair, label in zip(pairs, labels, strict=True):
-        up, down = np.linspace(0, pair.deepest, 200), np.linspace(pair.deepest, 0, 300)
+        up = np.linspace(0, pair.deepest, 200)
+        down = np.linspace(pair.deepest, 0, 300)
         overlap = np.concatenate([up, down])
         law = np.concatenate([pair.law(up), pair.law(down, np.full_like(down, pair.deepest))])
-        x, force = pair.overlap[pair.force > 0], pair.force[pair.force > 0]
+        x = pair.overlap[pair.force > 0]
+        force = pair.force[pair.force > 0]
         (line,) = axes.plot(1e3 * overlap[law > 0], law[law > 0] / 1e3, linewidth=0.9, label=label)
-        axes.plot(1e3 * x, force / 1e3, "o", color=line.get_color(), ms=2.5, fillstyle="none", markevery=0.05)
-        data |= {f"{label.replace(' ', '_')}_overlap_m": x, f"{label.replace(' ', '_')}_force_N": force}
+        axes.plot(
+            1e3 * x,
+            force / 1e3,
+            "o",
+            color=line.get_color(),
+            ms=2.5,
+            fillstyle="none",
+            markevery=0.05,
+        )
+        data |= {
+            f"{label.replace(' ', '_')}_overlap_m": x,
+            f"{label.replace(' ', '_')}_force_N": force,
+        }
     axes.set(xlabel="Overlap (mm)", ylabel="Force (kN)", xlim=(0, None), ylim=(0, None))
     axes.legend(fontsize=7, title="lines: law; marks: run", title_fontsize=7)
 
 
 def pictures(runs):
     pairs, radii, unlike, band = groups(runs)
-    names = [pair.names if not pair.like else f"R2/R1 {pair.ratio:g}, {pair.strength / 1e6:.0f} MPa" for pair in pairs]
-    figure, data = Figure((7, 3), layout="constrained"), {}
+    names = [
+        pair.names if not pair.like else f"R2/R1 {pair.ratio:g}, {pair.strength / 1e6:.0f} MPa"
+        for pair in pairs
+    ]
+    figure = Figure((7, 3), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     loading(left, pairs, names, "yield_overlap", data)
     loading(right, radii, [f"$R_2/R_1$ = {pair.ratio:g}" for pair in radii], "radius", data)
-    left.set(xlabel=r"Overlap $\alpha/\alpha_\mathrm{y}$", ylabel=r"Force $F/F_\mathrm{y}$", xscale="log", yscale="log")
-    right.set(xlabel=r"Overlap $\alpha/R^*$", ylabel=r"Force $F/F_\mathrm{y}$", xlim=(0, None), ylim=(0, None))
+    left.set(
+        xlabel=r"Overlap $\alpha/\alpha_\mathrm{y}$",
+        ylabel=r"Force $F/F_\mathrm{y}$",
+        xscale="log",
+        yscale="log",
+    )
+    right.set(
+        xlabel=r"Overlap $\alpha/R^*$",
+        ylabel=r"Force $F/F_\mathrm{y}$",
+        xlim=(0, None),
+        ylim=(0, None),
+    )
     left.set(xlim=(0.2, None))
     left.legend(fontsize=5.5, loc="lower right")
     right.legend()
@@ -129,7 +197,8 @@ def pictures(runs):
     )
     yield gw.Picture("unlike_normalised", caption, figure, data)
 
-    figure, data = Figure((7, 2.7), layout="constrained"), {}
+    figure = Figure((7, 2.7), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     contact(left, unlike, [pair.names for pair in unlike], data)
     contact(right, band, [f"{pair.strength / 1e6:.0f} MPa" for pair in band], data)

@@ -1,10 +1,11 @@
 """A pulse that enters a slender elastic bar, and its passage of two sections before any echo.
 
-A pulse F(t) goes on unchanged at c = sqrt(E/rho); force over velocity is Z = A sqrt(E rho), and its energy is the
-integral of F^2/Z. Two-node elements of length h with lumped masses carry a wave number q at the frequency
-(2c/h) sin(qh/2) instead of cq, so that what is short beside h lags behind, and a front spreads over a length of
-(c t h^2/8)^(1/3) (Airy). Hence the error of the shape falls with h^(2/3) where the pulse has a kink, as a half-sine
-has at its ends, and not at all at a step, which overshoots by 27 %. The centroid moves at c on every mesh.
+A pulse F(t) goes on unchanged at c = sqrt(E/rho); force over velocity is Z = A sqrt(E rho), and its
+energy is the integral of F^2/Z. Two-node elements of length h with lumped masses carry a wave
+number q at the frequency (2c/h) sin(qh/2) instead of cq, so that what is short beside h lags
+behind, and a front spreads over a length of (c t h^2/8)^(1/3) (Airy). Hence the error of the shape
+falls with h^(2/3) where the pulse has a kink, as a half-sine has at its ends, and not at all at a
+step, which overshoots by 27 %. The centroid moves at c on every mesh.
 """
 
 import math
@@ -20,18 +21,27 @@ THROUGH = 0.02  # of its largest force: a pulse below has passed
 
 
 class Passage:
-    """The pulse in ``incident_bar``, which is the load, or in ``bar``, which is the contact force on it.
+    """The pulse in ``incident_bar``, which is the load, or in ``bar``, which is the contact force
+    on it.
 
-    Force (N) and velocity (m/s) at both sections are (2, n_times), NaN from the first echo on; energy is that in the
-    bar at the end of the run over that of the pulse that entered.
+    Force (N) and velocity (m/s) at both sections are (2, n_times), NaN from the first echo on;
+    energy is that in the bar at the end of the run over that of the pulse that entered.
     """
 
     def __init__(self, run, name):
-        bar, result, self.load = getattr(run.case, name), run.result, run.case.load
-        place, force, velocity = (result[f"bars/{name}/{one}"] for one in ("position", "force", "velocity"))
-        modulus, density = bar.material.youngs_modulus, bar.material.density
-        self.c, self.impedance = math.sqrt(modulus / density), bar.area * math.sqrt(modulus * density)
-        self.pitch, self.time, self.driven = bar.length / bar.elements, result["chain/time"], name == "incident_bar"
+        bar = getattr(run.case, name)
+        result = run.result
+        self.load = run.case.load
+        place, force, velocity = (
+            result[f"bars/{name}/{one}"] for one in ("position", "force", "velocity")
+        )
+        modulus = bar.material.youngs_modulus
+        density = bar.material.density
+        self.c = math.sqrt(modulus / density)
+        self.impedance = bar.area * math.sqrt(modulus * density)
+        self.pitch = bar.length / bar.elements
+        self.time = result["chain/time"]
+        self.driven = name == "incident_bar"
         if self.driven:
             instants = np.linspace(0, self.time[-1], 20 * len(self.time))
             self.contact = instants, self.load.at(instants)
@@ -48,7 +58,9 @@ class Passage:
         reach = 2 * bar.length - AHEAD * (2 * bar.length * self.pitch**2 / 8) ** (1 / 3)
         clear = np.array([self.time < start + (reach - x) / self.c for x in self.sections])
         velocity = 0.5 * (velocity[:, 1:] + velocity[:, :-1])  # of elements
-        self.force, self.velocity = (np.where(clear, one[:, elements].T, np.nan) for one in (force, velocity))
+        self.force, self.velocity = (
+            np.where(clear, one[:, elements].T, np.nan) for one in (force, velocity)
+        )
 
     def entered(self, time):
         """Force at the end where the pulse enters, N."""
@@ -60,8 +72,12 @@ class Passage:
 
     @property
     def speed(self):
-        """Speed of the centroid of a pulse that passed both sections, else of its rise through half its peak, m/s."""
-        signals = [(self.time[np.isfinite(force)], force[np.isfinite(force)]) for force in self.force]
+        """Speed of the centroid of a pulse that passed both sections, else of its rise through half
+        its peak, m/s.
+        """
+        signals = [
+            (self.time[np.isfinite(force)], force[np.isfinite(force)]) for force in self.force
+        ]
         if all(abs(force[-1]) < THROUGH * self.peak for _, force in signals):
             near, far = (time @ force / force.sum() for time, force in signals)
         else:
@@ -71,7 +87,9 @@ class Passage:
     @property
     def measured_impedance(self):
         """Force over velocity at the far section, by least squares, N s/m."""
-        force, velocity = (values[1][np.isfinite(self.force[1])] for values in (self.force, self.velocity))
+        force, velocity = (
+            values[1][np.isfinite(self.force[1])] for values in (self.force, self.velocity)
+        )
         return force @ velocity / (velocity @ velocity)
 
     @property
@@ -81,7 +99,9 @@ class Passage:
 
     @property
     def deviation(self):
-        """Largest difference at the far section from the pulse that entered, late by x/c, over its peak."""
+        """Largest difference at the far section from the pulse that entered, late by x/c, over its
+        peak.
+        """
         return np.nanmax(np.abs(self.force[1] - self.late(1))) / self.peak
 
 

@@ -1,10 +1,11 @@
 """Elastic bar.
 
-A half-sine and a rectangle of force on the end of a bar, in 25 to 400 elements a metre, against the closed forms of a
-slender bar. Sections lie at a quarter and three quarters of the length; only what comes before the first echo counts.
-The speed is that of the pulse's centroid where all of it has passed both sections, else of its rise through half the
-largest force. A kink of the pulse, as a half-sine has at its ends, limits the error of the shape to the power 2/3 of
-the element size; the edges of a rectangle are shorter than any element and ripple on every mesh. Speed, impedance and
+A half-sine and a rectangle of force on the end of a bar, in 25 to 400 elements a metre, against the
+closed forms of a slender bar. Sections lie at a quarter and three quarters of the length; only what
+comes before the first echo counts. The speed is that of the pulse's centroid where all of it has
+passed both sections, else of its rise through half the largest force. A kink of the pulse, as a
+half-sine has at its ends, limits the error of the shape to the power 2/3 of the element size; the
+edges of a rectangle are shorter than any element and ripple on every mesh. Speed, impedance and
 energy converge all the same.
 """
 
@@ -46,17 +47,31 @@ def pictures(runs):
     data = {"time_s": one.time, "entered_N": one.entered(one.time)}
     for n, x in enumerate(one.sections):
         axes.plot(1e6 * one.time, 1e-3 * one.force[n], f"C{n}", label=f"at {x:.3g} m")
-        axes.plot(1e6 * one.time, 1e-3 * one.late(n), "k:", linewidth=0.8, label="closed form" if n else None)
+        axes.plot(
+            1e6 * one.time,
+            1e-3 * one.late(n),
+            "k:",
+            linewidth=0.8,
+            label="closed form" if n else None,
+        )
         data |= {f"at_{x:.4g}_m_N": one.force[n], f"closed_form_at_{x:.4g}_m_N": one.late(n)}
-    axes.set(xlabel="Time (µs)", ylabel="Section force (kN)", xlim=(0, 1e6 * one.time[-1]), ylim=(None, 15))
+    axes.set(
+        xlabel="Time (µs)",
+        ylabel="Section force (kN)",
+        xlim=(0, 1e6 * one.time[-1]),
+        ylim=(None, 15),
+    )
     axes.legend(ncols=2)
     caption = (
         "Force against time in an elastic bar: the pulse as it entered, and at two sections. A slender bar's closed "
         "form is the same pulse, later; the curves leave it by the error of the elements alone"
     )
     yield gw.Picture("bar_pulse", caption, axes.figure, data)
-    figure, data = Figure((6.8, 2.7), layout="constrained"), {}
-    for axes, (shape, meshes) in zip(figure.subplots(1, 2, sharey=True), found.items(), strict=True):
+    figure = Figure((6.8, 2.7), layout="constrained")
+    data = {}
+    for axes, (shape, meshes) in zip(
+        figure.subplots(1, 2, sharey=True), found.items(), strict=True
+    ):
         pitch = np.array([one.pitch for one in meshes])
         data[f"{shape}: element_m"] = pitch
         errors = {
@@ -69,7 +84,9 @@ def pictures(runs):
             axes.plot(1e3 * pitch, values, marker=mark, markersize=4, label=what)
             data[f"{shape}: error_of_{what}"] = values
         for order, line, name in ((2 / 3, "--", "order 2/3"), (2, ":", "order 2")):
-            axes.plot(1e3 * pitch, 0.2 * (pitch / pitch.max()) ** order, line, color="0.5", label=name)
+            axes.plot(
+                1e3 * pitch, 0.2 * (pitch / pitch.max()) ** order, line, color="0.5", label=name
+            )
         axes.set(xlabel="Element (mm)", xscale="log", yscale="log", title=shape)
         axes.set_xticks(1e3 * pitch, [f"{1e3 * one:.3g}" for one in pitch])
         axes.set_xticks([], minor=True)

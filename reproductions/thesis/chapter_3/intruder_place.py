@@ -1,8 +1,9 @@
 """Intruder in brass, by place.
 
-19 beads of brass and one of aluminium or steel, on an elastic bar; 10 kN for 100 µs on the first. Beside them chains of
-20 beads of one material. All runs but that of steel alone press contacts beyond 0.2 R*, where the fit of the contact
-law ends: it is extrapolated there, as it is in the source.
+19 beads of brass and one of aluminium or steel, on an elastic bar; 10 kN for 100 µs on the first.
+Beside them chains of 20 beads of one material. All runs but that of steel alone press contacts
+beyond 0.2 R*, where the fit of the contact law ends: it is extrapolated there, as it is in the
+source.
 """
 
 import numpy as np
@@ -11,18 +12,27 @@ from odd_bead import OddBead
 
 import granwave as gw
 
-QUANTITIES = (("Transmitted energy", "J", "energy"), ("Peak transmitted force over the load", "", "peak"))
-BRASS, INTRUDERS = "brass", ("aluminium", "steel")
+QUANTITIES = (
+    ("Transmitted energy", "J", "energy"),
+    ("Peak transmitted force over the load", "", "peak"),
+)
+BRASS = "brass"
+INTRUDERS = ("aluminium", "steel")
 
 
 def measured(runs):
-    """Chains of one material by its name; places, and energies and peaks at these by the intruder's name."""
+    """Chains of one material by its name; places, and energies and peaks at these by the intruder's
+    name.
+    """
     chains = sorted(map(OddBead, runs), key=lambda chain: chain.place)
     alike = {chain.base.name: chain for chain in chains if chain.alike}
     curves = {name: [one for one in chains if one.base.name == BRASS and one.material.name == name]
               for name in INTRUDERS}  # fmt: skip
     return alike, {
-        name: {key: np.array([getattr(one, key) for one in curve]) for key in ("place", "energy", "peak")}
+        name: {
+            key: np.array([getattr(one, key) for one in curve])
+            for key in ("place", "energy", "peak")
+        }
         for name, curve in curves.items()
     }
 
@@ -36,7 +46,8 @@ def rows(runs):
             yield gw.Row(f"{what}, all {name}", unit, ours=getattr(alike[name], key), where=where)
     for name, curve in curves.items():
         for what, unit, key in QUANTITIES:
-            values, of = curve[key], f"{what}, {name}"
+            values = curve[key]
+            of = f"{what}, {name}"
             for which, k in (("least", values.argmin()), ("most", values.argmax())):
                 yield gw.Row(f"{of}: {which}, at place {curve['place'][k]}", unit, ours=values[k], where=where)
             change = np.abs(values / getattr(alike[BRASS], key) - 1).max()
@@ -60,20 +71,28 @@ def verdict(runs):
 
 def pictures(runs):
     alike, curves = measured(runs)
-    figure, data = Figure((3.4, 4.2), layout="constrained"), {}
+    figure = Figure((3.4, 4.2), layout="constrained")
+    data = {}
     upper, lower = figure.subplots(2, sharex=True)
     for (name, curve), style in zip(curves.items(), ("C0o", "C1s"), strict=True):
-        upper.plot(curve["place"], curve["energy"], f"{style}-", markersize=3, label=f"one of {name}")
+        upper.plot(
+            curve["place"], curve["energy"], f"{style}-", markersize=3, label=f"one of {name}"
+        )
         lower.plot(curve["place"], curve["peak"], f"{style}--", markersize=3)
         data |= {f"place_of_{name}": curve["place"], f"{name}_energy_J": curve["energy"]}
         data[f"{name}_peak_force_over_load"] = curve["peak"]
     for name, colour in ((BRASS, "0.5"), *zip(INTRUDERS, ("C0", "C1"), strict=True)):
         upper.axhline(alike[name].energy, color=colour, linestyle=":", label=f"all {name}")
         lower.axhline(alike[name].peak, color=colour, linestyle=":")
-        data |= {f"all_{name}_energy_J": [alike[name].energy], f"all_{name}_peak_force_over_load": [alike[name].peak]}
+        data |= {
+            f"all_{name}_energy_J": [alike[name].energy],
+            f"all_{name}_peak_force_over_load": [alike[name].peak],
+        }
     upper.set(ylabel="Energy in the bar (J)", ylim=(1.1, 2.3))
     upper.legend(ncols=2)
-    lower.set(xlabel="Place of the intruder, from the struck end", ylabel="Peak transmitted force / load")
+    lower.set(
+        xlabel="Place of the intruder, from the struck end", ylabel="Peak transmitted force / load"
+    )
     changes = {(name, place): energy / alike[BRASS].energy - 1 for name, curve in curves.items()
                for place, energy in zip(curve["place"], curve["energy"], strict=True)}  # fmt: skip
     name, place = max(changes, key=lambda one: abs(changes[one]))

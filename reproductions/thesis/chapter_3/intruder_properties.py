@@ -1,9 +1,10 @@
 """Intruder in steel at place 10, by its properties.
 
-20 beads of steel on an elastic bar; one property of that at place 10 differs. Ratios e_T/e_0T are to the chain of like
-beads. Most runs press contacts beyond 0.2 R*, where the fit of the contact law ends: it is extrapolated there, as it is
-in the source. A bead of mass m in contacts of slope k ~ sigma_y R* answers in tau* = D sqrt(rho/sigma_y) if R* goes
-with its own radius; beside beads of another radius it does so less, and sqrt(m/sigma_y) ~ R^1.5 is closer.
+20 beads of steel on an elastic bar; one property of that at place 10 differs. Ratios e_T/e_0T are
+to the chain of like beads. Most runs press contacts beyond 0.2 R*, where the fit of the contact law
+ends: it is extrapolated there, as it is in the source. A bead of mass m in contacts of slope k ~
+sigma_y R* answers in tau* = D sqrt(rho/sigma_y) if R* goes with its own radius; beside beads of
+another radius it does so less, and sqrt(m/sigma_y) ~ R^1.5 is closer.
 """
 
 import math
@@ -17,7 +18,12 @@ import granwave as gw
 WHERE = "thesis Fig. 3.8"
 RATIO = 3.0  # of the normalised times at which the collapse is judged
 #: Powers of the ratio of each property in tau* = D sqrt(rho/sigma_y), and in sqrt(m/sigma_y).
-POWERS = {"yield strength": (-0.5, -0.5), "density": (0.5, 0.5), "radius": (1.0, 1.5), "modulus": (0.0, 0.0)}
+POWERS = {
+    "yield strength": (-0.5, -0.5),
+    "density": (0.5, 0.5),
+    "radius": (1.0, 1.5),
+    "modulus": (0.0, 0.0),
+}
 STRONGER = "The weaker bead of a contact yields: a stronger intruder changes nothing."
 SLIGHT = "Hardly any effect, as the source says."
 KEPT = "The contacts of a large bead keep the R* of its neighbours: no full collapse."
@@ -25,13 +31,21 @@ CLOSER = "For radii R^1.5 in place of R: closer."
 
 
 def measured(runs):
-    """Ratios of each property, rising, and of the transmitted energy, to those of the chain of like beads."""
+    """Ratios of each property, rising, and of the transmitted energy, to those of the chain of like
+    beads.
+    """
     chains = list(map(OddBead, runs))
     (base,) = [one for one in chains if one.alike]
     found = {}
     for key in POWERS:
-        same = [one for one in chains if all(one.properties[k] == base.properties[k] for k in POWERS if k != key)]
-        ratios = [(one.properties[key] / base.properties[key], one.energy / base.energy) for one in same]
+        same = [
+            one
+            for one in chains
+            if all(one.properties[k] == base.properties[k] for k in POWERS if k != key)
+        ]
+        ratios = [
+            (one.properties[key] / base.properties[key], one.energy / base.energy) for one in same
+        ]
         found[key] = np.array(sorted(ratios)).T
     return found
 
@@ -40,9 +54,19 @@ def rows(runs):
     found = measured(runs)
     for key, curve in found.items():
         for ratio, energy in curve[:, [0, -1]].T:
-            remark = STRONGER if key == "yield strength" and ratio > 1 else SLIGHT if key == "modulus" else ""
-            yield gw.Row(f"e_T/e_0T at {ratio:.3g} times the {key}", ours=energy, where=WHERE, remark=remark)
-    for k, (what, remark) in enumerate((("D sqrt(rho/sigma_y)", KEPT), ("sqrt(m/sigma_y)", CLOSER))):
+            remark = (
+                STRONGER
+                if key == "yield strength" and ratio > 1
+                else SLIGHT
+                if key == "modulus"
+                else ""
+            )
+            yield gw.Row(
+                f"e_T/e_0T at {ratio:.3g} times the {key}", ours=energy, where=WHERE, remark=remark
+            )
+    for k, (what, remark) in enumerate(
+        (("D sqrt(rho/sigma_y)", KEPT), ("sqrt(m/sigma_y)", CLOSER))
+    ):
         energies = []
         for key in ("yield strength", "density", "radius"):
             x, y = found[key]
@@ -53,9 +77,12 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((6.8, 2.8), layout="constrained"), {}
+    figure = Figure((6.8, 2.8), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2, sharey=True)
-    for (key, (x, y)), style in zip(measured(runs).items(), ("C0o-", "C1s-", "C2^-", "C3D:"), strict=True):
+    for (key, (x, y)), style in zip(
+        measured(runs).items(), ("C0o-", "C1s-", "C2^-", "C3D:"), strict=True
+    ):
         to_time, to_mass = POWERS[key]
         left.plot(x ** (to_time or 1.0), y, style, markersize=4, label=key)
         if to_mass:

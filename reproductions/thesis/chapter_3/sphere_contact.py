@@ -1,8 +1,8 @@
 """Contact law against finite elements.
 
-Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over the
-contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by element, so
-that single values have steps of half a per cent.
+Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite
+elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The
+contact grows element by element, so that single values have steps of half a per cent.
 """
 
 import math
@@ -15,7 +15,9 @@ import granwave as gw
 
 SPOTS = 3.0, 10.0  # alpha_y: where the law is farthest off, and where its plateau begins
 DEEP = 0.19  # R*: nearly the end of Fig. 2.10, and of the law's fit
-FIRST_YIELD, PLATEAU = 16 / 15, 2.48  # mean pressures over the yield strength: Thornton's, and the largest of the law
+# mean pressures over the yield strength: Thornton's, and the largest of the law
+FIRST_YIELD = 16 / 15
+PLATEAU = 2.48
 SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
 REMARKS = (
     "The source: about 6 % at most. Its Fig. 2.8, to 800 alpha_y, cannot show this range.",
@@ -24,25 +26,40 @@ REMARKS = (
 
 
 class Contact:
-    """Two spheres on loading: overlap over that at first yield and over R*, finite elements over the law, less 1."""
+    """Two spheres on loading: overlap over that at first yield and over R*, finite elements over
+    the law, less 1.
+    """
 
     def __init__(self, run):
         case = tomllib.loads((run.directory / "case.toml").read_text(encoding="utf-8"))
         partner = case.get("partner", {})
-        material, other = case["material"], partner.get("material", case["material"])
-        radii = sorted(one.get("radius", case["sphere"]["radius"]) for one in (case["sphere"], partner))
-        self.run, self.like, self.ratio = run, material == other, radii[1] / radii[0]
+        material = case["material"]
+        other = partner.get("material", case["material"])
+        radii = sorted(
+            one.get("radius", case["sphere"]["radius"]) for one in (case["sphere"], partner)
+        )
+        self.run = run
+        self.like = material == other
+        self.ratio = radii[1] / radii[0]
         self.strengths = [one.get("yield_strength", math.inf) for one in (material, other)]
         self.name = material["name"] if self.like else f"{material['name']} and {other['name']}"
-        self.name += f", radii {self.ratio:g} to 1" if self.ratio > 1 else ", like radii" if self.like else ""
+        self.name += (
+            f", radii {self.ratio:g} to 1"
+            if self.ratio > 1
+            else ", like radii"
+            if self.like
+            else ""
+        )
         with h5py.File(run.directory / "result.h5") as file:
             overlap, force, law, radius = (file[f"loading/{name}"][()]
                                            for name in ("overlap", "force", "law_force", "contact_radius"))  # fmt: skip
             self.pressures = [one["pressure"][()] for one in file["pressure"].values()]
             self.fields = {name: values[()] for name, values in file["fields"].items()}
         area = run["effective_radius_m"] * overlap  # of Thornton's contact, over pi
-        self.scaled, self.depth = overlap / run["yield_overlap_m"], overlap / run["effective_radius_m"]
-        self.over_law, self.area = force / law - 1, radius**2 / area
+        self.scaled = overlap / run["yield_overlap_m"]
+        self.depth = overlap / run["effective_radius_m"]
+        self.over_law = force / law - 1
+        self.area = radius**2 / area
         self.force = force / (FIRST_YIELD * min(self.strengths) * math.pi * area)
 
     def near(self, place, along, values):
@@ -54,8 +71,12 @@ class Contact:
         """Share of the energy of yielding that the sphere of the smaller yield strength takes."""
         r, z = self.fields["position"][self.fields["elements"]].transpose(2, 0, 1)
         area = np.abs((r * np.roll(z, -1, 1) - z * np.roll(r, -1, 1)).sum(axis=1)) / 2
-        strain = np.bincount(self.fields["body"], self.fields["plastic_strain"] * area * r.mean(axis=1))
-        work = [e * s if e else 0.0 for e, s in zip(strain, self.strengths, strict=True)]  # an elastic one does none
+        strain = np.bincount(
+            self.fields["body"], self.fields["plastic_strain"] * area * r.mean(axis=1)
+        )
+        work = [
+            e * s if e else 0.0 for e, s in zip(strain, self.strengths, strict=True)
+        ]  # an elastic one does none
         return work[int(np.argmin(self.strengths))] / sum(work)
 
 
@@ -78,8 +99,12 @@ def of_loading(one):
 def of_pressure(one):
     """Pressure, area of the contact and force over those of Thornton's law."""
     largest = max(np.median(values[values > 0]) for values in one.pressures) / min(one.strengths)
-    area, force, over = (one.near(DEEP, one.depth, values) for values in (one.area, one.force, one.over_law))
-    law, plateau, deep = force / (1 + over), PLATEAU / FIRST_YIELD, f"at {DEEP:g} R*, {one.name}"
+    area, force, over = (
+        one.near(DEEP, one.depth, values) for values in (one.area, one.force, one.over_law)
+    )
+    law = force / (1 + over)
+    plateau = PLATEAU / FIRST_YIELD
+    deep = f"at {DEEP:g} R*, {one.name}"
     of_law = "Theory: the contact law."
     fitted = f"2.31 times 2.1 is 4.85; 4.7 is what a measurement was fitted with. {of_law}"
     # fmt: off

@@ -1,8 +1,9 @@
 """Split-Hopkinson bar.
 
-14 beads between two bars; what comes down the first one is given as a force on its free end. Incident energy is the
-work of that force; reflected and transmitted energy are what the bars hold at the end of the run, before an echo of
-their ends has reached the chain again. The pulses in both bars are beside the closed forms of a slender bar.
+14 beads between two bars; what comes down the first one is given as a force on its free end.
+Incident energy is the work of that force; reflected and transmitted energy are what the bars hold
+at the end of the run, before an echo of their ends has reached the chain again. The pulses in both
+bars are beside the closed forms of a slender bar.
 """
 
 import numpy as np
@@ -19,8 +20,10 @@ SECTIONS = {"incident_bar": 0.5, "bar": 0.25}  # shown; lengths from the end whe
 
 def rows(runs):
     (run,) = runs
-    incident, transmitted = Passage(run, "incident_bar"), Passage(run, "bar")
-    force, entered = run["wall_peak_force_N"], run["energy_input_J"]
+    incident = Passage(run, "incident_bar")
+    transmitted = Passage(run, "bar")
+    force = run["wall_peak_force_N"]
+    entered = run["energy_input_J"]
     # fmt: off
     for what, unit, ours, remark in (
         ("Peak force, incident", "kN", 1e-3 * incident.peak, ""),
@@ -33,14 +36,18 @@ def rows(runs):
         yield gw.Row(f"{what}, split-hopkinson", unit, ours=ours, where="thesis 3.2.2, Fig. 3.5", remark=remark)
     # fmt: on
     yield from closed_forms(incident, "split-hopkinson, table incident bar")
-    *_, energy = closed_forms(transmitted, "split-hopkinson, bar")  # it has not passed both sections
+    *_, energy = closed_forms(
+        transmitted, "split-hopkinson, bar"
+    )  # it has not passed both sections
     yield energy
 
 
 def pictures(runs):
-    result, case = runs[0].result, runs[0].case
+    result = runs[0].result
+    case = runs[0].case
     time = result["chain/time"]
-    figure, data = Figure((3.4, 3.6), layout="constrained"), {"time_s": time}
+    figure = Figure((3.4, 3.6), layout="constrained")
+    data = {"time_s": time}
     for axes, (name, share) in zip(figure.subplots(2, sharex=True), SECTIONS.items(), strict=True):
         force = result[f"bars/{name}/force"][:, int(share * getattr(case, name).elements)]
         axes.plot(1e6 * time, 1e-3 * force)
@@ -59,12 +66,17 @@ def pictures(runs):
         nodes = result[f"bars/{name}/position"]
         parts[name] = 0.5 * (nodes[1:] + nodes[:-1]), np.abs(result[f"bars/{name}/force"])
     largest = max(force.max() for _, force in parts.values())
-    figure, data = Figure((6.6, 3.2), layout="constrained"), {"time_s": time}
+    figure = Figure((6.6, 3.2), layout="constrained")
+    data = {"time_s": time}
     row = figure.subplots(1, 3, sharey=True, width_ratios=(0.7, 1.0, 0.7))
     for axes, name in zip(row, ("incident_bar", "chain", "bar"), strict=True):
         place, force = parts[name]
         shown = np.where(force > 1e-3 * largest, force, np.nan)
-        colours = {"norm": LogNorm(1e-3 * largest, largest), "rasterized": True, "shading": "nearest"}
+        colours = {
+            "norm": LogNorm(1e-3 * largest, largest),
+            "rasterized": True,
+            "shading": "nearest",
+        }
         image = axes.pcolormesh(1e3 * place, 1e6 * time, shown, **colours)
         axes.set(xlabel="Place (mm)", title=name.replace("_", " "))
         some = np.linspace(0, len(place) - 1, 14).astype(int)

@@ -1,7 +1,7 @@
 """Chains under the bilinear law, and the linear chain in closed form.
 
-Loading of slope k; unloading and loading again of slope k_u = k/(1 - beta), so that a contact dissipates beta F^2/2k.
-The only number of the chain in units of I/m and sqrt(k/m) I is beta.
+Loading of slope k; unloading and loading again of slope k_u = k/(1 - beta), so that a contact
+dissipates beta F^2/2k. The only number of the chain in units of I/m and sqrt(k/m) I is beta.
 """
 
 import math
@@ -12,7 +12,9 @@ from scipy.special import jv
 
 from granwave.measures import Chain
 
-FORCE, PEAK_FORCE = r"Force $F/E^*R^{*2}$", r"Peak force $F/E^*R^{*2}$"  # labels of the figures
+# labels of the figures
+FORCE = r"Force $F/E^*R^{*2}$"
+PEAK_FORCE = r"Peak force $F/E^*R^{*2}$"
 VELOCITY = r"Velocity $v\,\tau/R^*$"
 
 
@@ -22,14 +24,19 @@ class BilinearChain(Chain):
     def __init__(self, run):
         super().__init__(run)
         overlap = 1e-3 * self.law.effective_radius
-        self.stiffness, self.beta = self.law.loading_force(np.array([overlap]))[0] / overlap, run.case.contact.beta
-        self.rate = math.sqrt(self.stiffness / self.mass)  # contacts that a wave of loading passes in a second
+        self.stiffness = self.law.loading_force(np.array([overlap]))[0] / overlap
+        self.beta = run.case.contact.beta
+        self.rate = math.sqrt(
+            self.stiffness / self.mass
+        )  # contacts that a wave of loading passes in a second
         self.share = math.sqrt(1 - self.beta)  # speed of loading over that of unloading waves
         self.largest = self.of_contacts("peak_force")
 
 
 def bead_velocity(bead, phase):
-    """Velocity of a bead (from 1) of a half-infinite linear chain struck by I, in I/m, at the phase sqrt(k/m) t."""
+    """Velocity of a bead (from 1) of a half-infinite linear chain struck by I, in I/m, at the phase
+    sqrt(k/m) t.
+    """
     return jv(2 * bead - 2, 2 * phase) + jv(2 * bead, 2 * phase)
 
 
@@ -39,6 +46,8 @@ def contact_force(contact, phase):
 
 
 def first_coefficients():
-    """v_m, F_p and F_2 of (4.19) to (4.21): at the peak of contact 1, when beads 1 and 2 are equally fast."""
+    """v_m, F_p and F_2 of (4.19) to (4.21): at the peak of contact 1, when beads 1 and 2 are
+    equally fast.
+    """
     phase = brentq(lambda s: bead_velocity(1, s) - bead_velocity(2, s), 0.5, 2.0)
     return bead_velocity(1, phase), contact_force(1, phase), contact_force(2, phase)

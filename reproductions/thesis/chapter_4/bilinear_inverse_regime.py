@@ -1,7 +1,8 @@
 """Bilinear chain far from a short pulse.
 
-An impulse of 0.1 N s on the first of 400 beads under the bilinear law, beta = 0.7, 0.8, 0.9. Behind the front all beads
-soon have one velocity, and the peak force falls with the inverse of the distance.
+An impulse of 0.1 N s on the first of 400 beads under the bilinear law, beta = 0.7, 0.8, 0.9. Behind
+the front all beads soon have one velocity, and the peak force falls with the inverse of the
+distance.
 """
 
 import numpy as np
@@ -12,7 +13,9 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import power_law
 
-FIRST, LAST = 30, 300  # contacts of the fit
+# contacts of the fit
+FIRST = 30
+LAST = 300
 FRONTS = (119.1, 238.2, 357.4)  # sqrt(k/m) t of Fig. 4.8: 1.5, 3 and 4.5 ms
 
 
@@ -40,7 +43,9 @@ def rows(runs):
                      remark="The source's power comes from an energy balance; beads of one velocity keep the momentum "
                      "I only if the power is -1, which is the theory value.")
     for row, velocity, front, theory in instants(last):
-        at, scale, behind = last.far.time[row], last.far.scales.velocity, velocity[: int(0.9 * front)]
+        at = last.far.time[row]
+        scale = last.far.scales.velocity
+        behind = velocity[: int(0.9 * front)]
         yield gw.Row(f"Mean velocity behind the front at {1e3 * at:.2f} ms, beta {last.beta:g}, in R*/tau",
                      ours=behind.mean() / scale, theory=theory / scale, where="thesis 4.2.1, Fig. 4.8",
                      remark=f"Standard deviation {behind.std() / behind.mean():.1%}. Theory: the impulse shared by all "
@@ -50,8 +55,11 @@ def rows(runs):
 
 def pictures(runs):
     pulses = measured(runs)
-    last, scales = pulses[-1], pulses[-1].far.scales
-    beads, rate, end = np.arange(1.0, last.far.velocity.shape[1] + 1), last.far.rate, last.far.time[-1]
+    last = pulses[-1]
+    scales = pulses[-1].far.scales
+    beads = np.arange(1.0, last.far.velocity.shape[1] + 1)
+    rate = last.far.rate
+    end = last.far.time[-1]
     figure = Figure((7, 2.7), layout="constrained")
     left, right = figure.subplots(1, 2)
     data = {"contact": beads[:-1], "bead": beads}

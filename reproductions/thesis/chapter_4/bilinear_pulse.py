@@ -1,8 +1,9 @@
 """Bilinear chain after a short pulse.
 
-An impulse of 0.1 N s on the first bead of a chain under the bilinear law, beta = 0.7, 0.8, 0.9. The leading peak is the
-first maximum at a contact; the transition is at the first contact that a later wave presses harder. Theory is the
-linear chain in closed form, and for the decay the energy balance of the source taken contact by contact.
+An impulse of 0.1 N s on the first bead of a chain under the bilinear law, beta = 0.7, 0.8, 0.9. The
+leading peak is the first maximum at a contact; the transition is at the first contact that a later
+wave presses harder. Theory is the linear chain in closed form, and for the decay the energy balance
+of the source taken contact by contact.
 """
 
 import math
@@ -14,7 +15,11 @@ from matplotlib.figure import Figure
 
 import granwave as gw
 
-TRANSITIONS = {0.7: 9, 0.8: 5, 0.9: 3}  # thesis 4.2.1, "the third, fifth and ninth", of falling beta
+TRANSITIONS = {
+    0.7: 9,
+    0.8: 5,
+    0.9: 3,
+}  # thesis 4.2.1, "the third, fifth and ninth", of falling beta
 BY_CONTACTS = (
     "4.28 turns the balance from contact to contact into a differential equation; taken contact by contact, the same "
     "balance gives the theory value. The wave is not self-similar: it decays fastest at first."
@@ -25,11 +30,18 @@ def rows(runs):
     pulses = measured(runs)
     middle = pulses[1]
     force, velocity = middle.at_peak(1)
-    ours = velocity[0] / middle.velocity_unit, middle.leading[0] / middle.force_unit, force[1] / middle.force_unit
+    ours = (
+        velocity[0] / middle.velocity_unit,
+        middle.leading[0] / middle.force_unit,
+        force[1] / middle.force_unit,
+    )
     linear = "The linear chain itself gives the theory value"
     where = {"where": "thesis 4.2.1"}
     names = (
-        ("v_m m/I, both beads when contact 1 is at its peak (4.19)", f"{linear}; the print fits 4.22."),
+        (
+            "v_m m/I, both beads when contact 1 is at its peak (4.19)",
+            f"{linear}; the print fits 4.22.",
+        ),
         ("F_p / (sqrt(k/m) I), contact 1 (4.20)", ""),
         ("F_2 / (sqrt(k/m) I), contact 2 at that instant (4.21)", f"{linear}."),
     )
@@ -43,8 +55,11 @@ def rows(runs):
         yield gw.Row(f"Factor of sqrt(1 - beta) in 4.22, beta {one.beta:g}", source=PRINTED[3],
                      ours=(PRINTED[0] - one.residual / one.velocity_unit) / one.near.share, **where)
     for one in pulses:
-        beta, end, model = f"beta {one.beta:g}", one.transition - 1, one.model
-        number, relative = np.arange(1.0, end + 1), one.leading[:end] / one.leading[0]
+        beta = f"beta {one.beta:g}"
+        end = one.transition - 1
+        model = one.model
+        number = np.arange(1.0, end + 1)
+        relative = one.leading[:end] / one.leading[0]
         by_4_28, by_contacts = (np.abs(law(number) / relative - 1).max() for law in (model.printed, model.discrete))
         yield gw.Row(f"Decay of the leading peak per contact, contacts 1 to 2, {beta}", ours=-math.log(relative[1]),
                      theory=-math.log(model.ratio), **where,
@@ -63,12 +78,16 @@ def rows(runs):
 def pictures(runs):
     pulses = measured(runs)
     middle = pulses[1]
-    chain, scales, model = middle.near, middle.near.scales, middle.model
+    chain = middle.near
+    scales = middle.near.scales
+    model = middle.model
     figure = Figure((7, 2.6), layout="constrained")
     left, right = figure.subplots(1, 2)
     shown = chain.rate * chain.time <= 9.3
-    time, number = chain.time[shown] / scales.time, np.arange(1.0, CONTACTS + 1)
-    force, velocity = chain.force[shown] / scales.force, chain.velocity[shown] / scales.velocity
+    time = chain.time[shown] / scales.time
+    number = np.arange(1.0, CONTACTS + 1)
+    force = chain.force[shown] / scales.force
+    velocity = chain.velocity[shown] / scales.velocity
     data = {f"contact_{n}_force_normalised": force[:, n - 1] for n in range(1, 4)}
     data |= {f"bead_{n}_velocity_normalised": velocity[:, n - 1] for n in range(1, 5)}
     for name, values in data.items():
@@ -86,7 +105,8 @@ def pictures(runs):
 
     figure = Figure((7, 2.9), layout="constrained")
     left, right = figure.subplots(1, 2, sharey=True)
-    fine, leading = np.linspace(1.0, CONTACTS, 200), middle.leading / scales.force
+    fine = np.linspace(1.0, CONTACTS, 200)
+    leading = middle.leading / scales.force
     profile = next(middle.at_peak(2))[:CONTACTS] / scales.force
     left.bar(number, profile, width=0.5, color="#d9d9d9", label="wave when contact 2 peaks")
     left.plot(fine, leading[0] * model.printed(fine), "C1", label="4.28")
@@ -94,7 +114,9 @@ def pictures(runs):
     left.plot(number, leading, "oC0", markersize=4, label="leading peak")
     data = {"contact": number, "profile_when_contact_2_peaks": profile}
     for n, one in enumerate(pulses):
-        beta, leading, largest = f"beta_{one.beta:g}", one.leading / scales.force, one.largest[:CONTACTS] / scales.force
+        beta = f"beta_{one.beta:g}"
+        leading = one.leading / scales.force
+        largest = one.largest[:CONTACTS] / scales.force
         laws = {"model_4_28": one.model.printed, "balance_by_contacts": one.model.discrete}
         laws["secondary_4_31"] = one.model.secondary
         right.plot(number, largest, f"oC{n}", markersize=4, label=rf"$\beta$ = {one.beta:g}")

@@ -1,4 +1,6 @@
-"""The leading wave of a bilinear chain after an impulse, and the source's model of it (thesis 4.23 to 4.31)."""
+"""The leading wave of a bilinear chain after an impulse, and the source's model of it (thesis 4.23
+to 4.31).
+"""
 
 import math
 
@@ -8,19 +10,30 @@ from scipy.optimize import brentq
 
 from granwave.measures import at_time
 
-PRINTED = (0.482, 0.721, 0.199, 0.599)  # (4.19) to (4.22): v_m, F_p, F_2, and the factor of sqrt(1 - beta) in v_t
+PRINTED = (
+    0.482,
+    0.721,
+    0.199,
+    0.599,
+)  # (4.19) to (4.22): v_m, F_p, F_2, and the factor of sqrt(1 - beta) in v_t
 CONTACTS = 12  # of the leading wave
 OVERTAKEN = 1.005  # of the leading peak of a contact: from then on a later wave presses it harder
 
 
 class LeadingWave:
-    """The wave as self-similar: velocities of F/sqrt(k m) follow from the peak force F at every contact."""
+    """The wave as self-similar: velocities of F/sqrt(k m) follow from the peak force F at every
+    contact.
+    """
 
     def __init__(self, beta):
         moving, peak, second, trailing = PRINTED
-        self.residual, self.beta = (moving - trailing * math.sqrt(1 - beta)) / peak, beta
-        lost, energy = beta + self.residual**2, 1 + (second / peak) ** 2 + 2 * (moving / peak) ** 2
-        self.ratio = math.sqrt(1 - lost / energy)  # of peak forces from contact to contact: energy balance (4.26)
+        self.residual = (moving - trailing * math.sqrt(1 - beta)) / peak
+        self.beta = beta
+        lost = beta + self.residual**2
+        energy = 1 + (second / peak) ** 2 + 2 * (moving / peak) ** 2
+        self.ratio = math.sqrt(
+            1 - lost / energy
+        )  # of peak forces from contact to contact: energy balance (4.26)
         self.decay = 1 - self.ratio  # the balance as a differential equation (4.28)
         self.transition = brentq(lambda n: self.secondary(n) - self.printed(n), 1.0, 200.0)
 
@@ -33,7 +46,9 @@ class LeadingWave:
         return self.ratio ** (contact - 1)
 
     def secondary(self, contact):
-        """Peak of collisions behind the wave over that of contact 1: sqrt(k_u m/2) omega (F_1 - F_(i+1)) (4.31)."""
+        """Peak of collisions behind the wave over that of contact 1: sqrt(k_u m/2) omega (F_1 -
+        F_(i+1)) (4.31).
+        """
         return math.sqrt(0.5 / (1 - self.beta)) * self.residual * (1 - self.printed(contact + 1))
 
 
@@ -41,11 +56,16 @@ class ShortPulse:
     """Two chains of one beta after an impulse: one recorded in short steps, and one followed far."""
 
     def __init__(self, near, far):
-        self.near, self.far, self.beta, self.largest = near, far, near.beta, far.largest
+        self.near = near
+        self.far = far
+        self.beta = near.beta
+        self.largest = far.largest
         self.model = LeadingWave(self.beta)
-        self.velocity_unit, self.force_unit = near.impulse / near.mass, near.impulse * near.rate
+        self.velocity_unit = near.impulse / near.mass
+        self.force_unit = near.impulse * near.rate
         crests, heights = np.array([near.first_peak(contact) for contact in range(CONTACTS)]).T
-        # the parabola overshoots where unloading is much steeper than loading; peaks of every step bound it
+        # the parabola overshoots where unloading is much steeper than loading; peaks of every step
+        # bound it
         self.leading = np.minimum(heights, near.largest[:CONTACTS])
         self.transition = int(np.argmax(self.largest[:CONTACTS] > OVERTAKEN * self.leading)) + 1
         free = (near.time > crests[0]) & (near.force[:, 0] == 0)
@@ -56,11 +76,15 @@ class ShortPulse:
         return 100 * (self.largest[contact - 1] / self.leading[contact - 1] - 1)
 
     def at_peak(self, contact):
-        """Forces and velocities when the beads of a contact (from 1) are first equally fast after touching."""
+        """Forces and velocities when the beads of a contact (from 1) are first equally fast after
+        touching.
+        """
         closing = self.near.velocity[:, contact - 1] - self.near.velocity[:, contact]
         k = np.flatnonzero((closing <= 0) & (self.near.force[:, contact - 1] > 0))[0]
         time = np.interp(0.0, -closing[k - 1 : k + 1], self.near.time[k - 1 : k + 1])
-        return (at_time(time, self.near.time, array) for array in (self.near.force, self.near.velocity))
+        return (
+            at_time(time, self.near.time, array) for array in (self.near.force, self.near.velocity)
+        )
 
 
 def measured(runs):

@@ -1,9 +1,10 @@
 """Rectangles of force on the first bead of an elastic chain, in the chain's own units.
 
-Hertz's chain has no scale of its own: a pulse of impulse I = A T is one point of one curve, F_peak/I^(6/5) against
-A/I^(6/5), and the duration at which one wave becomes a train is T = q A^(-1/6). A pulse is a train here if the
-second peak at one contact is at least `SECOND` of the first; the contact is at 0.35 of the chain, so that a second
-wave still passes it before the first one comes to the end.
+Hertz's chain has no scale of its own: a pulse of impulse I = A T is one point of one curve,
+F_peak/I^(6/5) against A/I^(6/5), and the duration at which one wave becomes a train is T = q
+A^(-1/6). A pulse is a train here if the second peak at one contact is at least `SECOND` of the
+first; the contact is at 0.35 of the chain, so that a second wave still passes it before the first
+one comes to the end.
 """
 
 from itertools import groupby
@@ -14,24 +15,40 @@ SECOND = 0.01  # of the first peak: from then on a train
 
 
 class ForcePulse:
-    """A rectangle of force on the first bead, and what became of it: forces in E* R*^2, times in tau."""
+    """A rectangle of force on the first bead, and what became of it: forces in E* R*^2, times in
+    tau.
+    """
 
     def __init__(self, run):
         self.chain = chain = Chain(run)
-        load, scales = chain.load, chain.scales
-        self.amplitude, self.duration = load.largest / scales.force, load.lasts / scales.time
+        load = chain.load
+        scales = chain.scales
+        self.amplitude = load.largest / scales.force
+        self.duration = load.lasts / scales.time
         self.impulse = self.amplitude * self.duration
         self.peak = chain.of_contacts("peak_force")[chain.passed - 1] / scales.force
-        self.reduced, self.reduced_peak = self.amplitude / self.impulse**1.2, self.peak / self.impulse**1.2
+        self.reduced, self.reduced_peak = (
+            self.amplitude / self.impulse**1.2,
+            self.peak / self.impulse**1.2,
+        )
         self.contact = round(0.35 * chain.force.shape[1])  # from 1, where waves are counted
         self.signal = chain.force[:, self.contact - 1]
         places = maxima(self.signal)
-        self.first_peak, self.waves = chain.time[places[0]], self.signal[places] / self.signal[places[0]]
+        self.first_peak, self.waves = (
+            chain.time[places[0]],
+            self.signal[places] / self.signal[places[0]],
+        )
         self.second = self.waves[1:].max(initial=0.0)
 
 
 def groups(pulses, key, least=3):
-    """Pulses of one amplitude or impulse (to three digits), in rising order of it, each group by duration."""
-    ordered = sorted(pulses, key=lambda pulse: (float(f"{getattr(pulse, key):.3g}"), pulse.duration))
-    found = [list(group) for _, group in groupby(ordered, key=lambda pulse: f"{getattr(pulse, key):.3g}")]
+    """Pulses of one amplitude or impulse (to three digits), in rising order of it, each group by
+    duration.
+    """
+    ordered = sorted(
+        pulses, key=lambda pulse: (float(f"{getattr(pulse, key):.3g}"), pulse.duration)
+    )
+    found = [
+        list(group) for _, group in groupby(ordered, key=lambda pulse: f"{getattr(pulse, key):.3g}")
+    ]
     return [group for group in found if len(group) >= least]

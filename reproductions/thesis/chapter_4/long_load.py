@@ -1,8 +1,8 @@
 """Long loading of an elastic chain, 40 N.
 
-A steady force of 40 N on the first of 510 elastic beads for 10 ms. Peak force at the last contact that the front
-has passed; speed of the front at half the force, over the last nine tenths of its way; plateau: the first quarter
-of it.
+A steady force of 40 N on the first of 510 elastic beads for 10 ms. Peak force at the last contact
+that the front has passed; speed of the front at half the force, over the last nine tenths of its
+way; plateau: the first quarter of it.
 """
 
 import math
@@ -17,13 +17,21 @@ PRINTED = f"The printed speed is 10^(1/6) = {10 ** (1 / 6):.4f} times too large.
 
 
 class Front:
-    """The front, and the plateau behind it: speed between c_l = D sqrt(A/(m alpha)) (4.16), sqrt(10/9) c_l (4.12)."""
+    """The front, and the plateau behind it: speed between c_l = D sqrt(A/(m alpha)) (4.16),
+    sqrt(10/9) c_l (4.12).
+    """
 
     def __init__(self, run):
         self.chain = chain = Chain(run)
-        self.scales, self.force, self.last = chain.scales, chain.load.largest, chain.passed
-        self.momentum = self.scales.diameter * self.force / chain.mass  # bead velocity times speed (4.9)
-        self.lower = self.scales.diameter * math.sqrt(self.force / (chain.mass * self.scales.overlap(self.force)))
+        self.scales = chain.scales
+        self.force = chain.load.largest
+        self.last = chain.passed
+        self.momentum = (
+            self.scales.diameter * self.force / chain.mass
+        )  # bead velocity times speed (4.9)
+        self.lower = self.scales.diameter * math.sqrt(
+            self.force / (chain.mass * self.scales.overlap(self.force))
+        )
         self.upper = math.sqrt(10 / 9) * self.lower
         numbers = np.arange(self.last // 10, self.last + 1)
         times = [arrival(chain.time, chain.force[:, n - 1], 0.5 * self.force) for n in numbers]
@@ -31,7 +39,8 @@ class Front:
         self.speed = self.scales.diameter / per_contact
         front = self.last + (chain.time[-1] - times[-1]) / per_contact
         self.mean_velocity = chain.velocity[-1].sum() / front
-        late, plateau = slice(-len(chain.time) // 10, None), slice(self.last // 50, self.last // 4)
+        late = slice(-len(chain.time) // 10, None)
+        plateau = slice(self.last // 50, self.last // 4)
         self.plateau_force, self.plateau_velocity = (
             array[late, plateau].mean() for array in (chain.force, chain.velocity)
         )
@@ -42,7 +51,8 @@ class Front:
 
 def rows(runs):
     one = Front(runs[0])
-    s, peak = one.scales, one.largest[one.last - 1]
+    s = one.scales
+    peak = one.largest[one.last - 1]
     bound = "The force whose speed by Nesterenko is the bound, with the stated constants."
     thesis = {"where": "thesis 4.1.3"}
     # fmt: off
@@ -70,8 +80,10 @@ def rows(runs):
 
 def pictures(runs):
     one = Front(runs[0])
-    chain, last = one.chain, one.last
-    contact, bead = np.arange(1, len(chain.force[-1]) + 1), np.arange(1, len(chain.velocity[-1]) + 1)
+    chain = one.chain
+    last = one.last
+    contact = np.arange(1, len(chain.force[-1]) + 1)
+    bead = np.arange(1, len(chain.velocity[-1]) + 1)
     figure = Figure((3.5, 4.2), layout="constrained")
     top, bottom = figure.subplots(2, sharex=True)
     top.plot(contact, chain.force[-1], linewidth=0.7, label=f"at {1e3 * chain.time[-1]:.3g} ms")
@@ -81,10 +93,19 @@ def pictures(runs):
     top.set(ylabel="Contact force (N)", ylim=(0, 180))
     top.legend(ncols=2, loc="upper left")
     bottom.plot(bead, chain.velocity[-1], linewidth=0.7)
-    bottom.set(xlabel="Contact, bead", ylabel="Bead velocity (m/s)", ylim=(0, None), xlim=(0, len(bead)))
-    data = {"contact": contact, "force_N": chain.force[-1], "largest_force_N": one.largest, "bead": bead}
+    bottom.set(
+        xlabel="Contact, bead", ylabel="Bead velocity (m/s)", ylim=(0, None), xlim=(0, len(bead))
+    )
+    data = {
+        "contact": contact,
+        "force_N": chain.force[-1],
+        "largest_force_N": one.largest,
+        "bead": bead,
+    }
     caption = (
         "Force and bead velocity along the chain under a steady force, at the run's end (thesis Fig. 4.2). The largest "
         f"force goes to {one.largest[last - 1]:.3g} N, between the bounds; far behind the front both become level"
     )
-    yield gw.Picture("elastic_long_load", caption, figure, data | {"velocity_m_s": chain.velocity[-1]})
+    yield gw.Picture(
+        "elastic_long_load", caption, figure, data | {"velocity_m_s": chain.velocity[-1]}
+    )

@@ -1,9 +1,9 @@
 """Peak force of elastic pulses.
 
-A steady force on the first of 200 elastic beads, impulses of 0.1 mN s to 0.4 N s. Peak force of the leading wave,
-at the last contact that it has passed by the end of the run. The two largest impulses of the source's figure would
-press beads together by more than R*, where no contact law holds; smaller ones are as good, since the elastic chain
-has no scale of its own.
+A steady force on the first of 200 elastic beads, impulses of 0.1 mN s to 0.4 N s. Peak force of the
+leading wave, at the last contact that it has passed by the end of the run. The two largest impulses
+of the source's figure would press beads together by more than R*, where no contact law holds;
+smaller ones are as good, since the elastic chain has no scale of its own.
 """
 
 import numpy as np
@@ -12,15 +12,22 @@ from matplotlib.figure import Figure
 
 import granwave as gw
 
-LOAD, PEAK = 40.0, 92.7  # N, of thesis 4.1.3: a train's limit F_peak/A
-IMPULSE_LIMIT, DISCRETE_LIMIT = ((3 / 128) ** 0.6 * c for c in (0.719, 0.7176))  # F_peak/I^(6/5): (4.5); discrete chain
+# N, of thesis 4.1.3: a train's limit F_peak/A
+LOAD = 40.0
+PEAK = 92.7
+IMPULSE_LIMIT, DISCRETE_LIMIT = (
+    (3 / 128) ** 0.6 * c for c in (0.719, 0.7176)
+)  # F_peak/I^(6/5): (4.5); discrete chain
 CROSSING = IMPULSE_LIMIT / (PEAK / LOAD)
 
 
 def rows(runs):
     pulses = sorted(map(ForcePulse, runs), key=lambda pulse: pulse.reduced)
-    x, y, impulse = np.array([(pulse.reduced, pulse.reduced_peak, pulse.impulse) for pulse in pulses]).T
-    short, long = x > 8 * CROSSING, x < CROSSING / 8
+    x, y, impulse = np.array(
+        [(pulse.reduced, pulse.reduced_peak, pulse.impulse) for pulse in pulses]
+    ).T
+    short = x > 8 * CROSSING
+    long = x < CROSSING / 8
     alike = (x[1:] < 1.001 * x[:-1]) & (np.abs(np.diff(np.log(impulse))) > 1)
     spread = np.expm1(np.abs(np.diff(np.log(y)))[alike].max())
     # fmt: off
@@ -46,19 +53,36 @@ def pictures(runs):
     pulses = sorted(map(ForcePulse, runs), key=lambda pulse: pulse.reduced)
     names = ("amplitude", "duration", "impulse", "peak", "reduced", "reduced_peak")
     table = {name: np.array([getattr(pulse, name) for pulse in pulses]) for name in names}
-    x, y = table["reduced"], table["reduced_peak"]
+    x = table["reduced"]
+    y = table["reduced_peak"]
     figure = Figure((7, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
     for n, group in enumerate(groups(pulses, "impulse")):
         style = {"color": f"C{n}", "label": f"{group[0].impulse:.3g}"}
-        left.loglog([p.amplitude for p in group], [p.peak for p in group], "o-", markersize=3, **style)
-        right.plot([p.reduced for p in group], [p.reduced_peak for p in group], "o", fillstyle="none", ms=4 + 2 * n)
+        left.loglog(
+            [p.amplitude for p in group], [p.peak for p in group], "o-", markersize=3, **style
+        )
+        right.plot(
+            [p.reduced for p in group],
+            [p.reduced_peak for p in group],
+            "o",
+            fillstyle="none",
+            ms=4 + 2 * n,
+        )
     left.set(xlabel=r"Amplitude $A/(E^* R^{*2})$", ylabel=r"Peak force $F/(E^* R^{*2})$")
     left.legend(title=r"Impulse $I/(E^* R^{*2} \tau)$", loc="lower right", fontsize=7)
     fine = np.geomspace(0.5 * x[0], 2 * x[-1], 200)
     right.plot(x, y, ".k", markersize=3, label="simulation")
-    right.plot(fine, np.full_like(fine, IMPULSE_LIMIT), "--", color="0.5", label=f"{IMPULSE_LIMIT:.4f} (thesis 4.5)")
-    right.loglog(fine, PEAK / LOAD * fine, ":", color="0.5", label=rf"{PEAK / LOAD:.2f} $A/I^{{6/5}}$")
+    right.plot(
+        fine,
+        np.full_like(fine, IMPULSE_LIMIT),
+        "--",
+        color="0.5",
+        label=f"{IMPULSE_LIMIT:.4f} (thesis 4.5)",
+    )
+    right.loglog(
+        fine, PEAK / LOAD * fine, ":", color="0.5", label=rf"{PEAK / LOAD:.2f} $A/I^{{6/5}}$"
+    )
     right.set(xlabel=r"$A/I^{6/5}$, normalised", ylabel=r"Peak force $F/I^{6/5}$, normalised")
     right.set_ylim(0.5 * y.min(), 3 * IMPULSE_LIMIT)
     right.legend(loc="lower right")

@@ -1,8 +1,8 @@
 """Solitary wave of an impulse.
 
-The first of 100 elastic beads is given a velocity. Peak force at the last contact that the wave has passed;
-speed from the peaks of contacts half-way to there; profile of a bead half-way between them, its time turned into
-place by the speed.
+The first of 100 elastic beads is given a velocity. Peak force at the last contact that the wave has
+passed; speed from the peaks of contacts half-way to there; profile of a bead half-way between them,
+its time turned into place by the speed.
 """
 
 import math
@@ -16,8 +16,14 @@ from granwave.measures import Chain, power_law, width
 from granwave.theory import discrete_speed
 
 LENGTH = math.pi * math.sqrt(10) / 2  # of Nesterenko's wave, diameters
-SIMILAR = "The elastic chain has no scale of its own: similarity forces one value on any correct code."
-DISCRETE = {"coefficient": 0.7176, "speed": discrete_speed(), "width": 1.579}  # of the chain of beads itself
+SIMILAR = (
+    "The elastic chain has no scale of its own: similarity forces one value on any correct code."
+)
+DISCRETE = {
+    "coefficient": 0.7176,
+    "speed": discrete_speed(),
+    "width": 1.579,
+}  # of the chain of beads itself
 
 
 class Wave:
@@ -25,18 +31,21 @@ class Wave:
 
     def __init__(self, run):
         chain = Chain(run)
-        scales, last = chain.scales, chain.passed
+        scales = chain.scales
+        last = chain.passed
         first = last // 2
         peak = chain.of_contacts("peak_force")[last - 1]
         crest = [chain.first_peak(contact - 1)[0] for contact in range(first, last + 1)]
         speed = scales.diameter / np.polyfit(np.arange(len(crest)), crest, 1)[0]
-        self.v0, self.speed = chain.load.velocity / scales.velocity, speed / scales.velocity
+        self.v0 = chain.load.velocity / scales.velocity
+        self.speed = speed / scales.velocity
         self.force = peak / scales.force
         self.coefficient = peak / scales.impulse_force(chain.impulse)
         self.over_nesterenko = speed / scales.nesterenko(peak)
         time = np.linspace(chain.time[0], chain.time[-1], 10 * len(chain.time))
         velocity = CubicSpline(chain.time, chain.velocity[:, (first + last) // 2])(time)
-        self.x, self.velocity = (time - time[velocity.argmax()]) * speed / scales.diameter, velocity / velocity.max()
+        self.x = (time - time[velocity.argmax()]) * speed / scales.diameter
+        self.velocity = velocity / velocity.max()
         half = slice(len(chain.time) // 2, None)  # in time
         kinetic = 0.5 * chain.mass * (np.maximum(chain.velocity[half], 0) ** 2).sum(axis=1)
         elastic = 0.4 * (chain.force[half] * scales.overlap(chain.force[half])).sum(axis=1)
@@ -51,15 +60,21 @@ def measured(runs):
 
 
 def spread(values):
-    return f"Spread of {len(values)} runs {100 * (values.max() / values.min() - 1):.1g} %. {SIMILAR}"
+    return (
+        f"Spread of {len(values)} runs {100 * (values.max() / values.min() - 1):.1g} %. {SIMILAR}"
+    )
 
 
 def rows(runs):
     waves, t = measured(runs)
     middle = waves[len(waves) // 2]
-    force, speed = power_law(t["v0"], t["force"]), power_law(t["force"], t["speed"])
-    half, foot = width(middle.x, middle.velocity), width(middle.x, middle.velocity, 1e-3)
-    c, over, discrete_c = t["coefficient"], t["over_nesterenko"], DISCRETE["coefficient"]
+    force = power_law(t["v0"], t["force"])
+    speed = power_law(t["force"], t["speed"])
+    half = width(middle.x, middle.velocity)
+    foot = width(middle.x, middle.velocity, 1e-3)
+    c = t["coefficient"]
+    over = t["over_nesterenko"]
+    discrete_c = DISCRETE["coefficient"]
     names = (
         "Peak force over (m^3 E*^2 R* v^6)^(1/5)",
         "Speed over Nesterenko's at the same peak force",
@@ -100,19 +115,33 @@ def pictures(runs):
     left, middle, right = figure.subplots(1, 3)
     left.loglog(t["v0"], 0.719 * t["force"] / t["coefficient"], "0.6", label="0.719 (thesis 4.5)")
     left.loglog(t["v0"], t["force"], "o", label="simulation")
-    left.set(xlabel=r"Velocity of the first bead $v_0 \tau/R^*$", ylabel=r"Peak force $F/(E^* R^{*2})$")
+    left.set(
+        xlabel=r"Velocity of the first bead $v_0 \tau/R^*$", ylabel=r"Peak force $F/(E^* R^{*2})$"
+    )
     middle.loglog(t["force"], t["speed"] / t["over_nesterenko"], "0.6", label="Nesterenko")
     middle.loglog(t["force"], t["speed"], "o", label="simulation")
     middle.set(xlabel=r"Peak force $F/(E^* R^{*2})$", ylabel=r"Speed $V \tau/R^*$")
     right.plot(place, cos4, "0.6", label=r"$\cos^4$")
     for wave in waves:
-        right.plot(wave.x, wave.velocity, "C0", linewidth=0.8, label="" if wave is not waves[0] else "simulation")
+        right.plot(
+            wave.x,
+            wave.velocity,
+            "C0",
+            linewidth=0.8,
+            label="" if wave is not waves[0] else "simulation",
+        )
     right.set(xlabel="Time as place, diameters", ylabel="Bead velocity over its largest")
     right.set(xlim=(-3.5, 3.5), ylim=(0, 1.4))
     for axes in (left, middle, right):
         axes.legend()
-    data = {f"{name}_normalised": values for name, values in t.items()} | {"place_diameters": place, "cos4": cos4}
-    data |= {f"profile_{n}": np.interp(place, wave.x, wave.velocity) for n, wave in enumerate(waves, start=1)}
+    data = {f"{name}_normalised": values for name, values in t.items()} | {
+        "place_diameters": place,
+        "cos4": cos4,
+    }
+    data |= {
+        f"profile_{n}": np.interp(place, wave.x, wave.velocity)
+        for n, wave in enumerate(waves, start=1)
+    }
     over = 100 * (t["over_nesterenko"].mean() - 1)
     caption = (
         "Peak force against velocity of the first bead, speed against peak force, and profile; grey: Nesterenko's "

@@ -1,8 +1,8 @@
 """Pulses from one solitary wave to a train.
 
-A steady force on the first of 180 elastic beads, for five durations at each of four amplitudes. A pulse is a train
-if the second peak at contact 63 is at least 1 % of the first; the critical duration is interpolated between two
-runs.
+A steady force on the first of 180 elastic beads, for five durations at each of four amplitudes. A
+pulse is a train if the second peak at contact 63 is at least 1 % of the first; the critical
+duration is interpolated between two runs.
 """
 
 import numpy as np
@@ -18,7 +18,8 @@ def measured(runs):
     found = groups(map(ForcePulse, runs), "amplitude")
     amplitude = np.array([group[0].amplitude for group in found])
     durations, seconds = (
-        [np.array([getattr(p, name) for p in group]) for group in found] for name in ("duration", "second")
+        [np.array([getattr(p, name) for p in group]) for group in found]
+        for name in ("duration", "second")
     )
     critical = np.array([arrival(*pair, SECOND) for pair in zip(durations, seconds, strict=True)])
     return found, amplitude, critical, power_law(amplitude, critical)
@@ -39,24 +40,41 @@ def rows(runs):
 def pictures(runs):
     found, at, critical, fit = measured(runs)
     names = ("amplitude", "duration", "second")
-    amplitude, duration, second = np.array([[getattr(p, n) for n in names] for group in found for p in group]).T
+    amplitude, duration, second = np.array(
+        [[getattr(p, n) for n in names] for group in found for p in group]
+    ).T
     figure = Figure((7, 2.8), layout="constrained")
     left, right = figure.subplots(1, 2)
-    for chosen, fill, what in ((second < SECOND, "none", "one wave"), (second >= SECOND, "full", "train")):
-        left.loglog(amplitude[chosen], duration[chosen], "oC0", fillstyle=fill, markersize=4, label=what)
+    for chosen, fill, what in (
+        (second < SECOND, "none", "one wave"),
+        (second >= SECOND, "full", "train"),
+    ):
+        left.loglog(
+            amplitude[chosen], duration[chosen], "oC0", fillstyle=fill, markersize=4, label=what
+        )
     left.loglog(at, fit(at), "C1", label=f"critical: power {fit.exponent:.4f}")
     left.plot(at, critical, "_C1", markersize=12)
     left.set(xlabel=r"Amplitude $A/(E^* R^{*2})$", ylabel=r"Duration $T/\tau$")
     left.legend()
     for pulse in found[len(found) // 2]:
-        load, scaled = pulse.chain.load, f"{pulse.duration * pulse.amplitude ** (1 / 6):.1f}"
-        right.semilogy((pulse.chain.time - pulse.first_peak) / load.lasts, pulse.signal / load.largest, label=scaled)
+        load = pulse.chain.load
+        scaled = f"{pulse.duration * pulse.amplitude ** (1 / 6):.1f}"
+        right.semilogy(
+            (pulse.chain.time - pulse.first_peak) / load.lasts,
+            pulse.signal / load.largest,
+            label=scaled,
+        )
     right.set(
-        xlabel="Time after the first peak, over the duration T", ylabel=f"Force at contact {pulse.contact} over A"
+        xlabel="Time after the first peak, over the duration T",
+        ylabel=f"Force at contact {pulse.contact} over A",
     )
     right.set(xlim=(-3, 36), ylim=(1e-3, 3))
     right.legend(title=r"$T/\tau\; (A/E^* R^{*2})^{1/6}$", ncols=2, loc="upper right")
-    data = {"amplitude_normalised": amplitude, "duration_normalised": duration, "second_over_first_peak": second}
+    data = {
+        "amplitude_normalised": amplitude,
+        "duration_normalised": duration,
+        "second_over_first_peak": second,
+    }
     caption = (
         "Which loads make one wave and which a train, by amplitude and duration, and the critical duration between "
         f"them (thesis Fig. 4.1). Right: forces; a train is what has a second peak above {100 * SECOND:g} % of the "

@@ -1,7 +1,7 @@
 """Blocks, and a packing beside one.
 
-A rigid punch of 10 mm hits a brass block, or one of another material; the reference is a punch of 0.1 kg on brass.
-Energies are normalised by sigma_y² D³/E (thesis 5.30), volumes by pi D³/6.
+A rigid punch of 10 mm hits a brass block, or one of another material; the reference is a punch of
+0.1 kg on brass. Energies are normalised by sigma_y² D³/E (thesis 5.30), volumes by pi D³/6.
 """
 
 import math
@@ -17,12 +17,18 @@ OF_AXIS = "By the end of the axis."
 
 
 def measured(runs):
-    """Blocks of brass by mass of the punch, each by rising energy; other blocks; the fastest sphere on a packing."""
-    brass, others, packings = {}, [], []
+    """Blocks of brass by mass of the punch, each by rising energy; other blocks; the fastest sphere
+    on a packing.
+    """
+    brass = {}
+    others = []
+    packings = []
     for run in sorted(runs, key=lambda run: run["energy_input_J"]):
         labels = run.labels
         if "punch.velocity" in labels:
-            alike = all(labels.get(f"material.{key}", value) == value for key, value in BRASS.items())
+            alike = all(
+                labels.get(f"material.{key}", value) == value for key, value in BRASS.items()
+            )
             (brass.setdefault(labels.get("punch.mass", 0.1), []) if alike else others).append(run)
         elif labels.get("load.spheres") == 1:
             packings.append(run)
@@ -32,13 +38,18 @@ def measured(runs):
 def equal(runs, run):
     """Dissipated shares of runs at the normalised energy of one."""
     energy = run["energy_input_normalised"]
-    return [one["dissipated_fraction"] for one in runs if abs(one["energy_input_normalised"] / energy - 1) < SAME]
+    return [
+        one["dissipated_fraction"]
+        for one in runs
+        if abs(one["energy_input_normalised"] / energy - 1) < SAME
+    ]
 
 
 def rows(runs):
     brass, others, packing = measured(runs)
     block = brass[0.1][-1]
-    energy, share = block["energy_input_J"], block["dissipated_fraction"]
+    energy = block["energy_input_J"]
+    share = block["dissipated_fraction"]
     volume = block["plastic_zone_volume_m3"] / VOLUME
     name = f"{energy:.3g} J"
     of_materials = [abs(run["dissipated_fraction"] / twin - 1) for run in others if run["energy_input_normalised"] > 1

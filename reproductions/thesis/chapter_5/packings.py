@@ -1,10 +1,11 @@
 """Packings: scaling, quadratic law and loading area.
 
-36 x 36 x 18 spheres in FCC packing, struck along [111] at 0.03 to 40 m/s. In the quadratic law velocities are
-normalised (thesis 5.11), and energies so that the input is v0²/2; the law is fitted to the fast impacts, with equal
-relative weights. The constants that the source prints cannot be those of its figure: at a normalised velocity of 94.9
-they give more dissipation than there is input. Powers of ten of 1e-3, 1e-3 and 1e-4 put 9.45e3, -3.04e3 and 5.00e3 into
-these units, and were chosen to do so: evidence is only in the digits of D1.
+36 x 36 x 18 spheres in FCC packing, struck along [111] at 0.03 to 40 m/s. In the quadratic law
+velocities are normalised (thesis 5.11), and energies so that the input is v0²/2; the law is fitted
+to the fast impacts, with equal relative weights. The constants that the source prints cannot be
+those of its figure: at a normalised velocity of 94.9 they give more dissipation than there is
+input. Powers of ten of 1e-3, 1e-3 and 1e-4 put 9.45e3, -3.04e3 and 5.00e3 into these units, and
+were chosen to do so: evidence is only in the digits of D1.
 """
 
 import numpy as np
@@ -28,13 +29,21 @@ CONSTANTS = (
 
 
 def measured(runs):
-    """Runs of one struck brass sphere of 10 mm by velocity, those of other spheres by name, and all of brass."""
-    brass, others = [], {}
-    for run in (run for run in runs if "load.velocity" in run.labels and "packing.size" not in run.labels):
+    """Runs of one struck brass sphere of 10 mm by velocity, those of other spheres by name, and all
+    of brass.
+    """
+    brass = []
+    others = {}
+    for run in (
+        run for run in runs if "load.velocity" in run.labels and "packing.size" not in run.labels
+    ):
         name = ", ".join(f"{word} {run.labels[key] / unit:.4g} {of}" for key, (word, unit, of) in WORDS.items()
                          if run.labels.get(key, BRASS[key]) != BRASS[key])  # fmt: skip
         (others.setdefault(name, []) if name else brass).append(run)
-    reference = sorted((run for run in brass if run.case.load.spheres == 1), key=lambda run: run["velocity_normalised"])
+    reference = sorted(
+        (run for run in brass if run.case.load.spheres == 1),
+        key=lambda run: run["velocity_normalised"],
+    )
     return reference, others, brass
 
 

@@ -1,14 +1,23 @@
 """Impacts on packings beside our second solver.
 
-A network of contacts in numpy that shares no code with granwave: the reference impact with the contact normals of the
-start and a held last layer, and a packing of 12 x 12 x 8 in true geometry over 0.2 ms.
+A network of contacts in numpy that shares no code with granwave: the reference impact with the
+contact normals of the start and a held last layer, and a packing of 12 x 12 x 8 in true geometry
+over 0.2 ms.
 """
 
 import granwave as gw
 
 BY = "our second solver"
-START = "normals of the start and a held last layer; the geometry alone changes this by 1e-4 at 5 m/s"
-SMALL = {1: (0.6257, 0.6257), 5: (0.8557, 0.8556), 10: (0.9082, 0.9082), 40: (0.9557, 0.9571), 80: (0.9600, 0.9635)}
+START = (
+    "normals of the start and a held last layer; the geometry alone changes this by 1e-4 at 5 m/s"
+)
+SMALL = {
+    1: (0.6257, 0.6257),
+    5: (0.8557, 0.8556),
+    10: (0.9082, 0.9082),
+    40: (0.9557, 0.9571),
+    80: (0.9600, 0.9635),
+}
 
 
 def rows(runs):

@@ -1,6 +1,7 @@
 """Packings: forces and energies of single spheres.
 
-One sphere of 36 x 36 x 18 in FCC packing is struck along [111]; peak forces are over F_y, the force at first yield.
+One sphere of 36 x 36 x 18 in FCC packing is struck along [111]; peak forces are over F_y, the force
+at first yield.
 """
 
 import math
@@ -12,14 +13,19 @@ import granwave as gw
 
 LARGEST_FORCE = 700.0  # F_y: end of the colours of Fig. 5.3, whose velocity is not printed
 ENERGIES = {16: 0.576, 40: 3.60}  # J by velocity, m/s
-CONTACTS, LAYER = 7, 3  # along a preferred direction; with a point below the struck sphere
+# along a preferred direction; with a point below the struck sphere
+CONTACTS = 7
+LAYER = 3
 ON = 0.25  # diameters that a sphere may be off its place
 SHOWN = (4, 10, 40)  # m/s
 
 
 def directions(run):
-    """Layers, from the first on, whose largest force lies on a preferred direction; force below over that there."""
-    result, ways = run.result, gw.measures.rays(run.result).directions
+    """Layers, from the first on, whose largest force lies on a preferred direction; force below
+    over that there.
+    """
+    result = run.result
+    ways = gw.measures.rays(run.result).directions
     offset = (result["spheres/position"] - result.origin) / run.case.packing.diameter
     force = result["spheres/peak_force"]
     layer = np.rint(offset[:, 2] / ways[0, 2]).astype(int)
@@ -43,7 +49,8 @@ def struck_once(runs):
 
 def rows(runs):
     found = struck_once(runs)
-    ten, fast = found[10], found[40]
+    ten = found[10]
+    fast = found[40]
     sphere = {"shape": "sphere", "diameter": 0.01, "material": "brass"}
     _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])
     force = [run["peak_force_N"] / yield_force for run in found.values()]
@@ -81,7 +88,8 @@ def rows(runs):
 
 
 def pictures(runs):
-    found, data = struck_once(runs), {}
+    found = struck_once(runs)
+    data = {}
     axes = Figure((3.4, 2.6), layout="constrained").subplots()
     for velocity, style in zip(SHOWN, ("C0", "C1--", "k-."), strict=True):
         run = found[velocity]
@@ -90,7 +98,9 @@ def pictures(runs):
         values = values[values > 0]
         axes.loglog(1 + np.arange(len(values)), values, style, label=f"{velocity} m/s")
         data[f"dissipation_at_{velocity}_m_s"] = values
-    axes.set(xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)")
+    axes.set(
+        xlabel="Sphere, the one that dissipated most first", ylabel="Dissipation (thesis 5.15)"
+    )
     axes.legend()
     caption = (
         "Dissipation of the spheres in descending order, a contact's at both of its spheres (thesis Fig. 5.8). The "

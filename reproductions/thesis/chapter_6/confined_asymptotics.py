@@ -1,12 +1,13 @@
 """Confined rows: asymptotic theory.
 
-Light small spheres follow the beads, which are then a chain with a second, precompressed contact (6.13); small spheres
-that swing on behind the wave take energy from it (6.16 to 6.18). k_w is the source's (factor 1.2). Mended: delta_hat is
-2 delta tan(theta), eta_hat has no further cos^2.5 (0.5286 for n = 8, not 0.2528), the residual keeps its powers 3/2 and
-c^2 w'', (6.17) has the difference of beads, (6.18) n eps^3/A^2 (w_1'^2 + u_1'^2) with the largest velocity of a bead in
-the place of A. Waves become wider with precompression, not narrower: C1 falls. The legends of figure 6.10 (0.09, 0.22,
-0.36) are in the ratio of the precompressions, but about a quarter of delta_hat: their scale cannot be found, so slopes
-are compared.
+Light small spheres follow the beads, which are then a chain with a second, precompressed contact
+(6.13); small spheres that swing on behind the wave take energy from it (6.16 to 6.18). k_w is the
+source's (factor 1.2). Mended: delta_hat is 2 delta tan(theta), eta_hat has no further cos^2.5
+(0.5286 for n = 8, not 0.2528), the residual keeps its powers 3/2 and c^2 w'', (6.17) has the
+difference of beads, (6.18) n eps^3/A^2 (w_1'^2 + u_1'^2) with the largest velocity of a bead in the
+place of A. Waves become wider with precompression, not narrower: C1 falls. The legends of figure
+6.10 (0.09, 0.22, 0.36) are in the ratio of the precompressions, but about a quarter of delta_hat:
+their scale cannot be found, so slopes are compared.
 """
 
 from functools import cached_property
@@ -33,11 +34,15 @@ class Theory:
     """Precompressed rows of n = 8 at the a of the legends, with the theory."""
 
     def __init__(self, runs):
-        self.runs = sorted((run for run in map(ConfinedRun, runs) if is_in_legend(run)), key=lambda run: run.a)
+        self.runs = sorted(
+            (run for run in map(ConfinedRun, runs) if is_in_legend(run)), key=lambda run: run.a
+        )
         self.limit = LightSpheres(self.runs[0].rows)
         self.moved = np.array([moved_by_wave(run) for run in self.runs])
         rows = [run.rows for run in self.runs]
-        self.delta_hat = np.array([2 * one.tangent[0] * one.shrinks[0] for one in rows]) / self.moved
+        self.delta_hat = (
+            np.array([2 * one.tangent[0] * one.shrinks[0] for one in rows]) / self.moved
+        )
         self.decay = np.array([run.decay for run in self.runs])
 
     def waves(self, *delta_hat):
@@ -76,7 +81,8 @@ def rows(theory):
     # fmt: off
     yield gw.Row("eta_hat of (6.13), n = 8", ours=theory.limit.eta_hat, theory=0.5286, digits=4, **by_program)
     for delta_hat, (coefficients, speed, tails) in PROGRAM.items():
-        wave, at = theory.shown[delta_hat], f"delta_hat = {delta_hat:g}"
+        wave = theory.shown[delta_hat]
+        at = f"delta_hat = {delta_hat:g}"
         if coefficients:
             found, c = wave.series()
             for k, (ours, value) in enumerate(zip(found, coefficients, strict=True)):
@@ -109,14 +115,18 @@ def slope(x, y):
 
 
 def pictures(theory):
-    z, data = np.linspace(*ZERO, 121), {}
+    z = np.linspace(*ZERO, 121)
+    data = {}
     figure = Figure((7, 2.7), layout="constrained")
     left, right = figure.subplots(1, 2)
     for k, one in enumerate((0.2, 0.4)):
         wave = theory.shown[one]
-        series, lattice = series_at(z, wave.series()[0]), wave.displacement(z)
+        series = series_at(z, wave.series()[0])
+        lattice = wave.displacement(z)
         left.plot(z, series, f"C{k}", label=rf"series, $\hat\delta$ = {one:g}")
-        left.plot(z[::4], lattice[::4], f"oC{k}", markersize=3, label=rf"lattice, $\hat\delta$ = {one:g}")
+        left.plot(
+            z[::4], lattice[::4], f"oC{k}", markersize=3, label=rf"lattice, $\hat\delta$ = {one:g}"
+        )
         data |= {"z": z, f"series_{one:g}": series, f"lattice_{one:g}": lattice}
     left.set(xlabel="Distance from the crest, beads", ylabel="Displacement over A")
     x, decay = theory.curve
@@ -125,20 +135,28 @@ def pictures(theory):
     right.set(xlabel=r"$\hat\delta = 2\,\delta\tan\theta/A$", ylabel="Decay per contact")
     for axes in (left, right):
         axes.legend()
-    data |= {"delta_hat_theory": x, "decay_theory": decay, "delta_hat": theory.delta_hat, "decay": theory.decay}
-    caption = (
-        "Travelling waves, series of three terms beside the lattice (thesis figure 6.9); decay of the force in runs "
-    )
+    data |= {
+        "delta_hat_theory": x,
+        "decay_theory": decay,
+        "delta_hat": theory.delta_hat,
+        "decay": theory.decay,
+    }
+    caption = "Travelling waves, series of three terms beside the lattice (thesis figure 6.9); decay of the force in runs "
     caption += "beside that of the energy in theory: slopes are to be compared (thesis figure 6.11)"
     yield gw.Picture("confined_travelling_waves", caption, figure, data)
-    figure, data = Figure((7, 2.4), layout="constrained"), {}
+    figure = Figure((7, 2.4), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     for one, wave in zip(theory.delta_hat, theory.waves(*theory.delta_hat), strict=True):
         near = (wave.time > -2) & (wave.time < 10)
         for axes, way, velocity in ((left, "axial", wave.axial), (right, "radial", wave.radial)):
-            axes.plot(wave.time[near], velocity[near], label=rf"$\hat\delta$ = {one:.2f}", linewidth=0.9)
+            axes.plot(
+                wave.time[near], velocity[near], label=rf"$\hat\delta$ = {one:.2f}", linewidth=0.9
+            )
             axes.set(xlabel=r"Time $\tau$", ylabel=f"{way.capitalize()}, first order")
             data |= {f"time_{one:.2f}": wave.time[near], f"{way}_{one:.2f}": velocity[near]}
     right.legend()
     caption = "Velocities of the small spheres in first order: the more precompressed, the less they swing on behind "
-    yield gw.Picture("confined_small_spheres", f"{caption}the wave (thesis figure 6.10)", figure, data)
+    yield gw.Picture(
+        "confined_small_spheres", f"{caption}the wave (thesis figure 6.10)", figure, data
+    )

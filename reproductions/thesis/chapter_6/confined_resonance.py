@@ -1,9 +1,10 @@
 """Confined row: resonances in the density of 6 small spheres.
 
-n = 6, a = 0; the density of the small spheres alone varies. Where they still swing when the wave has passed, it loses
-energy to them: resonances with rapid decay, and anti-resonances between them at which the wave is nearly solitary. The
-source draws (1/F) dF/dx, which is minus the decay, between -7e-3 and 1e-3, with several peaks and troughs. Theory: the
-equations of symmetric motion, over the same contacts.
+n = 6, a = 0; the density of the small spheres alone varies. Where they still swing when the wave
+has passed, it loses energy to them: resonances with rapid decay, and anti-resonances between them
+at which the wave is nearly solitary. The source draws (1/F) dF/dx, which is minus the decay,
+between -7e-3 and 1e-3, with several peaks and troughs. Theory: the equations of symmetric motion,
+over the same contacts.
 """
 
 import numpy as np
@@ -14,21 +15,29 @@ from symmetric_motion import waves_of
 import granwave as gw
 from granwave.measures import maxima
 
-RESONANCES = {0.10: 6.4e-3, 0.24: 2.8e-3, 5.0: 2.7e-3}  # by density ratio: decay of the source's model
+RESONANCES = {
+    0.10: 6.4e-3,
+    0.24: 2.8e-3,
+    5.0: 2.7e-3,
+}  # by density ratio: decay of the source's model
 ANTI_RESONANCES = (0.056, 0.18, 0.42, 0.75, 2.0)
 SETTLED = 2.0  # density ratio up to which the wave decays uniformly from contact 60 on
 FORGETS = "Heavy small spheres: the wave does not yet decay uniformly so near the struck bead."
 
 
 class Densities:
-    """Rows by rising density of the small spheres: ratio to that of the beads, decays of runs and equations."""
+    """Rows by rising density of the small spheres: ratio to that of the beads, decays of runs and
+    equations.
+    """
 
     def __init__(self, runs):
         found = sorted(map(ConfinedRun, runs), key=lambda run: run.rows.density[0])
         self.ratio = np.array([run.rows.density[0] / DENSITY for run in found])
         self.decay = np.array([run.decay for run in found])
         forces, _ = waves_of(found)
-        self.theory = np.array([decay_of(force[: run.passed]) for run, force in zip(found, forces, strict=True)])
+        self.theory = np.array(
+            [decay_of(force[: run.passed]) for run, force in zip(found, forces, strict=True)]
+        )
 
 
 def select(runs):
@@ -58,7 +67,10 @@ def rows(found):
 
 
 def verdict(found):
-    high, low = (", ".join(f"{one:g}" for one in found.ratio[maxima(sign * found.decay, -1)]) for sign in (1, -1))
+    high, low = (
+        ", ".join(f"{one:g}" for one in found.ratio[maxima(sign * found.decay, -1)])
+        for sign in (1, -1)
+    )
     yield f"The wave decays most at density ratios near {high}, and is nearly solitary near {low}."
 
 
@@ -66,7 +78,10 @@ def pictures(found):
     axes = Figure((5, 2.6), layout="constrained").subplots()
     axes.semilogx(found.ratio, 1e3 * found.theory, "0.6", label="equations")
     axes.plot(found.ratio, 1e3 * found.decay, "o", label="simulation", markersize=4)
-    axes.set(xlabel="Density of small spheres over that of beads", ylabel=r"Decay per contact $\times 10^3$")
+    axes.set(
+        xlabel="Density of small spheres over that of beads",
+        ylabel=r"Decay per contact $\times 10^3$",
+    )
     axes.legend()
     data = {"density_ratio": found.ratio, "decay_theory": found.theory, "decay": found.decay}
     caption = "Decay of the wave against the density of the small spheres: peaks at the resonances, hardly any between "

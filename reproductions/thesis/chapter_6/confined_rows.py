@@ -1,13 +1,15 @@
-"""Beads in a row with a ring of n small spheres around each contact, in a tube (thesis 6.1): sizes, balance, runs.
+"""Beads in a row with a ring of n small spheres around each contact, in a tube (thesis 6.1): sizes,
+balance, runs.
 
     d = 2 D tan^2(pi/n)                    diameter of small spheres that touch two beads and both neighbours (6.2)
     rho = sqrt(d^2 + 2 d D)/2,  Rc = rho + d/2             radius of the ring, and of the tube around it
     tan(theta) = 2 rho/D,  cos(theta) = D/(D + d)          of the line from a bead to a small sphere, against the axis
     eps = m_s/m_b,  eta = k_sb cos^2.5(theta)/k_bb,  gamma = k_w/k_bb                                            (6.8)
 
-All contacts are Hertz's, F = k alpha^1.5. The thesis takes k_w = 1.2 E sqrt(d/2)/(1 - nu^2) (6.4), softer than a flat
-wall (4/3) and than the inside of the tube, whose contact is an ellipse. Nor has it contacts in the ring, which push a
-sphere that has moved in by u outwards with 2 k_ss [2 u sin(pi/n)]^1.5 sin(pi/n).
+All contacts are Hertz's, F = k alpha^1.5. The thesis takes k_w = 1.2 E sqrt(d/2)/(1 - nu^2) (6.4),
+softer than a flat wall (4/3) and than the inside of the tube, whose contact is an ellipse. Nor has
+it contacts in the ring, which push a sphere that has moved in by u outwards with 2 k_ss [2 u
+sin(pi/n)]^1.5 sin(pi/n).
 """
 
 import dataclasses
@@ -19,20 +21,27 @@ from scipy.optimize import brentq
 from granwave.measures import GrainRow, decay_rate
 from granwave.theory import elliptic_radius
 
-BEAD, DENSITY, MODULUS = 0.015, 8500.0, 115e9 / (1 - 0.30**2)  # m, kg/m^3, and E/(1 - nu^2) of brass, Pa
+# m, kg/m^3, and E/(1 - nu^2) of brass, Pa
+BEAD = 0.015
+DENSITY = 8500.0
+MODULUS = 115e9 / (1 - 0.30**2)
 MASS = DENSITY * np.pi / 6 * BEAD**3
 K_BEADS = 4 / 3 * MODULUS / 2 * np.sqrt(BEAD / 4)  # N/m^1.5
 FORCE = MODULUS / 2 * (BEAD / 4) ** 2  # E* R*^2, N
-TIME = np.sqrt(MASS / K_BEADS)  # by which the thesis divides times in SI, s; it has the dimension s m^(-1/4)
+TIME = np.sqrt(
+    MASS / K_BEADS
+)  # by which the thesis divides times in SI, s; it has the dimension s m^(-1/4)
 VELOCITY = BEAD / TIME  # by which it divides velocities
 WHERE = "equations of symmetric motion"
 
 
 @dataclasses.dataclass(eq=False)
 class Rows:
-    """Rows that just touch everywhere; small spheres a ring, their diameter, radius of the tube, what is taken off it.
+    """Rows that just touch everywhere; small spheres a ring, their diameter, radius of the tube,
+    what is taken off it.
 
-    Arrays have one value a row, in SI; a fraction as ``n`` makes a row that only the equations have.
+    Arrays have one value a row, in SI; a fraction as ``n`` makes a row that only the equations
+    have.
     """
 
     n: np.ndarray
@@ -62,7 +71,10 @@ class Rows:
         self.k_side = 4 / 3 * MODULUS / 2 * np.sqrt(BEAD * self.small / 2 / (BEAD + self.small))
         self.k_ring = 4 / 3 * MODULUS / 2 * np.sqrt(self.small / 4)
         radius = elliptic_radius(2 / self.small, 2 / self.small - 1 / (self.tube - self.shrinks))
-        self.k_wall, self.k_thesis_wall = 4 / 3 * MODULUS * np.sqrt(radius), 1.2 * MODULUS * np.sqrt(self.small / 2)
+        self.k_wall, self.k_thesis_wall = (
+            4 / 3 * MODULUS * np.sqrt(radius),
+            1.2 * MODULUS * np.sqrt(self.small / 2),
+        )
         self.eps, self.eta = self.mass / MASS, self.k_side * self.cosine**2.5 / K_BEADS
 
     def from_ring(self, inward):
@@ -92,7 +104,8 @@ class ConfinedRun(GrainRow):
 
     def __init__(self, run):
         super().__init__(run)
-        one, stage = int(self.beside[0]), self.case.precompression
+        one = int(self.beside[0])
+        stage = self.case.precompression
         values = (
             len(self.beside) / (len(self.ids) - 1), self.assembly.diameter_of(one), self.case.boundary.sides_tube,
             stage.tube if stage else 0.0, self.assembly.material_of(one).density,
@@ -100,7 +113,9 @@ class ConfinedRun(GrainRow):
         self.rows = Rows(*(np.array([value]) for value in values))
         self.n, self.a, self.impact = int(values[0]), 2 * values[3] / BEAD, self.load.velocity
         self.label = f"n = {self.n}, a = {self.a:.3g}"
-        self.peaks, self.times = (self.of_contacts(name)[: self.passed] for name in ("peak_force", "time_peak"))
+        self.peaks, self.times = (
+            self.of_contacts(name)[: self.passed] for name in ("peak_force", "time_peak")
+        )
         self.speed, self.decay = speed_of(self.times), decay_of(self.peaks)
 
     @property
@@ -110,7 +125,9 @@ class ConfinedRun(GrainRow):
 
     def probe(self, bead, quantity):
         """Time (s) and a recorded quantity of a bead, such as ``vz``."""
-        return self.array("probes/time"), self.array(f"probes/sphere_{self.ids[bead - 1]}_{quantity}")
+        return self.array("probes/time"), self.array(
+            f"probes/sphere_{self.ids[bead - 1]}_{quantity}"
+        )
 
 
 def speed_of(times):
@@ -127,4 +144,9 @@ def decay_of(peaks):
 
 def together(runs):
     """Rows of several runs."""
-    return Rows(*(np.concatenate([getattr(run.rows, one.name) for run in runs]) for one in dataclasses.fields(Rows)))
+    return Rows(
+        *(
+            np.concatenate([getattr(run.rows, one.name) for run in runs])
+            for one in dataclasses.fields(Rows)
+        )
+    )

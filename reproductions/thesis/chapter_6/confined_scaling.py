@@ -1,8 +1,9 @@
 """Confined rows: similar waves.
 
-Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the precompression a,
-forces v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source strikes at 2 m/s with the same a and with
-one that goes along. The moving geometry has a length, and breaks the similarity by some 1e-3.
+Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the
+precompression a, forces v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source
+strikes at 2 m/s with the same a and with one that goes along. The moving geometry has a length, and
+breaks the similarity by some 1e-3.
 """
 
 import math
@@ -15,14 +16,17 @@ import granwave as gw
 
 def measured(runs):
     """n = 8: at 1 m/s, at 2 m/s with the same a, and with one that goes along."""
-    found = sorted((run for run in map(ConfinedRun, runs) if run.n == 8), key=lambda run: (run.impact, run.a))
+    found = sorted(
+        (run for run in map(ConfinedRun, runs) if run.n == 8), key=lambda run: (run.impact, run.a)
+    )
     same, similar = found[-2:]
     return next(run for run in found if math.isclose(run.a, same.a)), same, similar
 
 
 def rows(runs):
     first, same, similar = measured(runs)
-    figure, where = {"where": "thesis figure 6.8"}, {"where": "thesis 6.11"}
+    figure = {"where": "thesis figure 6.8"}
+    where = {"where": "thesis 6.11"}
     # fmt: off
     yield gw.Row("Velocity v of the smaller impact in the legend", source=2.56e-8, theory=1 / VELOCITY, **figure,
                  remark="v D sqrt(m_b/k_bb) of 1 m/s in place of v/D sqrt(m_b/k_bb): multiplied by D.")
@@ -40,7 +44,8 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((5, 2.6), layout="constrained"), {}
+    figure = Figure((5, 2.6), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for run, look in zip(measured(runs), ("-", "-.", "--"), strict=True):
         contact, force = run.profile

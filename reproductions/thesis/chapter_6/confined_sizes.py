@@ -1,8 +1,9 @@
 """Confined rows: sizes, constants and static balance.
 
-Rows of n small spheres around each contact of brass beads of 15 mm, whose small spheres touch beads, neighbours and the
-tube. Check values are those of the same formulas, worked out apart from granwave. The legends of the source give
-precompressions a of which the balance of a small sphere is asked: it had moved in by the same part of D for every n.
+Rows of n small spheres around each contact of brass beads of 15 mm, whose small spheres touch
+beads, neighbours and the tube. Check values are those of the same formulas, worked out apart from
+granwave. The legends of the source give precompressions a of which the balance of a small sphere is
+asked: it had moved in by the same part of D for every n.
 """
 
 import math
@@ -38,8 +39,11 @@ INWARD = (1.6e-4, 4.0e-4, 6.4e-4)
 
 
 def balance(row, part):
-    """Values of a that move small spheres in by a part of D in the thesis: the printed ring, the right one, none."""
-    inward, angle = part * BEAD, math.pi / row.n[0]
+    """Values of a that move small spheres in by a part of D in the thesis: the printed ring, the
+    right one, none.
+    """
+    inward = part * BEAD
+    angle = math.pi / row.n[0]
     sine = math.sqrt(1 - row.cosine[0] ** 2)
     beads = 2 * row.k_side[0] * (inward * sine) ** 1.5 * sine
     printed = 2 * K_BEADS * (2 * inward * math.cos(angle)) ** 1.5 * math.sin(angle)
@@ -48,7 +52,10 @@ def balance(row, part):
 
 
 def rows(runs):
-    check = {"verification": True, "remark": "Check value, from the same formulas apart from granwave."}
+    check = {
+        "verification": True,
+        "remark": "Check value, from the same formulas apart from granwave.",
+    }
     of_ratios = {"where": "thesis 6.8"}
     # fmt: off
     found = {n: Rows.fitting(n) for n in SIZES}

@@ -1,9 +1,9 @@
 """Confined rows: velocities of beads.
 
-Velocities of beads 100 and 150 with a = 0 and with the largest precompression of the figure, in the source's units:
-times sqrt(m_b/k_bb) in SI, which is 1.7063e-6 s for its beads, velocities 1.1375e-4 for 1 m/s. Its axes end at 4.5e-5,
-and bead 100 moves between 1300 and 1700: this fixes beads of 15 mm. Without precompression the beads swing on behind
-the wave; with it there is next to nothing.
+Velocities of beads 100 and 150 with a = 0 and with the largest precompression of the figure, in the
+source's units: times sqrt(m_b/k_bb) in SI, which is 1.7063e-6 s for its beads, velocities 1.1375e-4
+for 1 m/s. Its axes end at 4.5e-5, and bead 100 moves between 1300 and 1700: this fixes beads of 15
+mm. Without precompression the beads swing on behind the wave; with it there is next to nothing.
 """
 
 import math
@@ -17,7 +17,8 @@ from granwave.measures import first_peak, width
 from granwave.theory import solitary_lengths
 
 WHERE = "thesis figure 6.5"
-PROGRAM = {  # by a: largest velocity times 1e5 of beads 100 and 150, and when, of the source's model
+# by a: largest velocity times 1e5 of beads 100 and 150, and when, of the source's model
+PROGRAM = {
     0.0: {100: (4.00, 1546), 150: (2.85, 2485)},
     1.9e-3: {100: (4.08, 1285), 150: (4.07, 1995)},
 }
@@ -28,7 +29,9 @@ BEHIND = 60, 200  # units of time behind the crest; later, waves come back from 
 
 def curves(runs):
     """Run, bead, time and velocity in the source's units, of n = 8."""
-    found = {round(run.a, 6): run for run in map(ConfinedRun, runs) if run.n == 8 and run.impact == 1}
+    found = {
+        round(run.a, 6): run for run in map(ConfinedRun, runs) if run.n == 8 and run.impact == 1
+    }
     for a, beads in PROGRAM.items():
         for bead in beads:
             time, velocity = found[a].probe(bead, "vz")
@@ -56,15 +59,23 @@ def rows(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((6, 2.6), layout="constrained"), {}
+    figure = Figure((6, 2.6), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for run, bead, time, velocity in curves(runs):
         shift = SHIFT if run.a else 0
-        axes.plot(time - shift, 1e5 * velocity, label=f"bead {bead}, a = {run.a:.2g}", linewidth=0.9)
+        axes.plot(
+            time - shift, 1e5 * velocity, label=f"bead {bead}, a = {run.a:.2g}", linewidth=0.9
+        )
         data |= {f"time_{bead}_a_{run.a:.2g}": time, f"velocity_{bead}_a_{run.a:.2g}": velocity}
-    axes.set(xlabel=r"Time $\tau$, less the shift", ylabel=r"Velocity $\times 10^5$", xlim=(-100, None))
-    figure.legend(loc="outside right upper")
-    caption = (
-        "Velocities of beads 100 and 150: with precompression little is left behind the wave (thesis figure 6.5). "
+    axes.set(
+        xlabel=r"Time $\tau$, less the shift", ylabel=r"Velocity $\times 10^5$", xlim=(-100, None)
     )
-    yield gw.Picture("confined_velocities", f"{caption}Its curves are moved {SHIFT} units to the left", figure, data)
+    figure.legend(loc="outside right upper")
+    caption = "Velocities of beads 100 and 150: with precompression little is left behind the wave (thesis figure 6.5). "
+    yield gw.Picture(
+        "confined_velocities",
+        f"{caption}Its curves are moved {SHIFT} units to the left",
+        figure,
+        data,
+    )

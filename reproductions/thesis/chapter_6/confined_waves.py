@@ -1,13 +1,15 @@
 """Confined rows: waves and precompression.
 
-Beads of 15 mm in a row, n small spheres around each contact, in a rigid tube whose radius then shrinks by delta, a = 2
-delta/D; bead 10 is struck at 1 m/s. Forces over E* R*^2. Theory: the equations of symmetric motion, solved apart from
-LAMMPS with the true geometry. The source's model differs: a wall softer than any of Hertz's (factor 1.2; inside the
-tube 1.44 to 1.48), no contacts in the rings and directions that do not turn. For n = 8 and a = 1.9e-3 its force at
-contact 201 is 1.343e-4; the moving geometry makes it 1.342, the ring 1.293, the factor of a flat wall 1.267 and that of
-the tube 1.247. The curves of the source are pictures without numbers: its axes end at 3e-4, and all four of its
-statements hold, in either model: rapid decay for n = 7 and 8 that precompression takes away, hardly any for n = 6 and
-9, less force and more speed with a. Contacts count from 1.
+Beads of 15 mm in a row, n small spheres around each contact, in a rigid tube whose radius then
+shrinks by delta, a = 2 delta/D; bead 10 is struck at 1 m/s. Forces over E* R*^2. Theory: the
+equations of symmetric motion, solved apart from LAMMPS with the true geometry. The source's model
+differs: a wall softer than any of Hertz's (factor 1.2; inside the tube 1.44 to 1.48), no contacts
+in the rings and directions that do not turn. For n = 8 and a = 1.9e-3 its force at contact 201 is
+1.343e-4; the moving geometry makes it 1.342, the ring 1.293, the factor of a flat wall 1.267 and
+that of the tube 1.247. The curves of the source are pictures without numbers: its axes end at 3e-4,
+and all four of its statements hold, in either model: rapid decay for n = 7 and 8 that
+precompression takes away, hardly any for n = 6 and 9, less force and more speed with a. Contacts
+count from 1.
 """
 
 from functools import cached_property
@@ -20,8 +22,14 @@ from symmetric_motion import leading_wave, waves_of
 import granwave as gw
 
 CONTACTS = (20, 50, 100, 200)
-SLOWEST = {6: 0.0348, 7: 0.0484, 8: 0.0538, 9: 0.0672}  # speeds of its model at a = 0 in the source's unit
-PROGRAM = np.array([  # n, a; thesis model: peaks times 1e4 at contacts 21, 51, 101, 201, speed, decay; right model
+SLOWEST = {
+    6: 0.0348,
+    7: 0.0484,
+    8: 0.0538,
+    9: 0.0672,
+}  # speeds of its model at a = 0 in the source's unit
+# n, a; thesis model: peaks times 1e4 at contacts 21, 51, 101, 201, speed, decay; right model
+PROGRAM = np.array([
     (6, 0.0,    1.872, 1.839, 1.802, 1.778, 306.7, 4.1e-4, 1.601, 1.582, 1.552, 1.535, 302.1, 3.8e-4),
     (6, 5.2e-4, 1.426, 1.417, 1.408, 1.400, 329.9, 1.3e-4, 1.350, 1.335, 1.322, 1.311, 335.3, 2.0e-4),
     (6, 1.3e-3, 0.981, 0.963, 0.958, 0.953, 344.3, 1.1e-4, 0.880, 0.869, 0.864, 0.858, 352.9, 1.3e-4),
@@ -54,7 +62,9 @@ class Waves:
     def fractions(self):
         """Values of n, whole and not, and the decay of the equations without precompression."""
         n = np.arange(5.5, 10.01, 0.125)
-        force, _ = leading_wave(Rows.fitting(n), 1.0, self.runs[0].struck, 110)  # uniform decay from contact 60 on
+        force, _ = leading_wave(
+            Rows.fitting(n), 1.0, self.runs[0].struck, 110
+        )  # uniform decay from contact 60 on
         return n, np.array([decay_of(one) for one in force])
 
 
@@ -92,8 +102,13 @@ def rows(waves):
 
 
 def tables(waves):
-    known = [next(run for run in waves.runs if (run.n, round(run.a, 7)) == (n, a)) for n, a in PROGRAM[:, :2]]
-    ours = np.array([[*(1e4 * run.peaks[np.array(CONTACTS)] / FORCE), run.speed, run.decay] for run in known])
+    known = [
+        next(run for run in waves.runs if (run.n, round(run.a, 7)) == (n, a))
+        for n, a in PROGRAM[:, :2]
+    ]
+    ours = np.array(
+        [[*(1e4 * run.peaks[np.array(CONTACTS)] / FORCE), run.speed, run.decay] for run in known]
+    )
     columns = {"n": PROGRAM[:, 0], "a": PROGRAM[:, 1]}
     values = {"ours": ours, "program": PROGRAM[:, 8:], "thesis model": PROGRAM[:, 2:8]}
     for k, contact in enumerate(CONTACTS):
@@ -110,7 +125,8 @@ def tables(waves):
 
 def verdict(waves):
     for n, runs in waves.by_n.items():
-        first, last = runs[0], runs[-1]
+        first = runs[0]
+        last = runs[-1]
         kept = "hardly decays" if last.decay < 2e-4 else "decays"
         yield (
             f"n = {n}: the wave {kept} ({last.decay:.3g} per contact) at a = {last.a:.2g}, {first.decay:.3g} at a = "
@@ -119,18 +135,22 @@ def verdict(waves):
 
 
 def pictures(waves):
-    figure, data = Figure((7, 4.8), layout="constrained"), {}
+    figure = Figure((7, 4.8), layout="constrained")
+    data = {}
     for axes, (n, runs) in zip(figure.subplots(2, 2).flat, waves.by_n.items(), strict=True):
         for run in runs:
             contact, force = run.profile
             axes.plot(contact, 1e4 * force, label=f"a = {run.a:.3g}")
             data |= {f"contact_n_{n}_a_{run.a:.3g}": contact, f"force_n_{n}_a_{run.a:.3g}": force}
-        axes.set(xlabel="Contact", ylabel=r"Peak force $F/(E^* R^{*2}) \times 10^4$", title=f"n = {n}")
+        axes.set(
+            xlabel="Contact", ylabel=r"Peak force $F/(E^* R^{*2}) \times 10^4$", title=f"n = {n}"
+        )
         axes.set(ylim=(0, 1.5 * axes.get_ylim()[1]))
         axes.legend(ncols=2, loc="upper right")
     caption = "Peak forces of the contacts of beads: precompression takes away force, and the decay for n = 7 and 8 "
     yield gw.Picture("confined_peaks", f"{caption}(thesis figures 6.2 and 6.3)", figure, data)
-    figure, data = Figure((7, 2.7), layout="constrained"), {}
+    figure = Figure((7, 2.7), layout="constrained")
+    data = {}
     left, right = figure.subplots(1, 2)
     for mark, (n, runs) in zip("os^D", waves.by_n.items(), strict=True):
         a, speed = (np.array([getattr(run, name) for run in runs]) for name in ("a", "speed"))
@@ -144,7 +164,9 @@ def pictures(waves):
     free = np.array([runs[0].decay for runs in waves.by_n.values()])
     right.plot(n, 1e3 * decay, "0.6", label="equations, any n")
     right.plot(list(waves.by_n), 1e3 * free, "o", label="simulation", markersize=4)
-    right.set(xlabel="Small spheres around a contact, n", ylabel=r"Decay per contact $\times 10^3$, a = 0")
+    right.set(
+        xlabel="Small spheres around a contact, n", ylabel=r"Decay per contact $\times 10^3$, a = 0"
+    )
     right.legend()
     data |= {"n_equations": n, "decay_equations": decay, "n": list(waves.by_n), "decay": free}
     caption = "Speed against precompression (thesis figure 6.4), and decay without it, largest near n = 7 and 8.25 "

@@ -1,9 +1,10 @@
 """Confined rows that yield: two equal pulses.
 
-Beyond the source, whose rows are elastic: a bead is pushed twice alike. The first pulse dents the contacts, among beads
-and in the rings; the second finds them stiffer, and some of them with gaps. Peak forces of contacts of beads, of the
-first pulse and of the second, of a row that yields and of an elastic one, where the second runs into what still swings
-behind the first. Decay: over the contacts named.
+Beyond the source, whose rows are elastic: a bead is pushed twice alike. The first pulse dents the
+contacts, among beads and in the rings; the second finds them stiffer, and some of them with gaps.
+Peak forces of contacts of beads, of the first pulse and of the second, of a row that yields and of
+an elastic one, where the second runs into what still swings behind the first. Decay: over the
+contacts named.
 """
 
 import numpy as np
@@ -28,8 +29,11 @@ class Pushed(GrainRow):
         self.words = f"{'yielding' if self.yields else 'elastic'}, a = {self.a:.3g}"
         first, second = push_starts(self.load.table)
         self.contacts = np.array(list(self.contact_forces))
-        forces, time = self.contact_forces.values(), self.array("probes/time")
-        self.pulses = np.array([largest_of_pulses(time, force, second - first) for force in forces]).T
+        forces = self.contact_forces.values()
+        time = self.array("probes/time")
+        self.pulses = np.array(
+            [largest_of_pulses(time, force, second - first) for force in forces]
+        ).T
 
     def at(self, contact):
         """Largest forces of both pulses at a contact, N."""
@@ -70,13 +74,17 @@ def verdict(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((6, 2.8), layout="constrained"), {}
+    figure = Figure((6, 2.8), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for n, run in enumerate(runs):
         for which, force, look in zip(PULSES, run.pulses, ("o-", "o--"), strict=True):
             label = f"{run.words}, {which.lower()}"
             axes.semilogy(run.contacts, force, look, color=f"C{n}", label=label, markersize=3.5)
-            data |= {"contact": run.contacts, f"{label.replace(', ', '_').replace(' = ', '_')}_N": force}
+            data |= {
+                "contact": run.contacts,
+                f"{label.replace(', ', '_').replace(' = ', '_')}_N": force,
+            }
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     figure.legend(loc="outside right upper", fontsize="small")
     caption = "Peak forces of two equal pulses along elastic rows and rows that yield, which leave little of the first"

@@ -1,20 +1,23 @@
-"""Asymptotic theory of confined rows for light small spheres (thesis 6.3), with the errata of its equations mended.
+"""Asymptotic theory of confined rows for light small spheres (thesis 6.3), with the errata of its
+equations mended.
 
-Lengths in units of a bead's distance, forces of k_bb, displacements of the wave's A (a bead's, by the wave). The small
-spheres follow the beads to order zero, and the beads are a chain with a second, precompressed contact:
+Lengths in units of a bead's distance, forces of k_bb, displacements of the wave's A (a bead's, by
+the wave). The small spheres follow the beads to order zero, and the beads are a chain with a
+second, precompressed contact:
 
-    k = (2 eta tan(theta)/gamma)^(2/3),  eta_hat = n eta/[2 (1 + k tan(theta))]^1.5,  delta_hat = 2 delta tan(theta)/A
-    w_i'' = F(w_(i-1) - w_i) - F(w_i - w_(i+1)), F(r) = [r]^1.5 + eta_hat ([r + delta_hat]^1.5 - delta_hat^1.5)  (6.13)
+    k = (2 eta tan(theta)/gamma)^(2/3),  eta_hat = n eta/[2 (1 + k tan(theta))]^1.5,  delta_hat = 2
+    delta tan(theta)/A w_i'' = F(w_(i-1) - w_i) - F(w_i - w_(i+1)), F(r) = [r]^1.5 + eta_hat ([r +
+    delta_hat]^1.5 - delta_hat^1.5)  (6.13)
 
-A travelling wave w(x - c tau) with the difference r(z) = w(z - 1/2) - w(z + 1/2) obeys c^2 r = Lambda * F(r), with
-Lambda = sinc^2(k/2) in Fourier space; its integral gives c. To first order the small spheres are oscillators that the
-wave drives:
+A travelling wave w(x - c tau) with the difference r(z) = w(z - 1/2) - w(z + 1/2) obeys c^2 r =
+Lambda * F(r), with Lambda = sinc^2(k/2) in Fourier space; its integral gives c. To first order the
+small spheres are oscillators that the wave drives:
 
     eps w_1'' + 3 eta sqrt(beta) w_1 = -w_0'',    eps u_1'' + 1.5 gamma sqrt(k beta) (1 + k tan(theta)) u_1 = -u_0''
     beta = (w_i - w_(i+1) + delta_hat)/(2 (1 + k tan(theta)))                                          (6.16, 6.17)
 
-What swings on behind the wave is lost to it: n eps^3 (w_1'^2 + u_1'^2), over the square of the beads' largest
-velocity (6.18).
+What swings on behind the wave is lost to it: n eps^3 (w_1'^2 + u_1'^2), over the square of the
+beads' largest velocity (6.18).
 """
 
 import numpy as np
@@ -22,17 +25,26 @@ from confined_rows import K_BEADS
 from scipy.interpolate import CubicSpline
 from scipy.optimize import least_squares
 
-HALF, PER_BEAD = 16, 32  # beads on either side of the crest, and grid points to a bead
-ROUNDS, SETTLED = 3000, 1e-12
-ENDS = 6.0  # of the series: beads from the crest within which the residual counts; beyond, nothing is left
-REACH, INSTANTS, TAIL = HALF - 1.5, 6001, 30.0  # beads; times of a bead's distance that spheres are followed behind
+# beads on either side of the crest, and grid points to a bead
+HALF = 16
+PER_BEAD = 32
+ROUNDS = 3000
+SETTLED = 1e-12
+# of the series: beads from the crest within which the residual counts; beyond, nothing is left
+ENDS = 6.0
+# beads; times of a bead's distance that spheres are followed behind
+REACH = HALF - 1.5
+INSTANTS = 6001
+TAIL = 30.0
 
 
 class LightSpheres:
     """A row in the limit of light small spheres, by its numbers (6.8), with the wall of the thesis."""
 
     def __init__(self, rows):
-        self.n, self.eps, self.eta, self.tangent = (getattr(rows, x)[0] for x in ("n", "eps", "eta", "tangent"))
+        self.n, self.eps, self.eta, self.tangent = (
+            getattr(rows, x)[0] for x in ("n", "eps", "eta", "tangent")
+        )
         self.gamma = rows.k_thesis_wall[0] / K_BEADS
         self.k = (2 * self.eta * self.tangent / self.gamma) ** (2 / 3)
         self.soft = 1 + self.k * self.tangent
@@ -46,13 +58,16 @@ def series_at(z, coefficients):
 
 
 class Travelling:
-    """A wave of unit amplitude on the zeroth-order chain, and the small spheres of one gap that it drives from rest.
+    """A wave of unit amplitude on the zeroth-order chain, and the small spheres of one gap that it
+    drives from rest.
 
-    ``time``: from the crest's passage; ``axial``, ``radial``: their velocities, in A over the unit of tau.
+    ``time``: from the crest's passage; ``axial``, ``radial``: their velocities, in A over the unit
+    of tau.
     """
 
     def __init__(self, limit, delta_hat):
-        self.limit, self.delta_hat = limit, delta_hat
+        self.limit = limit
+        self.delta_hat = delta_hat
         n = 2 * HALF * PER_BEAD
         z = (np.arange(n) - n // 2) / PER_BEAD
         kernel = np.sinc(np.fft.rfftfreq(n, 1 / PER_BEAD)) ** 2
@@ -61,51 +76,70 @@ class Travelling:
         for _ in range(ROUNDS):
             new = np.maximum(np.fft.irfft(kernel * np.fft.rfft(self.force(r)), n), 0.0)
             square = new.sum() / PER_BEAD
-            change, r = np.abs(new / square - r).max(), new / square
+            change = np.abs(new / square - r).max()
+            r = new / square
             if change < SETTLED:
                 break
-        self.speed, self.difference = np.sqrt(square), CubicSpline(z, r)
+        self.speed = np.sqrt(square)
+        self.difference = CubicSpline(z, r)
         self._drive()
 
     def force(self, r):
         """F(r), without the static part."""
-        near, loaded = np.maximum(r, 0.0), np.maximum(r + self.delta_hat, 0.0)
+        near = np.maximum(r, 0.0)
+        loaded = np.maximum(r + self.delta_hat, 0.0)
         return near**1.5 + self.limit.eta_hat * (loaded**1.5 - self.delta_hat**1.5)
 
     def displacement(self, z):
-        """Displacement over A of a bead at z from the crest, on the lattice: the differences of all beads ahead."""
+        """Displacement over A of a bead at z from the crest, on the lattice: the differences of all
+        beads ahead.
+        """
         ahead = z[:, None] + 0.5 + np.arange(2 * HALF)
         inside = np.abs(ahead) < HALF - 0.1
         return np.where(inside, self.difference(np.clip(ahead, -HALF, HALF - 0.1)), 0.0).sum(axis=1)
 
     def series(self):
         """C1, C3, C5 and the speed with the least square of the residual of (6.13)."""
-        z, odd = np.linspace(-ENDS, ENDS, int(2 * ENDS * PER_BEAD) + 1), np.array([1, 3, 5])
+        z = np.linspace(-ENDS, ENDS, int(2 * ENDS * PER_BEAD) + 1)
+        odd = np.array([1, 3, 5])
 
         def residual(values):
-            found, c = values[:3], values[3]
+            found = values[:3]
+            c = values[3]
             before, w, after = (series_at(one, found) for one in (z - 1, z, z + 1))
             slope = (odd * found * z[:, None] ** (odd - 1)).sum(axis=1)
             bend = (odd * (odd - 1) * found * z[:, None] ** np.maximum(odd - 2, 0)).sum(axis=1)
             second = w * (1 - w) * ((1 - 2 * w) * slope**2 - bend)
             return c * c * second - (self.force(before - w) - self.force(w - after))
 
-        found = least_squares(residual, np.array([2.0, 0.1, 0.0, self.speed]), xtol=1e-13, ftol=1e-13).x
+        found = least_squares(
+            residual, np.array([2.0, 0.1, 0.0, self.speed]), xtol=1e-13, ftol=1e-13
+        ).x
         return found[:3], found[3]
 
     def _drive(self):
         """Follow the small spheres, as oscillators of unit mass, by velocity Verlet."""
-        limit, c = self.limit, self.speed
+        limit = self.limit
+        c = self.speed
         self.time = np.linspace(-(REACH - 1) / c, (REACH - 1 + TAIL) / c, INSTANTS)
-        z = [shift - c * self.time for shift in (-1.0, 0.0, 1.0)]  # of the beads behind, here and ahead
-        r = [np.where(np.abs(one) < REACH, self.difference(np.clip(one, -REACH, REACH)), 0.0) for one in z]
+        z = [
+            shift - c * self.time for shift in (-1.0, 0.0, 1.0)
+        ]  # of the beads behind, here and ahead
+        r = [
+            np.where(np.abs(one) < REACH, self.difference(np.clip(one, -REACH, REACH)), 0.0)
+            for one in z
+        ]
         f = [self.force(one) for one in r]
         drive = [-(f[0] - f[2]) / 2, -limit.k / (2 * limit.soft) * (f[0] - 2 * f[1] + f[2])]
         root = np.sqrt((r[1] + self.delta_hat) / (2 * limit.soft))
         spring = [3 * limit.eta * root, 1.5 * limit.gamma * np.sqrt(limit.k) * limit.soft * root]
-        drive, spring = np.array(drive) / limit.eps, np.array(spring) / limit.eps
-        step, found = self.time[1] - self.time[0], np.zeros_like(drive)
-        place, velocity, rate = np.zeros(2), np.zeros(2), drive[:, 0]
+        drive = np.array(drive) / limit.eps
+        spring = np.array(spring) / limit.eps
+        step = self.time[1] - self.time[0]
+        found = np.zeros_like(drive)
+        place = np.zeros(2)
+        velocity = np.zeros(2)
+        rate = drive[:, 0]
         for n in range(1, INSTANTS):
             velocity = velocity + 0.5 * step * rate
             place = place + step * velocity
@@ -113,7 +147,9 @@ class Travelling:
             velocity = velocity + 0.5 * step * rate
             found[:, n] = velocity
         self.axial, self.radial = found
-        self.tails = np.abs(found[:, self.time > REACH / c]).max(axis=1)  # largest ones behind the wave
+        self.tails = np.abs(found[:, self.time > REACH / c]).max(
+            axis=1
+        )  # largest ones behind the wave
 
     @property
     def energy_decay(self):

@@ -1,20 +1,26 @@
-"""Symmetric motion of confined rows: beads along the axis, the small spheres of a ring alike, along it and outward.
+"""Symmetric motion of confined rows: beads along the axis, the small spheres of a ring alike, along
+it and outward.
 
     m_b w''   = forces of neighbouring beads + n (axial parts of the contacts with the rings on either side)
     m_s w_s'' = axial parts of the contacts with two beads
     m_s u''   = lateral parts of these - k_w [u + shrinks]^1.5 + 2 k_ss [-2 u sin(pi/n)]^1.5 sin(pi/n)
 
-with overlaps of the true, moving geometry and forces along the lines of centres. (6.7) of the thesis are these with
-directions that do not turn, without contacts in the ring, and with its constant of the wall.
+with overlaps of the true, moving geometry and forces along the lines of centres. (6.7) of the
+thesis are these with directions that do not turn, without contacts in the ring, and with its
+constant of the wall.
 
-Velocity Verlet on a window of cells that follows the front. What the wave leaves behind is slower than its front and
-never comes back to it, so that the cells behind can be let go. Many rows are followed at once.
+Velocity Verlet on a window of cells that follows the front. What the wave leaves behind is slower
+than its front and never comes back to it, so that the cells behind can be let go. Many rows are
+followed at once.
 """
 
 import numpy as np
 from confined_rows import BEAD, K_BEADS, MASS, together
 
-WINDOW, AHEAD, SHIFT = 72, 22, 16  # cells: of the window, in front of the crest at least, and of a move
+# cells: of the window, in front of the crest at least, and of a move
+WINDOW = 72
+AHEAD = 22
+SHIFT = 16
 STEP = 0.012  # of the time of a collision (m^2/(k^2 v))^(1/5)
 OF_PERIOD = 0.2  # over the highest frequency of a small sphere
 CHECKS = 16  # steps between looks at the front
@@ -24,11 +30,15 @@ FRONT = 1e-3  # of the largest force
 def waves_of(runs):
     """Peak forces and their times of the rows of runs, as far as the longest goes."""
     last = min(max(run.passed for run in runs), 200)
-    return leading_wave(together(runs), np.array([run.impact for run in runs]), runs[0].struck, last)
+    return leading_wave(
+        together(runs), np.array([run.impact for run in runs]), runs[0].struck, last
+    )
 
 
 def leading_wave(rows, velocity, struck, last):
-    """Largest force of each contact of beads, N, and when, s: (n_rows, last); bead ``struck`` gets a velocity, m/s."""
+    """Largest force of each contact of beads, N, and when, s: (n_rows, last); bead ``struck`` gets
+    a velocity, m/s.
+    """
     given = np.broadcast_to(np.asarray(velocity, dtype=float), rows.n.shape)
     force, time = np.full((2, len(given), last), np.nan)
     overlap = (MASS * given**2 / K_BEADS) ** 0.4 + rows.inward
@@ -38,7 +48,8 @@ def leading_wave(rows, velocity, struck, last):
     order = np.argsort(step)
     while len(order):  # those whose timesteps are within a factor of 1.5 are followed together
         alike = step[order] <= 1.5 * step[order[0]]
-        group, order = order[alike], order[~alike]
+        group = order[alike]
+        order = order[~alike]
         window = Window(rows.part(group), given[group], struck, last, step[group].min())
         window.follow()
         force[group], time[group] = window.force, window.time
@@ -46,13 +57,18 @@ def leading_wave(rows, velocity, struck, last):
 
 
 class Window:
-    """Cells of each row that are followed; arrays (n_rows, n_cells), of cells from the bead ``first`` on."""
+    """Cells of each row that are followed; arrays (n_rows, n_cells), of cells from the bead
+    ``first`` on.
+    """
 
     def __init__(self, rows, velocity, struck, last, step):
-        self.last, self.step = last, step
+        self.last = last
+        self.step = step
         n = len(velocity)
         self.force, self.time = np.full((2, n, last), np.nan)
-        self.rows, self.first = np.arange(n), np.zeros(n, dtype=int)  # of those that are still followed
+        # of those that are still followed
+        self.rows = np.arange(n)
+        self.first = np.zeros(n, dtype=int)
         self.take(rows)
         self.z, self.vz = np.zeros((2, n, WINDOW))
         self.w, self.vw, self.vu, self.peak, self.when = np.zeros((5, n, WINDOW - 1))
@@ -62,18 +78,32 @@ class Window:
     def take(self, rows):
         """Set the properties of the rows that are followed, as columns."""
         self.properties = rows
-        names = ("ring", "shrinks", "n", "k_side", "k_wall", "chord", "mass", "k_ring", "small", "inward")
+        names = (
+            "ring",
+            "shrinks",
+            "n",
+            "k_side",
+            "k_wall",
+            "chord",
+            "mass",
+            "k_ring",
+            "small",
+            "inward",
+        )
         for name in names:
             setattr(self, name, np.asarray(getattr(rows, name), dtype=float)[:, None])
 
     def follow(self):
         """Go on until the front of every row has passed the last contact."""
-        count, half = 0, 0.5 * self.step
+        count = 0
+        half = 0.5 * self.step
         rates = self.accelerations(0.0)
         while len(self.rows):
             for velocity, rate in zip((self.vz, self.vw, self.vu), rates, strict=True):
                 velocity += half * rate
-            for place, velocity in zip((self.z, self.w, self.u), (self.vz, self.vw, self.vu), strict=True):
+            for place, velocity in zip(
+                (self.z, self.w, self.u), (self.vz, self.vw, self.vu), strict=True
+            ):
                 place += self.step * velocity
             count += 1
             rates = self.accelerations(count * self.step)
@@ -83,12 +113,15 @@ class Window:
                 rates = self.accelerations(count * self.step)
 
     def accelerations(self, now):
-        """Return accelerations of beads, and of small spheres along the row and outward; peaks are kept."""
+        """Return accelerations of beads, and of small spheres along the row and outward; peaks are
+        kept.
+        """
         overlap = np.maximum(self.z[:, :-1] - self.z[:, 1:], 0.0)
         push = K_BEADS * overlap * np.sqrt(overlap)
         higher = push > self.peak
         self.peak[higher], self.when[higher] = push[higher], now
-        across, reach = self.ring + self.u, (BEAD + self.small) / 2
+        across = self.ring + self.u
+        reach = (BEAD + self.small) / 2
         square = across * across
         on_bead = np.zeros_like(self.z)
         on_bead[:, :-1] -= push
@@ -100,7 +133,8 @@ class Window:
             overlap = np.maximum(reach - apart, 0.0)
             force = self.k_side * overlap * np.sqrt(overlap) / apart
             along *= force
-            axial, outward = axial + along, outward + force * across
+            axial = axial + along
+            outward = outward + force * across
             on_bead[:, beads] -= self.n * along
         overlap = np.maximum(self.u + self.shrinks, 0.0)
         outward -= self.k_wall * overlap * np.sqrt(overlap)
@@ -110,7 +144,9 @@ class Window:
         return on_bead / MASS, axial / self.mass, outward / self.mass
 
     def move_on(self):
-        """Move windows whose crest comes near the end, and let rows go that are done; True if anything changed."""
+        """Move windows whose crest comes near the end, and let rows go that are done; True if
+        anything changed.
+        """
         rising = self.peak > FRONT * self.peak.max(axis=1, keepdims=True)
         crest = (rising * np.arange(1, WINDOW)).max(axis=1)
         done = self.first + crest - AHEAD // 2 > self.last
@@ -133,4 +169,7 @@ class Window:
         """Keep the peaks of the first ``n`` contacts of a window."""
         n = max(min(n, self.last - self.first[k]), 0)
         places = slice(self.first[k], self.first[k] + n)
-        self.force[self.rows[k], places], self.time[self.rows[k], places] = self.peak[k, :n], self.when[k, :n]
+        self.force[self.rows[k], places], self.time[self.rows[k], places] = (
+            self.peak[k, :n],
+            self.when[k, :n],
+        )

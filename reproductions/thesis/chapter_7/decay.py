@@ -1,8 +1,10 @@
-"""Filter: decay of the wave against the diameter of the cylinders and the approach of the walls (thesis Fig. 7.5).
+"""Filter: decay of the wave against the diameter of the cylinders and the approach of the walls
+(thesis Fig. 7.5).
 
-Rows of 216 steel spheres with aluminium cylinders as long as the spheres are wide, sphere 20 struck at 1 m/s. gamma is
-the diameter of the cylinders over that of the spheres, a the approach of the walls over it. The decay is that of
-ln(peak force) per contact, by a line through contacts 71 to 201. The second solver is one of symmetric motion.
+Rows of 216 steel spheres with aluminium cylinders as long as the spheres are wide, sphere 20 struck
+at 1 m/s. gamma is the diameter of the cylinders over that of the spheres, a the approach of the
+walls over it. The decay is that of ln(peak force) per contact, by a line through contacts 71 to
+201. The second solver is one of symmetric motion.
 """
 
 import numpy as np
@@ -29,9 +31,15 @@ COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
 
 
 def select(runs):
-    """Decay, 1e-3, and name by gamma and a, in rising order; none of a scan alone, which has some of them."""
+    """Decay, 1e-3, and name by gamma and a, in rising order; none of a scan alone, which has some
+    of them.
+    """
     found = {(row.gamma, row.a): (KILO * row.decay(), row.name) for row in map(FilterRow, runs)}
-    return [dict(sorted(found.items()))] if found.keys() >= {(gamma, a) for gamma in GAMMAS for a in OVER_GAMMA} else []
+    return (
+        [dict(sorted(found.items()))]
+        if found.keys() >= {(gamma, a) for gamma in GAMMAS for a in OVER_GAMMA}
+        else []
+    )
 
 
 def curve(decays, a):
@@ -40,7 +48,11 @@ def curve(decays, a):
 
 
 def rows(decays):
-    known = {(gamma, a): (decay, "a") for a, of in OVER_GAMMA.items() for gamma, decay in zip(GAMMAS, of, strict=True)}
+    known = {
+        (gamma, a): (decay, "a")
+        for a, of in OVER_GAMMA.items()
+        for gamma, decay in zip(GAMMAS, of, strict=True)
+    }
     known |= {(gamma, a): (decay, "b") for gamma, of in OVER_A.items() for a, decay in of.items()}
     # fmt: off
     for key, (theory, part) in known.items():
@@ -67,13 +79,19 @@ def pictures(decays):
     for a, mark in zip(OVER_GAMMA, "os^D", strict=True):
         gamma, decay = curve(decays, a)
         left.plot(gamma, decay, f"{mark}-", markersize=3, label=f"a = {a:g}")
-        data |= {f"{column(f'a = {a:g}')}_gamma": gamma, f"{column(f'a = {a:g}')}_decay": 1e-3 * decay}
+        data |= {
+            f"{column(f'a = {a:g}')}_gamma": gamma,
+            f"{column(f'a = {a:g}')}_decay": 1e-3 * decay,
+        }
     for gamma, mark in zip(OVER_A, "os^", strict=True):
         a, decay = np.array([(a, decay) for (at, a), (decay, _) in decays.items() if at == gamma]).T
         right.plot(KILO * a, decay, f"{mark}-", markersize=3, label=rf"$\gamma$ = {gamma:g}")
         name = column(f"gamma {gamma:g}")
         data |= {f"{name}_a": a, f"{name}_decay": 1e-3 * decay}
-    left.set(xlabel=r"Diameter of the cylinders over that of the spheres, $\gamma$", ylabel="Decay per contact (1e-3)")
+    left.set(
+        xlabel=r"Diameter of the cylinders over that of the spheres, $\gamma$",
+        ylabel="Decay per contact (1e-3)",
+    )
     right.set(xlabel="Approach of the walls over the diameter, a (1e-3)")
     for axes in (left, right):
         axes.legend(fontsize=7)

@@ -1,9 +1,9 @@
 """Filter: decay over diameter and length of the cylinders (thesis Figs 7.2 and 7.3).
 
-Short rows of 126 spheres, sphere 20 struck at 1 m/s; cylinders half to twice as long as the spheres are wide, walls
-that just touch, and pressed. gamma and eta are the diameter and the length of the cylinders over the diameter of the
-spheres, a the approach of the walls over it. The decay is that of ln(peak force) per contact, through contacts 61 to
-111.
+Short rows of 126 spheres, sphere 20 struck at 1 m/s; cylinders half to twice as long as the spheres
+are wide, walls that just touch, and pressed. gamma and eta are the diameter and the length of the
+cylinders over the diameter of the spheres, a the approach of the walls over it. The decay is that
+of ln(peak force) per contact, through contacts 61 to 111.
 """
 
 import math
@@ -19,7 +19,9 @@ RATIO = 10.0  # end of the colours of Fig. 7.3
 
 
 def select(runs):
-    """Decay, 1e-3, by a, eta and gamma, in rising order; none of a scan alone, whose a are all alike."""
+    """Decay, 1e-3, by a, eta and gamma, in rising order; none of a scan alone, whose a are all
+    alike.
+    """
     rows = map(FilterRow, runs)
     found = dict(sorted(((row.a, row.eta, row.gamma), KILO * row.decay(*FIT)) for row in rows))
     return [found] if len({a for a, _, _ in found}) > 1 else []
@@ -45,7 +47,11 @@ def pictures(decays):
     panels = figure.subplots(1, len(approaches), sharey=True)
     for axes, at in zip(panels, approaches, strict=True):
         for length, mark in zip(etas, "os^", strict=True):
-            points = [(gamma**2 * eta, decay) for (a, eta, gamma), decay in decays.items() if (a, eta) == (at, length)]
+            points = [
+                (gamma**2 * eta, decay)
+                for (a, eta, gamma), decay in decays.items()
+                if (a, eta) == (at, length)
+            ]
             mass, decay = np.array(points).T
             axes.plot(mass, decay, f"{mark}-", markersize=4, label=rf"$\eta$ = {length:g}")
             name = column(f"a = {at:g} eta {length:g}")

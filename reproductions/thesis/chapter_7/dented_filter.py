@@ -1,11 +1,12 @@
 """Filter after a strong pulse.
 
-Beyond the source, whose contacts are elastic: a sphere of the pressed row is pushed weakly, in a row that is whole,
-and in one through which a strong pulse has gone. Yielding takes from the weak pulse far more than the filter does; a
-strong pulse dents the contacts, which are then elastic up to larger forces, and slackens the walls. In the elastic row
-the weak pulse runs into what still swings behind the strong one, so that its peaks are those of both. Grains rattle in
-rows that yield: with other timesteps single peaks there change by up to a quarter, the decay by 2 %. Contact n is that
-of spheres n and n + 1; the decay is that of ln(peak force) over the contacts named.
+Beyond the source, whose contacts are elastic: a sphere of the pressed row is pushed weakly, in a
+row that is whole, and in one through which a strong pulse has gone. Yielding takes from the weak
+pulse far more than the filter does; a strong pulse dents the contacts, which are then elastic up to
+larger forces, and slackens the walls. In the elastic row the weak pulse runs into what still swings
+behind the strong one, so that its peaks are those of both. Grains rattle in rows that yield: with
+other timesteps single peaks there change by up to a quarter, the decay by 2 %. Contact n is that of
+spheres n and n + 1; the decay is that of ln(peak force) over the contacts named.
 """
 
 import numpy as np
@@ -15,7 +16,9 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import GrainRow, decay_rate, largest_of_pulses, push_starts
 
-COMPARED, DECAY = (26, 41, 61), (26, 61)  # contacts
+# contacts
+COMPARED = (26, 41, 61)
+DECAY = (26, 61)
 BEFORE = 2e-5  # s: what the walls bear is averaged over this time before the weak push
 
 
@@ -24,18 +27,25 @@ class PushedFilter(GrainRow):
 
     def __init__(self, run):
         super().__init__(run)
-        starts, time, forces = push_starts(self.load.table), self.array("probes/time"), self.contact_forces
-        self.yields, self.after = self.case.contact.law != "hertz", len(starts) == 2
+        starts = push_starts(self.load.table)
+        time = self.array("probes/time")
+        forces = self.contact_forces
+        self.yields = self.case.contact.law != "hertz"
+        self.after = len(starts) == 2
         state = "after a strong pulse" if self.after else "whole"
         self.words = f"{'yielding' if self.yields else 'elastic'}, {state}"
         apart = starts[-1] - starts[0]
         self.contacts = np.array(list(forces))
         self.strong, self.weak = np.array(
-            [largest_of_pulses(time, force, apart) if self.after else (0.0, force.max()) for force in forces.values()]
+            [
+                largest_of_pulses(time, force, apart) if self.after else (0.0, force.max())
+                for force in forces.values()
+            ]
         ).T
         fitted = (self.contacts >= DECAY[0]) & (self.contacts <= DECAY[1])
         self.decay = decay_rate(self.contacts[fitted], self.weak[fitted])
-        time, wall = self.array("walls/xlo/time"), self.array("walls/xlo/force")
+        time = self.array("walls/xlo/time")
+        wall = self.array("walls/xlo/force")
         self.pressed = wall[(time >= starts[-1] - BEFORE) & (time <= starts[-1])].mean() / wall[0]
 
     def at(self, contact):
@@ -53,7 +63,8 @@ def number(value):
 
 
 def rows(runs):
-    found, where = measured(runs), {"where": "not in the source"}
+    found = measured(runs)
+    where = {"where": "not in the source"}
     *_, whole, dented = found
     # fmt: off
     for row in found:
@@ -84,15 +95,14 @@ def verdict(runs):
 
 
 def pictures(runs):
-    figure, data = Figure((3.4, 2.8), layout="constrained"), {}
+    figure = Figure((3.4, 2.8), layout="constrained")
+    data = {}
     axes = figure.subplots()
     for row, mark in zip(measured(runs), "os^D", strict=True):
         axes.semilogy(row.contacts, row.weak, f"{mark}-", markersize=3.5, label=row.words)
         data |= {"contact": row.contacts, f"{column(row.words)}_N": row.weak}
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
-    caption = (
-        "Peak forces of a weak pulse along rows with cylinders: in a row that yields it dies away, and passes once a "
-    )
+    caption = "Peak forces of a weak pulse along rows with cylinders: in a row that yields it dies away, and passes once a "
     caption += "strong pulse has left dents; the elastic rows show what is not the dents' doing"
     yield gw.Picture("filter_dented", caption, figure, data)

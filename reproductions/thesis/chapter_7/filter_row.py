@@ -1,16 +1,21 @@
-"""A row of spheres with a cylinder on either side of every gap, between two rigid walls (thesis 7.1).
+"""A row of spheres with a cylinder on either side of every gap, between two rigid walls (thesis
+7.1).
 
-gamma and eta are the diameter and the length of the cylinders over the diameter of the spheres, a is the approach of
-the walls over it. Contact n is that of spheres n and n + 1. The decay is that of ln(peak force) per contact.
+gamma and eta are the diameter and the length of the cylinders over the diameter of the spheres, a
+is the approach of the walls over it. Contact n is that of spheres n and n + 1. The decay is that of
+ln(peak force) per contact.
 """
 
 import numpy as np
 
 from granwave.measures import GrainRow, decay_rate
 
-DENSITY, PRINTED_DENSITY = 2700.0, 2100.0  # of the cylinders, kg/m^3: what Fig. 7.4 needs, and what is printed
+# of the cylinders, kg/m^3: what Fig. 7.4 needs, and what is printed
+DENSITY = 2700.0
+PRINTED_DENSITY = 2100.0
 SOLVER = "Against a second solver (symmetric motion)."
-WHERE, KILO = "thesis 7.1", 1e3
+WHERE = "thesis 7.1"
+KILO = 1e3
 
 
 class FilterRow(GrainRow):
@@ -18,18 +23,24 @@ class FilterRow(GrainRow):
 
     def __init__(self, run):
         super().__init__(run)
-        case, grains = self.case, self.case.packing.grains
-        diameter, moved = case.packing.diameter, case.precompression.moves["x"] if case.precompression else 0.0
-        self.gamma, self.eta = (round(x / diameter, 9) for x in (grains.diameter[-1], grains.shape[-1].length))
+        case = self.case
+        grains = self.case.packing.grains
+        diameter = case.packing.diameter
+        moved = case.precompression.moves["x"] if case.precompression else 0.0
+        self.gamma, self.eta = (
+            round(x / diameter, 9) for x in (grains.diameter[-1], grains.shape[-1].length)
+        )
         self.a = round(2 * moved / diameter, 12)
         self.density = case.named_material(grains.material[-1]).density
-        self.speed, self.yields = case.load.velocity, case.contact.law != "hertz"
+        self.speed = case.load.velocity
+        self.yields = case.contact.law != "hertz"
         self.peaks = self.of_contacts("peak_force")
         density = "" if self.density == DENSITY else f", density {self.density:g} kg/m3"
         self.name = f"gamma {self.gamma:g}, a = {self.a:g}{density}"
         if self.a:
             wall = self.array("walls/xlo/force")
-            self.wall_force, self.kept = wall[0] / (len(self.beside) / 2), wall[-1] / wall[0]
+            self.wall_force = wall[0] / (len(self.beside) / 2)
+            self.kept = wall[-1] / wall[0]
 
     def decay(self, first=71, last=201):
         """Decay of the peak force between two contacts."""

@@ -1,9 +1,10 @@
 """FCC packing with grains in its octahedral holes.
 
-A loaded fcc packing without ends at its sides, whose whole top layer is struck: a plane pulse. The holes between six
-spheres are empty, or hold spheres of 0.414 of the diameter, which touch all six. Speed and decay are of the mean
-velocity of the layers, between the 11th and the 41st; the decay is that of its peak, per layer. What reaches the
-bottom is the largest force on it beyond the static one.
+A loaded fcc packing without ends at its sides, whose whole top layer is struck: a plane pulse. The
+holes between six spheres are empty, or hold spheres of 0.414 of the diameter, which touch all six.
+Speed and decay are of the mean velocity of the layers, between the 11th and the 41st; the decay is
+that of its peak, per layer. What reaches the bottom is the largest force on it beyond the static
+one.
 """
 
 from itertools import groupby
@@ -15,7 +16,9 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import pulse_peaks
 
-FIRST, LAST = 10, 40  # layers, from 0
+# layers, from 0
+FIRST = 10
+LAST = 40
 SAME_LAYER = 0.1  # diameters
 EMPTY = "empty holes"
 
@@ -24,28 +27,43 @@ class LayeredPacking:
     """A plane pulse in layers of large spheres, with or without grains between them."""
 
     def __init__(self, run):
-        self.case, self.velocity, grains = run.case, run.case.load.velocity, run.case.packing.grains
-        self.small = run.case.named_material(grains.material[grains.diameter.argmin()]).name if grains else EMPTY
+        self.case = run.case
+        self.velocity = run.case.load.velocity
+        grains = run.case.packing.grains
+        self.small = (
+            run.case.named_material(grains.material[grains.diameter.argmin()]).name
+            if grains
+            else EMPTY
+        )
         result = run.result
-        depth, radius = result["spheres/position"][:, 2], result["spheres/radius"]
+        depth = result["spheres/position"][:, 2]
+        radius = result["spheres/radius"]
         large = np.flatnonzero(radius > 0.9 * radius.max())
         order = large[np.argsort(depth[large], kind="stable")]
         steps = np.diff(depth[order], prepend=depth[order[0]])
         number = np.cumsum(steps > SAME_LAYER * self.case.packing.diameter)
         count = np.bincount(number)
         self.depth = np.bincount(number, depth[order]) / count
-        speeds = [np.bincount(number, result.frame(k, "velocity")[order, 2]) / count for k in range(result.n_frames)]
+        speeds = [
+            np.bincount(number, result.frame(k, "velocity")[order, 2]) / count
+            for k in range(result.n_frames)
+        ]
         self.pulse = pulse_peaks(result.frame_times, np.array(speeds), np.diff(self.depth).mean())
-        self.speed = (self.depth[LAST] - self.depth[FIRST]) / (self.pulse.time[LAST] - self.pulse.time[FIRST])
+        self.speed = (self.depth[LAST] - self.depth[FIRST]) / (
+            self.pulse.time[LAST] - self.pulse.time[FIRST]
+        )
         self.decay = np.log(self.pulse.velocity[FIRST] / self.pulse.velocity[LAST]) / (LAST - FIRST)
-        self.time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+        self.time = result["walls/bottom/time"]
+        force = result["walls/bottom/force"]
         self.at_bottom = force - force[0]
 
 
 def measured(runs):
     """Packings by the velocity of the top layer; those with empty holes first."""
     found = sorted(map(LayeredPacking, runs), key=lambda one: (one.velocity, one.small != EMPTY))
-    return [(velocity, list(group)) for velocity, group in groupby(found, key=lambda one: one.velocity)]
+    return [
+        (velocity, list(group)) for velocity, group in groupby(found, key=lambda one: one.velocity)
+    ]
 
 
 def rows(runs):
@@ -64,20 +82,22 @@ def rows(runs):
 
 def pictures(runs):
     for velocity, packings in measured(runs):
-        figure, data = Figure((7, 2.8), layout="constrained"), {}
+        figure = Figure((7, 2.8), layout="constrained")
+        data = {}
         left, right = figure.subplots(1, 2)
         for one, mark in zip(packings, "os^D", strict=False):
-            depth, peak = one.depth / one.case.packing.diameter, one.pulse.velocity / velocity
+            depth = one.depth / one.case.packing.diameter
+            peak = one.pulse.velocity / velocity
             left.plot(depth, peak, mark, markersize=2.5, label=one.small)
             right.plot(1e3 * one.time, one.at_bottom)
             name = column(one.small)
             data |= {f"{name}_depth_diameters": depth, f"{name}_peak_over_v": peak}
             data |= {f"{name}_time_s": one.time, f"{name}_bottom_N": one.at_bottom}
-        left.set(xlabel="Depth (diameters)", ylabel="Peak velocity over that of the top", yscale="log")
+        left.set(
+            xlabel="Depth (diameters)", ylabel="Peak velocity over that of the top", yscale="log"
+        )
         right.set(xlabel="Time (ms)", ylabel="Force on the bottom beyond static (N)")
         figure.legend(loc="outside upper center", ncols=4, fontsize=7)
-        caption = (
-            f"Plane pulse in an fcc packing, top layer at {velocity:g} m/s, by the spheres in its octahedral holes: "
-        )
+        caption = f"Plane pulse in an fcc packing, top layer at {velocity:g} m/s, by the spheres in its octahedral holes: "
         caption += "of aluminium and steel they hardly change it, soft ones of PTFE take from it all the way"
         yield gw.Picture(f"interstitial_fcc_{column(f'{velocity:g}')}_m_s", caption, figure, data)

@@ -1,9 +1,9 @@
 """Filter: peak forces along rows with cylinders (thesis Fig. 7.4).
 
-Sphere 20 of a row of steel spheres with aluminium cylinders beside its gaps is struck at 1 m/s; walls that press the
-cylinders, or just touch them. gamma is the diameter of the cylinders over that of the spheres, a the approach of the
-walls over it. Contact n is that of spheres n and n + 1; the second solver, one of symmetric motion, counts them from
-0.
+Sphere 20 of a row of steel spheres with aluminium cylinders beside its gaps is struck at 1 m/s;
+walls that press the cylinders, or just touch them. gamma is the diameter of the cylinders over that
+of the spheres, a the approach of the walls over it. Contact n is that of spheres n and n + 1; the
+second solver, one of symmetric motion, counts them from 0.
 """
 
 import numpy as np
@@ -19,14 +19,35 @@ PEAKS = {
     (DENSITY, 0.56, 8e-4): ("decays rapidly", 140.6, 93.3, 70.0, 49.1, 32.5, 22.9),
     (DENSITY, 0.90, 0.0): ("oscillating, decreasing", 168.6, 120.7, 88.9, 75.6, 64.9, 63.9),
     (DENSITY, 0.90, 8e-4): ("almost constant", 129.0, 66.5, 56.7, 56.6, 56.4, 56.2),
-    (PRINTED_DENSITY, 0.56, 0.0): ("near solitary: not with this density", 164.4, 100.9, 96.0, 90.4, 83.7, 77.6),
+    (PRINTED_DENSITY, 0.56, 0.0): (
+        "near solitary: not with this density",
+        164.4,
+        100.9,
+        96.0,
+        90.4,
+        83.7,
+        77.6,
+    ),
     (PRINTED_DENSITY, 0.56, 8e-4): ("decays rapidly", 149.5, 115.4, 90.6, 68.9, 52.1, 41.5),
     (PRINTED_DENSITY, 0.90, 0.0): ("oscillating, decreasing", 169.2, 115.5, 66.7, 66.9, 65.3, 64.5),
-    (PRINTED_DENSITY, 0.90, 8e-4): ("almost constant: not with this density", 132.0, 62.4, 61.1, 58.2, 54.4, 50.7),
+    (PRINTED_DENSITY, 0.90, 8e-4): (
+        "almost constant: not with this density",
+        132.0,
+        62.4,
+        61.1,
+        58.2,
+        54.4,
+        50.7,
+    ),
 }
-LARGEST, AXIS = 207.0, 300.0  # N: of the second solver at gamma 0.56, a = 0; end of the figure's axis
+# N: of the second solver at gamma 0.56, a = 0; end of the figure's axis
+LARGEST = 207.0
+AXIS = 300.0
 DECAY = 8.0  # 1e-3 a contact: of the second solver at gamma 0.56, a = 8e-4
-PROBED, NEAR, FOOT = 121, 60, 0.01  # contact; contacts on either side for the speed; of the peak
+# contact; contacts on either side for the speed; of the peak
+PROBED = 121
+NEAR = 60
+FOOT = 0.01
 
 
 def select(runs):
@@ -37,7 +58,8 @@ def select(runs):
 
 def span(row):
     """Length of the wave at the probed contact, by the time above the foot of its peak, in spheres."""
-    time, force = row.array("probes/time"), row.contact_forces[PROBED]
+    time = row.array("probes/time")
+    force = row.contact_forces[PROBED]
     low = np.flatnonzero(force < FOOT * force.max())
     end = np.searchsorted(low, force.argmax())
     passed = np.arange(PROBED - NEAR + 1, PROBED + NEAR)
@@ -66,8 +88,10 @@ def rows(found):
 
 
 def pictures(found):
-    figure, contacts = Figure((3.4, 2.8), layout="constrained"), np.arange(20, 202)
-    axes, data = figure.subplots(), {"contact": contacts}
+    figure = Figure((3.4, 2.8), layout="constrained")
+    contacts = np.arange(20, 202)
+    axes = figure.subplots()
+    data = {"contact": contacts}
     for (density, *_), row in found.items():
         if density == DENSITY:
             axes.semilogy(contacts, row.peaks[contacts - 1], label=row.name)
@@ -75,4 +99,6 @@ def pictures(found):
     axes.set(xlabel="Contact", ylabel="Peak force (N)")
     axes.legend(fontsize=7)
     caption = "Peak force along rows with cylinders between walls (thesis Fig. 7.4): pressed, the wave decays along one"
-    yield gw.Picture("filter_peaks", f"{caption} row and keeps its height along the other", figure, data)
+    yield gw.Picture(
+        "filter_peaks", f"{caption} row and keeps its height along the other", figure, data
+    )

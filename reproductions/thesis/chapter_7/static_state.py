@@ -1,7 +1,8 @@
 """Filter: cylinders pressed on the gaps of a row, before the wave (thesis 7.1).
 
-Steel spheres, with an aluminium cylinder on either side of every gap and a rigid wall on either side of these, which
-moves in. Contacts with the walls follow the law of a half-space, all others Hertz's.
+Steel spheres, with an aluminium cylinder on either side of every gap and a rigid wall on either
+side of these, which moves in. Contacts with the walls follow the law of a half-space, all others
+Hertz's.
 """
 
 import math
@@ -11,7 +12,10 @@ from filter_row import WHERE, FilterRow
 import granwave as gw
 
 #: K, N/m^1.5, force of a wall on a cylinder, N, overlap there and lateral shift, um, at a = 8e-4, by gamma.
-STATIC = {0.56: (4.198584e9, 29.668, 0.20347, 3.60653), 0.90: (4.455122e9, 39.736, 0.25928, 3.55072)}
+STATIC = {
+    0.56: (4.198584e9, 29.668, 0.20347, 3.60653),
+    0.90: (4.455122e9, 39.736, 0.25928, 3.55072),
+}
 ERRATA = (
     ("7.2", "2 kcs (beta - beta)",
      "a factor cos theta is missing (7.3 has it); the mass on the left is that of a sphere"),
@@ -35,7 +39,8 @@ def rows(runs):
     found = {row.gamma: row for row in map(FilterRow, runs)}
     for gamma, known in STATIC.items():
         row = found[gamma]
-        law, diameter = row.law_between(row.ids[0], row.beside[0]), row.case.packing.diameter
+        law = row.law_between(row.ids[0], row.beside[0])
+        diameter = row.case.packing.diameter
         for name, unit, ours, theory in zip(
             ("K of sphere and cylinder", "Force of a wall on a cylinder", "Overlap of wall and cylinder",
              "Lateral shift of a cylinder"),

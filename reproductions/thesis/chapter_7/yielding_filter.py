@@ -1,24 +1,29 @@
 """Filter with yielding contacts.
 
-Beyond the source, whose contacts are elastic: sphere 20 of a pressed row is struck at 1 and 5 m/s, with contacts that
-yield and elastic ones. Grains that yield rattle behind the front: there the peaks of contacts tell little.
+Beyond the source, whose contacts are elastic: sphere 20 of a pressed row is struck at 1 and 5 m/s,
+with contacts that yield and elastic ones. Grains that yield rattle behind the front: there the
+peaks of contacts tell little.
 """
 
 from filter_row import FilterRow
 
 import granwave as gw
 
-RATTLES, LITTLE = 1.0, 0.25  # m/s: rows that yield and are struck no faster; peaks over the force of the walls
+# m/s: rows that yield and are struck no faster; peaks over the force of the walls
+RATTLES = 1.0
+LITTLE = 0.25
 RATTLING = "Grains that rattle behind the front decide: with other timesteps half to twice as much."
 
 
 def rows(runs):
     found = {(row.speed, row.yields): row for row in map(FilterRow, runs)}
     for velocity in sorted({velocity for velocity, _ in found}):
-        elastic, row = found[velocity, False], found[velocity, True]
+        elastic = found[velocity, False]
+        row = found[velocity, True]
         name = f"{row.name}, {row.case.contact.law}, {velocity:g} m/s"
         for contact in (21, 31, 61, 101):
-            peak, remark = row.peaks[contact - 1], f"Elastic: {elastic.peaks[contact - 1]:.4g} N."
+            peak = row.peaks[contact - 1]
+            remark = f"Elastic: {elastic.peaks[contact - 1]:.4g} N."
             share = peak / row.wall_force
             rattles = velocity <= RATTLES and share < LITTLE
             yield gw.Row(

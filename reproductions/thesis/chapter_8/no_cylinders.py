@@ -1,23 +1,29 @@
 """Switch: the row without cylinders (thesis 8.3 and 8.4).
 
-27 steel spheres on an aluminium block, the first struck at 0.8 m/s, or by its fall from 33 and 42 mm; and a row of 60,
-in which a wave moves a sphere as far as it will. A sensor in a sphere reads the mean of its two contact forces.
+27 steel spheres on an aluminium block, the first struck at 0.8 m/s, or by its fall from 33 and 42
+mm; and a row of 60, in which a wave moves a sphere as far as it will. A sensor in a sphere reads
+the mean of its two contact forces.
 """
 
 from switch_row import SENSORS, SOLVER, SwitchRow
 
 import granwave as gw
 
-FALLS = {0.907766: ("42 mm", 120.7), 0.804649: ("33 mm", 104.4)}  # m/s: height, peak of the second solver, N
+FALLS = {
+    0.907766: ("42 mm", 120.7),
+    0.804649: ("33 mm", 104.4),
+}  # m/s: height, peak of the second solver, N
 AXIS = 120.0  # N: end of Figs 8.4 and 8.6
 CONTACT = 13  # far from both ends
 
 
 def rows(runs):
     found = {(len(row.ids), row.speed): row for row in map(SwitchRow, runs) if not row.n}
-    row, long = found[27, 0.8], found[60, 0.8]
+    row = found[27, 0.8]
+    long = found[60, 0.8]
     time, force = row.first
-    at_end, solver = {"remark": "By the end of the axis.", "bound": True}, {"where": "thesis 8", "verification": True}
+    at_end = {"remark": "By the end of the axis.", "bound": True}
+    solver = {"where": "thesis 8", "verification": True}
     # fmt: off
     yield gw.Row("First peak at sphere 21, no cylinders, at most", "N", AXIS, force, "thesis Fig. 8.6", **at_end)
     for what, unit, ours, theory, remark in (

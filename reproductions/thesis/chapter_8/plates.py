@@ -1,7 +1,8 @@
 """Switch: distance of the plates, and what the source does not state (thesis 8.1 and 8.4).
 
-Where the plates put the cylinders, and how wide these open the gaps; first peaks at sphere 21 with 10 cylinders, open
-gaps and friction, with cylinders of other lengths, rigid plates, and plates 15.95 and 16 mm apart.
+Where the plates put the cylinders, and how wide these open the gaps; first peaks at sphere 21 with
+10 cylinders, open gaps and friction, with cylinders of other lengths, rigid plates, and plates
+15.95 and 16 mm apart.
 """
 
 import math
@@ -25,7 +26,8 @@ ERRATA = (
 
 def difference(row):
     """Difference from the other rows; empty for these."""
-    length, parts = row.case.packing.grains.shape[-1].length, []
+    length = row.case.packing.grains.shape[-1].length
+    parts = []
     if not math.isclose(length, SPHERE):
         parts.append(f"cylinders {1e3 * length:g} mm long")
     if row.case.boundary.sides_material is None:
@@ -44,7 +46,8 @@ def select(runs):
 def rows(found):
     opened = {round(row.height, 6): row for row in found if row.state == STATES[1]}
     loose = next(row for row in found if row.state == STATES[2])
-    by_geometry, not_stated = {"where": "thesis 8.4", "verification": True}, {"where": "thesis 8"}
+    by_geometry = {"where": "thesis 8.4", "verification": True}
+    not_stated = {"where": "thesis 8"}
     # fmt: off
     for height, row in sorted(opened.items()):
         formula = math.sqrt(4 * TOUCHING**2 - (row.height - CYLINDER) ** 2) - SPHERE

@@ -1,11 +1,12 @@
 """Switch: cylinders that open the gaps of a row, or lie loose beside them (thesis 8).
 
-27 steel spheres on an aluminium block, the first struck at 0.8 m/s, and 0 to 10 aluminium cylinders between two
-aluminium plates. Plates 15.975 mm apart: the cylinders open gaps behind spheres 14 to 18, and carry the wave across.
-Plates 16.5 mm apart: the gaps are closed, and the cylinders lie loose on the sphere before (upstream) or behind them.
-A sensor in a sphere reads the mean of its two contact forces. Plates rub with 0.185, the source's fit; here by
-Mindlin's spring and Coulomb's limit, in the second solver by the sign of the velocity: that is the difference of up to
-0.5 % in these rows. Cylinders do not turn.
+27 steel spheres on an aluminium block, the first struck at 0.8 m/s, and 0 to 10 aluminium cylinders
+between two aluminium plates. Plates 15.975 mm apart: the cylinders open gaps behind spheres 14 to
+18, and carry the wave across. Plates 16.5 mm apart: the gaps are closed, and the cylinders lie
+loose on the sphere before (upstream) or behind them. A sensor in a sphere reads the mean of its two
+contact forces. Plates rub with 0.185, the source's fit; here by Mindlin's spring and Coulomb's
+limit, in the second solver by the sign of the velocity: that is the difference of up to 0.5 % in
+these rows. Cylinders do not turn.
 """
 
 import numpy as np
@@ -25,14 +26,24 @@ FIRST = {
     (DOWNSTREAM, 0.0): (103.69,) * 5,
     (DOWNSTREAM, FRICTION): (103.69,) * 5,
 }
-TIMES = {0.0: (323.4, 347.2, 371.0, 394.6, 418.2), FRICTION: (327.8, 356.2, 383.2, 414.6, 444.2)}  # us, open gaps
+TIMES = {
+    0.0: (323.4, 347.2, 371.0, 394.6, 418.2),
+    FRICTION: (327.8, 356.2, 383.2, 414.6, 444.2),
+}  # us, open gaps
 LARGEST = (67.57, 59.34, 42.54, 37.01, 26.92)  # N, until 0.8 ms, open gaps with friction
-AXES = {2: (70.0, "8.7a"), 4: (60.0, "8.7b"), 8: (30.0, "8.8b"), 10: (30.0, "8.8c")}  # ends, N, of the same; figure
+AXES = {
+    2: (70.0, "8.7a"),
+    4: (60.0, "8.7b"),
+    8: (30.0, "8.8b"),
+    10: (30.0, "8.8c"),
+}  # ends, N, of the same; figure
 SHEARED = "Mindlin's spring here, the sign of the velocity there."
 
 
 def select(runs):
-    """Rows by state and friction, by the number of cylinders, and the row without them; none of a scan alone."""
+    """Rows by state and friction, by the number of cylinders, and the row without them; none of a
+    scan alone.
+    """
     found = {(row.state, row.friction, row.n): row for row in map(SwitchRow, runs)
              if len(row.ids) == 27 and row.speed == 0.8}  # fmt: skip
     if not found.keys() >= {(NONE, 0.0, 0), *((*key, n) for key in FIRST for n in NUMBERS)}:
@@ -70,7 +81,8 @@ def rows(measured):
 def verdict(measured):
     found, _ = measured
     peak = {key: [row.first[1] for row in of] for key, of in found.items()}
-    rubbed, loose = peak[OPEN, FRICTION], peak[DOWNSTREAM, 0.0] + peak[DOWNSTREAM, FRICTION]
+    rubbed = peak[OPEN, FRICTION]
+    loose = peak[DOWNSTREAM, 0.0] + peak[DOWNSTREAM, FRICTION]
     yield (
         f"Open gaps with friction: the first peak falls from {rubbed[0]:.1f} N ({NUMBERS[0]} cylinders) to "
         f"{rubbed[-1]:.1f} N ({NUMBERS[-1]}), without it to {peak[OPEN, 0.0][-1]:.1f} N only: the source's fit of the "
@@ -84,13 +96,20 @@ def verdict(measured):
 
 def pictures(measured):
     found, none = measured
-    figure, data = Figure((7, 2.8), layout="constrained"), {"cylinders": np.array([0, *NUMBERS])}
+    figure = Figure((7, 2.8), layout="constrained")
+    data = {"cylinders": np.array([0, *NUMBERS])}
     left, right = figure.subplots(1, 2)
     for k, ((state, friction), of) in enumerate(found.items()):
         peak = np.array([row.first[1] for row in (none, *of)])
         line = f"{'os^'[k // 2]}{'--' if friction else '-'}"
-        left.plot(data["cylinders"], peak, line, markersize=3.5, label=f"{state}, friction {friction:g}")
-        data[f"{state}_friction_{friction:g}_N".replace(", ", "_").replace(" ", "_").replace(".", "_")] = peak
+        left.plot(
+            data["cylinders"], peak, line, markersize=3.5, label=f"{state}, friction {friction:g}"
+        )
+        data[
+            f"{state}_friction_{friction:g}_N".replace(", ", "_")
+            .replace(" ", "_")
+            .replace(".", "_")
+        ] = peak
     for row in (none, *found[OPEN, FRICTION]):
         time, force = row.sensor(SENSORS[1])
         right.plot(1e3 * time, force, label=f"{row.n} cylinders")
@@ -99,8 +118,6 @@ def pictures(measured):
     right.set(xlabel="Time (ms)", ylabel="Force at sphere 21 (N)", ylim=(0, None))
     for axes in (left, right):
         axes.legend(fontsize=6)
-    caption = (
-        "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10): "
-    )
+    caption = "First peak behind the cylinders, and forces there with open gaps and friction (thesis Figs 8.6 to 8.10): "
     caption += "friction makes the fall with their number; loose ones downstream change nothing"
     yield gw.Picture("switch_peaks", caption, figure, data)

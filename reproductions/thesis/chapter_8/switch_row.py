@@ -1,10 +1,15 @@
-"""27 spheres on a block, and cylinders between two plates that open the gaps of the row or lie loose (thesis 8)."""
+"""27 spheres on a block, and cylinders between two plates that open the gaps of the row or lie
+loose (thesis 8).
+"""
 
 import numpy as np
 
 from granwave.measures import GrainRow, first_peak
 
-SPHERE, CYLINDER, FRICTION = 9.5e-3, 5.14e-3, 0.185  # m; of the plates, the source's fit
+# m; of the plates, the source's fit
+SPHERE = 9.5e-3
+CYLINDER = 5.14e-3
+FRICTION = 0.185
 SENSORS = (6, 21)  # spheres
 STATES = ("no cylinders", "open gaps", "loose, upstream", "loose, downstream")
 SOLVER = "Against a second solver (symmetric motion)."
@@ -21,16 +26,25 @@ class SwitchRow(GrainRow):
         self.friction = self.case.boundary.friction
         if self.n:
             z = self.cylinders[0, 2]
-            before, behind = z - self.spheres[self.spheres < z][-1], self.spheres[self.spheres > z][0] - z
+            before = z - self.spheres[self.spheres < z][-1]
+            behind = self.spheres[self.spheres > z][0] - z
             same = np.isclose(before, behind, rtol=1e-3)
             self.state = STATES[1] if same else STATES[2] if before < behind else STATES[3]
-            self.height = 2 * np.abs(self.cylinders[:, 0]).max() + CYLINDER  # distance of the plates
-        self.name = f"{self.state}, {self.n} cylinders, friction {self.friction:g}" if self.n else self.state
+            self.height = (
+                2 * np.abs(self.cylinders[:, 0]).max() + CYLINDER
+            )  # distance of the plates
+        self.name = (
+            f"{self.state}, {self.n} cylinders, friction {self.friction:g}"
+            if self.n
+            else self.state
+        )
         self.first = self.first_peak_at(SENSORS[1])
 
     def sensor(self, sphere):
         """Instants, s, and the mean of the two contact forces of a sphere, N."""
-        return self.array("probes/time"), (self.contact_forces[sphere - 1] + self.contact_forces[sphere]) / 2
+        return self.array("probes/time"), (
+            self.contact_forces[sphere - 1] + self.contact_forces[sphere]
+        ) / 2
 
     def first_peak_at(self, sphere):
         """Time, s, and height, N, of the first peak at a sensor."""

@@ -1,7 +1,7 @@
 """Switch with yielding contacts.
 
-Beyond the source, whose contacts are elastic: open gaps with 2 and 10 cylinders, plates without friction, the first
-sphere struck at 0.8 and 4 m/s.
+Beyond the source, whose contacts are elastic: open gaps with 2 and 10 cylinders, plates without
+friction, the first sphere struck at 0.8 and 4 m/s.
 """
 
 from switch_row import SwitchRow
@@ -13,8 +13,14 @@ def rows(runs):
     found = {(row.case.contact.law, row.speed, row.n): row for row in map(SwitchRow, runs)}
     for (law, velocity, n), row in sorted(found.items()):
         if law != "hertz":
-            name, elastic = f"{n} cylinders, open gaps, {law}, {velocity:g} m/s", found["hertz", velocity, n]
-            yield gw.Row(f"First peak at sphere 21, {name}", "N", ours=row.first[1], where="not in the source")
+            name = f"{n} cylinders, open gaps, {law}, {velocity:g} m/s"
+            elastic = found["hertz", velocity, n]
+            yield gw.Row(
+                f"First peak at sphere 21, {name}",
+                "N",
+                ours=row.first[1],
+                where="not in the source",
+            )
             yield gw.Row(
                 f"The same over that of elastic contacts, {name}", ours=row.first[1] / elastic.first[1],
                 where="not in the source",

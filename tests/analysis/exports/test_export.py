@@ -22,7 +22,9 @@ def run(tmp_path_factory):
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
     points = synthetic_scan.grid(load__velocity=[1, 2.5], material=["brass", "steel"])
-    return synthetic_scan.write_scan(tmp_path_factory.mktemp("scan"), points, failed={2: "it broke"}, missing=[4])
+    return synthetic_scan.write_scan(
+        tmp_path_factory.mktemp("scan"), points, failed={2: "it broke"}, missing=[4]
+    )
 
 
 @pytest.mark.parametrize("to, module", [("vtp", "vtkmodules.vtkIOXML"), ("netcdf", "h5netcdf")])
@@ -48,7 +50,13 @@ def test_failure_leaves_the_old_files_and_nothing_else(run, tmp_path, monkeypatc
 def test_outdated_files_go_and_others_stay(run, tmp_path):
     export(run, "csv", tmp_path)
     claim(tmp_path, ["snapshot_0099.csv", "walls_xlo.csv"])
-    for name in ("snapshot_0099.csv", "snapshot_0098.csv", "snapshot_mine.csv", "notes.txt", "walls_xlo.csv"):
+    for name in (
+        "snapshot_0099.csv",
+        "snapshot_0098.csv",
+        "snapshot_mine.csv",
+        "notes.txt",
+        "walls_xlo.csv",
+    ):
         (tmp_path / name).write_text("old")
     export(run, "csv", tmp_path)
     names = {path.name for path in tmp_path.iterdir()}
@@ -58,9 +66,13 @@ def test_outdated_files_go_and_others_stay(run, tmp_path):
 
 def test_files_of_somebody_else_are_not_overwritten(run, tmp_path):
     (tmp_path / "energy.csv").write_text("mine")
-    with pytest.raises(InputError, match=r"energy\.csv would be overwritten, and granwave did not write it"):
+    with pytest.raises(
+        InputError, match=r"energy\.csv would be overwritten, and granwave did not write it"
+    ):
         export(run, "csv", tmp_path)
-    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [("energy.csv", "mine")]
+    assert [(path.name, path.read_text()) for path in tmp_path.iterdir()] == [
+        ("energy.csv", "mine")
+    ]
 
 
 def test_snapshots_are_read_one_at_a_time(run, tmp_path, monkeypatch):
@@ -69,7 +81,9 @@ def test_snapshots_are_read_one_at_a_time(run, tmp_path, monkeypatch):
     pytest.importorskip("vtkmodules", reason="vtk is not installed")
     read = []
     whole = Result.__getitem__
-    monkeypatch.setattr(Result, "__getitem__", lambda self, name: read.append(name) or whole(self, name))
+    monkeypatch.setattr(
+        Result, "__getitem__", lambda self, name: read.append(name) or whole(self, name)
+    )
     for to in ("csv", "netcdf", "vtp"):
         export(run, to, tmp_path)
     assert read and not [name for name in read if name.endswith("/value")]

@@ -32,7 +32,10 @@ def arrays_of(data):
     """Arrays of a vtkFieldData by name."""
     from vtkmodules.util.numpy_support import vtk_to_numpy
 
-    return {data.GetArrayName(n): vtk_to_numpy(data.GetArray(n)).copy() for n in range(data.GetNumberOfArrays())}
+    return {
+        data.GetArrayName(n): vtk_to_numpy(data.GetArray(n)).copy()
+        for n in range(data.GetNumberOfArrays())
+    }
 
 
 def read_vtp(path):
@@ -48,7 +51,13 @@ def read_vtp(path):
     assert data.GetNumberOfCells() == cells.GetNumberOfCells() and reader.GetErrorCode() == 0
     ends = vtk_to_numpy(cells.GetConnectivityArray()).reshape(data.GetNumberOfCells(), -1).copy()
     points = vtk_to_numpy(data.GetPoints().GetData()).copy()
-    return points, ends, arrays_of(data.GetPointData()), arrays_of(data.GetCellData()), arrays_of(data.GetFieldData())
+    return (
+        points,
+        ends,
+        arrays_of(data.GetPointData()),
+        arrays_of(data.GetCellData()),
+        arrays_of(data.GetFieldData()),
+    )
 
 
 # ------------------------------------------------------------------------------------------------ vtp
@@ -58,18 +67,29 @@ def test_vtp_holds_spheres_and_contacts(run, tmp_path):
     pytest.importorskip("vtkmodules", reason="vtk is not installed")
     export(run, "vtp", tmp_path)
     with Result(run) as result:
-        i, j = result["contacts/i"], result["contacts/j"]
+        i = result["contacts/i"]
+        j = result["contacts/j"]
         toward = result["spheres/position"][j - 1] - result["spheres/position"][i - 1]
         for m in range(4):
             points, cells, values, _, field = read_vtp(tmp_path / f"spheres_{m:04d}.vtp")
             assert equal(points, result.frame(m, "position")) and equal(cells[:, 0], np.arange(144))
-            assert equal(values["id"], result["spheres/id"]) and equal(values["radius"], np.full(144, 0.005))
-            for name in ("displacement", "velocity", "contact_force", "peak_force", "dissipated_energy"):
+            assert equal(values["id"], result["spheres/id"]) and equal(
+                values["radius"], np.full(144, 0.005)
+            )
+            for name in (
+                "displacement",
+                "velocity",
+                "contact_force",
+                "peak_force",
+                "dissipated_energy",
+            ):
                 assert equal(values[name], result.frame(m, name)), name
             assert field["TimeValue"].tolist() == [result.frame_times[m]]
 
             points, lines, _, values, field = read_vtp(tmp_path / f"contacts_{m:04d}.vtp")
-            assert equal(lines, np.stack([i, j], axis=1) - 1) and equal(points, result.frame(m, "position"))
+            assert equal(lines, np.stack([i, j], axis=1) - 1) and equal(
+                points, result.frame(m, "position")
+            )
             assert equal(values["i"], i) and equal(values["j"], j)
             for name in ("peak_force", "peak_overlap", "dissipated_energy"):
                 assert equal(values[name], result[f"contacts/{name}"])
@@ -113,12 +133,17 @@ def test_vtp_of_a_periodic_packing(periodic, tmp_path):
     pytest.importorskip("vtkmodules", reason="vtk is not installed")
     export(periodic, "vtp", tmp_path)
     points, lines, _, values, _ = read_vtp(tmp_path / "contacts_0002.vtp")
-    assert np.linalg.norm(points[lines[:, 1]] - points[lines[:, 0]], axis=1).max() < 1.01 * synthetic.DIAMETER
+    assert (
+        np.linalg.norm(points[lines[:, 1]] - points[lines[:, 0]], axis=1).max()
+        < 1.01 * synthetic.DIAMETER
+    )
     with Result(periodic) as result:
         assert len(points) > result.n_spheres
         pressed = result["contacts/force"] > 0
         assert np.count_nonzero(pressed) > 20
-        assert np.allclose(values["overlap"][pressed], result["contacts/overlap"][pressed], rtol=0, atol=1e-16)
+        assert np.allclose(
+            values["overlap"][pressed], result["contacts/overlap"][pressed], rtol=0, atol=1e-16
+        )
         assert np.all(values["loaded"][pressed] == 1)
 
 
@@ -128,11 +153,16 @@ def test_vtp_of_a_periodic_packing(periodic, tmp_path):
 def test_ovito_opens_spheres_and_contacts(periodic, tmp_path):
     pytest.importorskip("ovito", reason="ovito is not installed")
     (script,) = export(periodic, "ovito")
-    done = subprocess.run([sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, str(script)], cwd=tmp_path, capture_output=True, text=True, timeout=60
+    )
     assert done.returncode == 0, done.stderr
     with Result(periodic) as result:
         n_loaded = int(np.count_nonzero(result["contacts/peak_overlap"] > 0))
-        loaded = [int(np.count_nonzero(result["contacts/time_first"] <= time)) for time in result.frame_times]
+        loaded = [
+            int(np.count_nonzero(result["contacts/time_first"] <= time))
+            for time in result.frame_times
+        ]
         strongest = float(result["contacts/peak_force"].max())
         positions = result.frame(2, "position")
     assert f"{len(positions)} spheres, {n_loaded} contacts, 3 snapshots" in done.stdout
@@ -155,14 +185,22 @@ print(json.dumps({
 }))
 """
     scene = periodic / "export" / "scene.ovito"
-    done = subprocess.run([sys.executable, "-c", look, str(scene)], capture_output=True, text=True, timeout=60)
+    done = subprocess.run(
+        [sys.executable, "-c", look, str(scene)], capture_output=True, text=True, timeout=60
+    )
     assert done.returncode == 0, done.stderr
     seen = json.loads(done.stdout)
-    assert seen["bonds"] == loaded and seen["spheres"] == [64] * 3 and seen["steps"][0] == 0 < seen["steps"][2]
+    assert (
+        seen["bonds"] == loaded
+        and seen["spheres"] == [64] * 3
+        and seen["steps"][0] == 0 < seen["steps"][2]
+    )
     assert np.allclose(seen["radius"], 0.005, rtol=1e-6)  # stored in single precision by OVITO
     assert seen["strongest"] == strongest
     assert seen["longest"] < 1.01 * synthetic.DIAMETER
-    assert np.allclose(np.array(seen["z"])[np.argsort(seen["id"])], positions[:, 2], rtol=0, atol=1e-11)
+    assert np.allclose(
+        np.array(seen["z"])[np.argsort(seen["id"])], positions[:, 2], rtol=0, atol=1e-11
+    )
 
 
 def test_ovito_script_finds_the_run_from_elsewhere(run, tmp_path):

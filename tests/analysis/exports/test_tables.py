@@ -21,7 +21,9 @@ TABLES = ("spheres", "contacts", "wall_contacts", "energy")
 UNITS = {"J": "_J", "N": "_N", "m": "_m", "s": "_s", "kg": "_kg", "m s-1": "_m_s", "1": ""}
 #: Options of pandas.read_csv for exact values; from version 3.1 on its default is exact.
 EXACT = (
-    {} if find_spec("pandas") and Version(version("pandas")) >= Version("3.1") else {"float_precision": "round_trip"}
+    {}
+    if find_spec("pandas") and Version(version("pandas")) >= Version("3.1")
+    else {"float_precision": "round_trip"}
 )
 TIMES = np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP
 
@@ -46,7 +48,9 @@ def chain(tmp_path_factory):
 @pytest.fixture(scope="module")
 def scan(tmp_path_factory):
     points = synthetic_scan.grid(load__velocity=[1, 2.5], material=["brass", "steel"])
-    return synthetic_scan.write_scan(tmp_path_factory.mktemp("scan"), points, failed={2: "it broke"}, missing=[4])
+    return synthetic_scan.write_scan(
+        tmp_path_factory.mktemp("scan"), points, failed={2: "it broke"}, missing=[4]
+    )
 
 
 # ------------------------------------------------------------------------------------------------ csv
@@ -56,8 +60,13 @@ def csv_columns(result, group):
     """Expected contents of a table, by column."""
     found = {}
     for name in result.names(group):
-        values, suffix = result[f"{group}/{name}"], UNITS[result.unit(f"{group}/{name}")]
-        parts = {f"{name}_{axis}": values[:, n] for n, axis in enumerate("xyz")} if values.ndim == 2 else {name: values}
+        values = result[f"{group}/{name}"]
+        suffix = UNITS[result.unit(f"{group}/{name}")]
+        parts = (
+            {f"{name}_{axis}": values[:, n] for n, axis in enumerate("xyz")}
+            if values.ndim == 2
+            else {name: values}
+        )
         found |= {part + suffix: column for part, column in parts.items()}
     return found
 
@@ -82,7 +91,9 @@ def test_csv_gives_every_bit_back_in_pandas(run, tmp_path):
 
 def test_csv_of_snapshots(run, tmp_path):
     export(run, "csv", tmp_path)
-    index = np.genfromtxt(tmp_path / "snapshots.csv", delimiter=",", names=True, dtype=None, encoding="utf-8")
+    index = np.genfromtxt(
+        tmp_path / "snapshots.csv", delimiter=",", names=True, dtype=None, encoding="utf-8"
+    )
     assert index["step"].tolist() == [0, 250, 500, 1000]
     assert np.allclose(index["time_s"], TIMES, rtol=1e-15)
     ids = np.arange(1, 145)
@@ -118,11 +129,16 @@ def test_csv_of_a_chain_and_its_bar(chain, tmp_path):
         return np.genfromtxt(tmp_path / f"{name}.csv", delimiter=",", names=True)
 
     with Result(chain) as result:
-        velocity, force = table("chain_velocity"), table("chain_contact_force")
+        velocity = table("chain_velocity")
+        force = table("chain_contact_force")
         for n, bead in enumerate(result["chain/id"]):
             assert equal(velocity[f"bead_{bead}_m_s"], result["chain/velocity"][:, n])
-        pairs = list(zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True))
-        assert equal(force["contact_{}_{}_N".format(*pairs[2])], result["chain/contact_force"][:, 2])
+        pairs = list(
+            zip(result["chain/contact_i"].tolist(), result["chain/contact_j"].tolist(), strict=True)
+        )
+        assert equal(
+            force["contact_{}_{}_N".format(*pairs[2])], result["chain/contact_force"][:, 2]
+        )
         assert equal(velocity["time_s"], result["chain/time"])
         assert equal(table("chain_beads")["position_m"], result["chain/position"])
         assert table("chain_contacts")[["i", "j"]].tolist() == pairs
@@ -143,7 +159,12 @@ def test_netcdf_opens_in_xarray(run, tmp_path):
             "sphere": 144, "contact": len(result["contacts/i"]), "wall_contact": 1, "time": 251,
             "wall_time": 201, "frame": 4, "axis": 3,
         }  # fmt: skip
-        groups = {"spheres": "sphere", "contacts": "contact", "wall_contacts": "wall_contact", "energy": "energy"}
+        groups = {
+            "spheres": "sphere",
+            "contacts": "contact",
+            "wall_contacts": "wall_contact",
+            "energy": "energy",
+        }
         own = {"sphere_id": "sphere", "energy_time": "time"}
         for group, prefix in groups.items():
             for name in result.names(group):
@@ -152,12 +173,26 @@ def test_netcdf_opens_in_xarray(run, tmp_path):
                 assert equal(found.to_numpy(), expected), name
                 assert expected.dtype == object or found.dtype == expected.dtype
                 assert found.attrs["long_name"]
-                assert expected.dtype == object or found.attrs["units"] == result.unit(f"{group}/{name}")
-        for name in ("displacement", "velocity", "contact_force", "peak_force", "dissipated_energy"):
+                assert expected.dtype == object or found.attrs["units"] == result.unit(
+                    f"{group}/{name}"
+                )
+        for name in (
+            "displacement",
+            "velocity",
+            "contact_force",
+            "peak_force",
+            "dissipated_energy",
+        ):
             assert equal(data[f"frame_{name}"], result.file[f"particles/spheres/{name}/value"][()])
         assert data["frame_displacement"].dims == ("frame", "sphere", "axis")
-        assert data["frame_displacement"].dtype == np.float64 and data["frame_velocity"].attrs["units"] == "m s-1"
-        assert equal(data["frame_time"], result.frame_times) and data["frame_time"].attrs["units"] == "s"
+        assert (
+            data["frame_displacement"].dtype == np.float64
+            and data["frame_velocity"].attrs["units"] == "m s-1"
+        )
+        assert (
+            equal(data["frame_time"], result.frame_times)
+            and data["frame_time"].attrs["units"] == "s"
+        )
         assert set(data.coords) >= {
             "frame_time",
             "contact_i",
@@ -189,12 +224,23 @@ def test_netcdf_of_a_chain_and_its_bar(chain, tmp_path):
     case = synthetic.make_case("chain", 5, boundary={"bottom": "free"})
     write_result(synthetic.write_run(tmp_path / "free", case))
     with xarray.open_dataset(*export(tmp_path / "free", "netcdf")) as data:
-        assert data.sizes["contact"] == 4 and data.sizes["wall_contact"] == 0 and "wall_time" not in data.sizes
+        assert (
+            data.sizes["contact"] == 4
+            and data.sizes["wall_contact"] == 0
+            and "wall_time" not in data.sizes
+        )
     (path,) = export(chain, "netcdf", tmp_path)
     with xarray.open_dataset(path) as data, Result(chain) as result:
-        assert {"bead": 6, "chain_contact": 6, "bar_node": 21, "bar_element": 20}.items() <= dict(data.sizes).items()
-        assert equal(data["bead"], result["chain/id"]) and equal(data["chain_time"], result["chain/time"])
-        assert equal(data["bead_velocity"], result["chain/velocity"]) and data["bead_velocity"].units == "m s-1"
+        assert {"bead": 6, "chain_contact": 6, "bar_node": 21, "bar_element": 20}.items() <= dict(
+            data.sizes
+        ).items()
+        assert equal(data["bead"], result["chain/id"]) and equal(
+            data["chain_time"], result["chain/time"]
+        )
+        assert (
+            equal(data["bead_velocity"], result["chain/velocity"])
+            and data["bead_velocity"].units == "m s-1"
+        )
         assert equal(data["chain_contact_force"], result["chain/contact_force"])
         assert equal(data["bar_element_force"], result["bars/bar/force"])
         assert equal(data["bar_node_position"], result["bars/bar/position"])
@@ -209,13 +255,23 @@ def test_scan_as_csv_and_netcdf(scan, tmp_path):
     table = pandas.read_csv(path, **EXACT)
     data = read_scan(scan)
     assert table["load.velocity_m_s"].tolist() == [1, 1, 2.5, 2.5]
-    assert table["status"].tolist() == ["done", "failed", "done", "missing"] and table["reason"][1] == "it broke"
+    assert (
+        table["status"].tolist() == ["done", "failed", "done", "missing"]
+        and table["reason"][1] == "it broke"
+    )
     assert equal(table["peak_force_N"], data["peak_force_N"]) and np.isnan(table["peak_force_N"][1])
 
     xarray = pytest.importorskip("xarray", reason="xarray is not installed")
     pytest.importorskip("h5netcdf", reason="h5netcdf is not installed")
     with xarray.open_dataset(*export(scan, "netcdf", tmp_path)) as points:
-        assert points.sizes == {"point": 4} and set(points.coords) == {"point", "load.velocity", "material"}
-        assert points["load.velocity"].attrs["units"] == "m/s" and points["peak_force_N"].attrs["units"] == "N"
+        assert points.sizes == {"point": 4} and set(points.coords) == {
+            "point",
+            "load.velocity",
+            "material",
+        }
+        assert (
+            points["load.velocity"].attrs["units"] == "m/s"
+            and points["peak_force_N"].attrs["units"] == "N"
+        )
         assert equal(points["peak_force_N"], data["peak_force_N"])
         assert points["material"].to_numpy().tolist() == ["brass", "steel"] * 2

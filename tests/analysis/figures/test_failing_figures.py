@@ -1,4 +1,6 @@
-"""Figures that fail: each costs itself alone, and is named with its reason; axes without a span and without values."""
+"""Figures that fail: each costs itself alone, and is named with its reason; axes without a span and
+without values.
+"""
 
 from __future__ import annotations
 
@@ -47,7 +49,10 @@ def test_a_figure_of_a_run_that_fails_costs_no_other(tmp_path, monkeypatch, capl
     with monkeypatch.context() as broken:
         figure = run_figures.FIGURES["energies"]
         broken.setitem(run_figures.FIGURES, "energies", dataclasses.replace(figure, function=fails))
-        assert [path.stem for path in draw_figures(run, names=NAMES)] == ["impactor_velocity", "bottom_force"]
+        assert [path.stem for path in draw_figures(run, names=NAMES)] == [
+            "impactor_velocity",
+            "bottom_force",
+        ]
         assert main(["figures", str(run), "--only", "energies"]) == 1
     assert WORDS in caplog.text
     assert (run / "figures" / "energies.txt").read_text() == f"{REASON}\n"
@@ -70,7 +75,11 @@ def test_a_figure_of_a_scan_that_fails_costs_no_other(tmp_path, monkeypatch):
     drawn = scan_figures._curves
 
     def some(x, others, quantity, *rest, **options):
-        return fails() if quantity.name == "peak_force" else drawn(x, others, quantity, *rest, **options)
+        return (
+            fails()
+            if quantity.name == "peak_force"
+            else drawn(x, others, quantity, *rest, **options)
+        )
 
     monkeypatch.setattr(scan_figures, "_curves", some)
     left = {path.stem for path in scan_figures.draw_scan_figures(scan, pdf=False)}
@@ -88,7 +97,9 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
         yield Picture("_first", "fails", fails)
         yield Picture("_second", "drawn", lambda: panels(1.0)[0])
 
-    module = SimpleNamespace(TITLE="t", TEXT="text", select=lambda runs: [runs], rows=rows, pictures=pictures)
+    module = SimpleNamespace(
+        TITLE="t", TEXT="text", select=lambda runs: [runs], rows=rows, pictures=pictures
+    )
     monkeypatch.setattr(studies.importlib, "import_module", lambda _: module)
     (found,) = studies.make_studies({"tolerance": []})
     assert [row.quantity for row in found.rows] == ["speed"]
@@ -103,7 +114,11 @@ def test_one_layer_is_reported(tmp_path, caplog):
     """Its plastic zone has no depth, so that there is nothing to draw on a logarithmic axis."""
     settings = ["packing.kind=square", "packing.size=[6,6]", "run.end_time=3e-5"]
     common = ["--no-figures", *(word for setting in settings for word in ("--set", setting))]
-    changes = {"slow": ["load.velocity=5"], "fast": ["load.velocity=10"], "rough": ["contact.friction=0.2"]}
+    changes = {
+        "slow": ["load.velocity=5"],
+        "fast": ["load.velocity=10"],
+        "rough": ["contact.friction=0.2"],
+    }
     runs = [str(tmp_path / name) for name in changes]
     for run, sets in zip(runs, changes.values(), strict=True):
         assert main(["run", "fcc-small", *common, "--set", *sets, "-o", run]) == 0
@@ -138,11 +153,15 @@ def result(run):
         yield found
 
 
-@pytest.mark.parametrize("normal", [(1, 0, 0), (0, 2, 0), (0, 0, -1), (1, 1, 0), (1, 2, 3), (-1, 0, 2)])
+@pytest.mark.parametrize(
+    "normal", [(1, 0, 0), (0, 2, 0), (0, 0, -1), (1, 1, 0), (1, 2, 3), (-1, 0, 2)]
+)
 def test_axes_of_a_plane(normal):
     """They are orthonormal, lie in the plane, and depth goes down, or y where there is none."""
     plane = own_plane(normal, None)
-    assert plane.across @ plane.across == pytest.approx(1) and plane.down @ plane.down == pytest.approx(1)
+    assert plane.across @ plane.across == pytest.approx(
+        1
+    ) and plane.down @ plane.down == pytest.approx(1)
     assert abs(plane.across @ plane.down) < 1e-12
     assert np.allclose(np.cross(plane.normal, normal), 0, atol=1e-12)
     assert plane.down[1 if normal[:2] == (0, 0) else 2] > 0
@@ -157,7 +176,9 @@ def test_discs_of_a_plane_are_the_cuts_of_the_spheres(result):
     away = np.abs(result["spheres/position"][:, 0] - middle)
     inside = away < synthetic.DIAMETER / 2
     assert set(drawing.columns["id"]) >= set(result["spheres/id"][inside])
-    (discs,) = [one for one in drawing.figure.axes[0].collections if isinstance(one, EllipseCollection)]
+    (discs,) = [
+        one for one in drawing.figure.axes[0].collections if isinstance(one, EllipseCollection)
+    ]
     shown = result.rows(drawing.columns["id"])
     radius = np.sqrt(np.maximum((synthetic.DIAMETER / 2) ** 2 - away[shown] ** 2, 0))
     assert np.allclose(np.asarray(discs.get_widths()), 0.96 * 2 * radius * 1e3, atol=1e-6)
@@ -171,8 +192,11 @@ def test_no_section_without_a_plane_or_where_it_misses(result):
 
 
 def test_colours_and_limits(result):
-    result.figure_options = Figures(colour_map="plasma", force_limits=(0.1, 90.0), dissipation_limits=(1e-4, 0.5))
-    force, loss = sections.peak_force_colouring(result, 4), sections.dissipation_colouring(result)
+    result.figure_options = Figures(
+        colour_map="plasma", force_limits=(0.1, 90.0), dissipation_limits=(1e-4, 0.5)
+    )
+    force = sections.peak_force_colouring(result, 4)
+    loss = sections.dissipation_colouring(result)
     assert (force.map, force.low, force.high) == ("plasma", 0.1, 90.0)
     assert (loss.map, loss.low, loss.high) == ("plasma", 1e-4, 0.5)
 
@@ -191,9 +215,14 @@ def test_width_and_formats(run):
 
 def test_the_case_file_says_how_and_may_be_edited(tmp_path, monkeypatch):
     monkeypatch.setattr(packing3d, "_PIXELS", 120)
-    case = synthetic.make_case("chain", 3, figures={"only": ["energies", "bottom_force"], "formats": []})
+    case = synthetic.make_case(
+        "chain", 3, figures={"only": ["energies", "bottom_force"], "formats": []}
+    )
     analyse(synthetic.write_run(tmp_path, case))
-    assert {path.name for path in (tmp_path / "figures").glob("*.p*")} == {"energies.png", "bottom_force.png"}
+    assert {path.name for path in (tmp_path / "figures").glob("*.p*")} == {
+        "energies.png",
+        "bottom_force.png",
+    }
     path = tmp_path / "case.toml"
     text = path.read_text()
     path.write_text(text.replace('    "bottom_force",\n', ""))
@@ -201,7 +230,9 @@ def test_the_case_file_says_how_and_may_be_edited(tmp_path, monkeypatch):
     analyse(tmp_path)  # the results are those of the case that was run
     assert {found.name for found in (tmp_path / "figures").glob("*.p*")} == {"energies.png"}
     path.write_text(text.replace("bottom_force", "bottom_farce"))
-    with pytest.raises((InputError, OutputFormatError), match=r"figures\.only: .*did you mean bottom_force"):
+    with pytest.raises(
+        (InputError, OutputFormatError), match=r"figures\.only: .*did you mean bottom_force"
+    ):
         draw_figures(tmp_path)
 
 

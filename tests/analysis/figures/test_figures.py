@@ -46,7 +46,10 @@ def render(centres, radius, colours, camera, width, axes=None):
 @pytest.mark.parametrize(
     ("options", "expected"),
     [
-        *(({"kind": kind, "size": (6, 6, 4)}, MOVING | PLANES | PRESSED | LOST | LOST_PLANES) for kind in KINDS),
+        *(
+            ({"kind": kind, "size": (6, 6, 4)}, MOVING | PLANES | PRESSED | LOST | LOST_PLANES)
+            for kind in KINDS
+        ),
         ({"law": "hertz"}, MOVING | PLANES | PRESSED),
         *(({"kind": "chain", "size": size}, MOVING | PRESSED | LOST) for size in (2, 12)),
         ({"size": (1, 1, 1)}, MOVING),
@@ -63,18 +66,31 @@ def test_figures_of_a_square_packing(tmp_path):
 
 
 def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
-    case = synthetic.make_case(contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]})
+    case = synthetic.make_case(
+        contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]}
+    )
     names = makes_sense(tmp_path, case)
-    own = {f"{what}_{plane}" for what in ("dissipation_parts", "dents") for plane in ("principal", "orthogonal")}
+    own = {
+        f"{what}_{plane}"
+        for what in ("dissipation_parts", "dents")
+        for plane in ("principal", "orthogonal")
+    }
     assert names == MOVING | PLANES | PRESSED | LOST | LOST_PLANES | own
     with Result(tmp_path) as result:
         columns = FIGURES["energies"].draw(result).columns
-        total = sum(columns[f"{part}_J"] for part in ("kinetic", "rotation", "elastic", "yielding", "friction"))
+        total = sum(
+            columns[f"{part}_J"]
+            for part in ("kinetic", "rotation", "elastic", "yielding", "friction")
+        )
         assert np.allclose(total, columns["input_J"], rtol=1e-6)
         columns = FIGURES["dissipation_parts_principal"].draw(result).columns
         assert 3 not in columns["id"] and np.isin(columns["id"], result["spheres/id"]).all()
-        whole = result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
-        assert np.allclose(columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12)
+        whole = (
+            result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
+        )
+        assert np.allclose(
+            columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12
+        )
         force = FIGURES["target"].draw(result).columns["without_packing_force_N"]
         assert force.max() == pytest.approx(unprotected(case, 1.0).peak_force, rel=1e-6)
 
@@ -97,7 +113,9 @@ def test_data_beside_a_figure(tmp_path):
     analyse(synthetic.write_run(tmp_path, case, dent=450.0))
     folder = tmp_path / "figures"
     names = {path.stem for path in folder.glob("*.png")}
-    assert all({path.stem for path in folder.glob(f"*.{suffix}")} == names for suffix in ("pdf", "csv"))
+    assert all(
+        {path.stem for path in folder.glob(f"*.{suffix}")} == names for suffix in ("pdf", "csv")
+    )
     assert all(path.stat().st_size > 0 for path in folder.iterdir())
     with open(folder / "peak_force_principal.csv") as file:
         rows = list(csv.DictReader(file))
@@ -113,18 +131,24 @@ def test_data_beside_a_figure(tmp_path):
 
 
 def test_sphere_in_front_hides_the_one_behind():
-    """Seen from above, only the upper of two spheres is visible; a third one next to them is visible as well."""
+    """Seen from above, only the upper of two spheres is visible; a third one next to them is
+    visible as well.
+    """
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres = np.array([[0.0, 0, 0], [0, 0, 2], [2, 0, 0]])
     surface, pixels = render(centres, 1.0, np.eye(3), camera, 64)
     assert surface.visible.tolist() == [1, 2]
     middle = pixels[np.any(pixels[..., 3] == 1, axis=1)]
-    assert np.all(middle[..., 0][middle[..., 3] == 1] < 0.4)  # the red one is hidden (apart from gloss, white)
+    assert np.all(
+        middle[..., 0][middle[..., 3] == 1] < 0.4
+    )  # the red one is hidden (apart from gloss, white)
 
 
 @pytest.mark.parametrize("radii", [[0.5], [1.0, 0.5]])
 def test_picture_covers_the_discs(radii):
-    camera = sphere_renderer.Camera.looking(30.0, 90.0 if len(radii) > 1 else 20.0, np.array([0.0, 0.0, 1.0]))
+    camera = sphere_renderer.Camera.looking(
+        30.0, 90.0 if len(radii) > 1 else 20.0, np.array([0.0, 0.0, 1.0])
+    )
     centres = np.array([[0.0, 0, 0], [3, 0, 0]])[: len(radii)]
     surface, pixels = render(centres, np.array(radii), np.ones((len(radii), 3)), camera, 300)
     assert covered(surface, pixels) == pytest.approx(np.pi * np.square(radii).sum(), rel=1e-2)
@@ -163,7 +187,10 @@ def test_the_surface_of_a_packing_is_found_once(tmp_path, monkeypatch):
 
 def test_a_sphere_struck_across_has_no_figure_of_its_velocity():
     time = np.linspace(0, 1e-3, 9)
-    assert histories.impactor_velocity({"energy/time": time, "energy/struck_velocity": np.zeros(9)}) is None
+    assert (
+        histories.impactor_velocity({"energy/time": time, "energy/struck_velocity": np.zeros(9)})
+        is None
+    )
 
 
 def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
@@ -172,14 +199,19 @@ def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
         figure = FIGURES["energies"].draw(result).figure
     figure.draw_without_rendering()
     axes = figure.axes[0]
-    assert not axes.get_legend().get_window_extent().overlaps(axes.get_window_extent().shrunk(0.99, 0.99))
+    assert (
+        not axes.get_legend()
+        .get_window_extent()
+        .overlaps(axes.get_window_extent().shrunk(0.99, 0.99))
+    )
 
 
 @pytest.mark.parametrize("half", [(0.0, 0.0, 1.5), (1.5, 0.0, 0.0), (0.6, -0.5, 1.1)])
 def test_a_cylinder_covers_its_outline(half):
     """The area of a cylinder in a picture: a rectangle and an ellipse, by its inclination."""
     camera = sphere_renderer.Camera.looking(25.0, 35.0, np.array([0.0, 0.0, 1.0]))
-    radius, axis = 0.5, np.array([half])
+    radius = 0.5
+    axis = np.array([half])
     surface, pixels = render(np.zeros((1, 3)), radius, np.ones((1, 3)), camera, 400, axis)
     length = np.linalg.norm(half)
     tilt = abs(camera.project(axis)[0, 2]) / length
@@ -189,7 +221,9 @@ def test_a_cylinder_covers_its_outline(half):
 
 
 def test_cylinders_hide_spheres_and_each_other():
-    """From above: an upright cylinder hides the sphere below it, and is itself crossed by a lying one that is higher."""
+    """From above: an upright cylinder hides the sphere below it, and is itself crossed by a lying
+    one that is higher.
+    """
     camera = sphere_renderer.Camera.looking(0.0, 90.0, np.array([0.0, 0.0, 1.0]))
     centres = np.array([[0.0, 0, 0], [0, 0, 2], [0, 0, 3.2]])
     axes = np.array([[0.0, 0, 0], [0, 0, 1], [2, 0, 0]])
@@ -209,7 +243,9 @@ def test_spheres_beyond_the_law_keep_their_colour():
     shown = {}
     for beyond in (False, True):
         axes = Figure().subplots()
-        sections.draw_discs(axes, cut, colouring.values, colouring, np.full(2, 0.005), np.array([False, beyond]))
+        sections.draw_discs(
+            axes, cut, colouring.values, colouring, np.full(2, 0.005), np.array([False, beyond])
+        )
         (shown[beyond],) = axes.collections
     assert np.array_equal(shown[True].get_facecolors(), shown[False].get_facecolors())
     assert np.array_equal(shown[True].get_edgecolors()[1], [0, 0, 0, 1])

@@ -35,7 +35,10 @@ def usual_drawing() -> style.Drawing:
 
 
 def streams(pdf: bytes) -> list[bytes]:
-    return [zlib.decompress(found) for found in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)]
+    return [
+        zlib.decompress(found)
+        for found in re.findall(rb"stream\r?\n(.*?)\r?\nendstream", pdf, re.DOTALL)
+    ]
 
 
 def fonts(pdf: bytes) -> list[TTFont]:
@@ -50,7 +53,8 @@ def outlines(font: TTFont) -> set[tuple[bytes, int]]:
     """Outline and width of each glyph."""
     glyphs = {name: font["glyf"][name] for name in font.getGlyphOrder()}
     return {
-        (glyph.getCoordinates(font["glyf"])[0].array.tobytes(), font["hmtx"][name][0]) for name, glyph in glyphs.items()
+        (glyph.getCoordinates(font["glyf"])[0].array.tobytes(), font["hmtx"][name][0])
+        for name, glyph in glyphs.items()
     }
 
 
@@ -87,7 +91,8 @@ def test_text_and_glyphs_of_a_pdf_are_those_of_matplotlib(saved, tmp_path):
         usual = usual_drawing()
         usual.figure.savefig(tmp_path / "usual.png")
         usual.figure.savefig(tmp_path / "usual.pdf")
-    ours, theirs = saved.with_suffix(".pdf").read_bytes(), (tmp_path / "usual.pdf").read_bytes()
+    ours = saved.with_suffix(".pdf").read_bytes()
+    theirs = (tmp_path / "usual.pdf").read_bytes()
     assert unicode_maps(ours) == unicode_maps(theirs) != []
     for mine, its in zip(fonts(ours), fonts(theirs), strict=True):
         assert outlines(mine) <= outlines(its)
@@ -131,7 +136,9 @@ def test_labels_of_logarithmic_axes(low, high, across, up):
     assert not any("$" in text for text in labels(axes.yaxis))
 
 
-@pytest.mark.parametrize(("decades", "on_axes", "on_bar"), [(1.5, True, True), (3, True, False), (5, False, False)])
+@pytest.mark.parametrize(
+    ("decades", "on_axes", "on_bar"), [(1.5, True, True), (3, True, False), (5, False, False)]
+)
 def test_ticks_between_powers_of_ten(decades, on_axes, on_bar):
     """They end where there are many decades, of colour bars, which are small, before those of axes."""
     with style.style():
@@ -146,7 +153,9 @@ def test_ticks_between_powers_of_ten(decades, on_axes, on_bar):
 
 
 def test_pictures_in_a_pdf(tmp_path):
-    """An artist that is to be pixels is one in the PDF too, at its place; the rest stays lines and text."""
+    """An artist that is to be pixels is one in the PDF too, at its place; the rest stays lines and
+    text.
+    """
     with style.style():
         figure = style.new_figure(2.0)
         figure.subplots().pcolormesh(np.eye(3), rasterized=True)

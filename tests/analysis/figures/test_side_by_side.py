@@ -65,7 +65,12 @@ def test_files_are_those_of_one_process(run, several, monkeypatch):
     names = ("energies", "packing_3d", "probes", "packing_3d_dissipation", "bottom_force")
     before = drawn_by_one(run, monkeypatch, names)
     seen = []
-    foreign = {"text.usetex": True, "image.cmap": "no-such-map", "axes.facecolor": "#eeffee", "figure.dpi": 50}
+    foreign = {
+        "text.usetex": True,
+        "image.cmap": "no-such-map",
+        "axes.facecolor": "#eeffee",
+        "figure.dpi": 50,
+    }
     with matplotlib.rc_context(foreign):
         written = draw_figures(run, seen.append, names)
         assert matplotlib.rcParams["image.cmap"] == "no-such-map"
@@ -81,13 +86,20 @@ def test_helpers_draw(run, several, monkeypatch):
         monkeypatch.setattr(others, "_take", lambda _: ())
         outcomes = list(others.draw(NAMES, never, (run, NAMES, Figures())))
     found = zip(NAMES, outcomes, strict=True)
-    assert before == {name + suffix: content for name, files in found for suffix, content in (files or {}).items()}
+    assert before == {
+        name + suffix: content for name, files in found for suffix, content in (files or {}).items()
+    }
 
 
 def test_figures_that_no_longer_apply_are_removed(run, several):
     """Names that are no figure, and a directory without results, are errors."""
     draw_figures(run, names=("energies", "impactor_velocity"))
-    damage(run, lambda file: file["energy/struck_velocity"].write_direct(np.zeros(len(file["energy/time"]))))
+    damage(
+        run,
+        lambda file: file["energy/struck_velocity"].write_direct(
+            np.zeros(len(file["energy/time"]))
+        ),
+    )
     draw_figures(run, names=("energies", "impactor_velocity"))
     assert {path.stem for path in (run / "figures").iterdir()} == {"energies"}
     with pytest.raises(KeyError, match="nothing"):
@@ -138,7 +150,11 @@ def test_helpers_that_die(run, several, monkeypatch, moment):
                 process.kill()
                 process.wait()
         else:
-            monkeypatch.setattr(others, "_take", lambda left: [process.kill() for process in processes] and take(left))
+            monkeypatch.setattr(
+                others,
+                "_take",
+                lambda left: [process.kill() for process in processes] and take(left),
+            )
         draw_figures(run, names=NAMES, helpers=others)
     assert files(run) == before
 
@@ -179,7 +195,10 @@ def test_number_of_processes(monkeypatch, cores, most, figures, memory, expected
     with side_by_side.helpers(figures) as others:
         assert len(others._processes) == expected - 1
     monkeypatch.setenv(PROCESSES, "many")
-    with pytest.raises(InputError, match="found 'many' in the environment"), side_by_side.helpers(18):
+    with (
+        pytest.raises(InputError, match="found 'many' in the environment"),
+        side_by_side.helpers(18),
+    ):
         pass
 
 
@@ -187,7 +206,9 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
     directory = synthetic.write_run(tmp_path, synthetic.make_case("chain", 12))
     started = []
     start = side_by_side.Helpers.start
-    monkeypatch.setattr(side_by_side.Helpers, "start", lambda self: (started.append(0), start(self)))
+    monkeypatch.setattr(
+        side_by_side.Helpers, "start", lambda self: (started.append(0), start(self))
+    )
     analyse(directory, figures=False)
     assert not started
     analyse(directory)

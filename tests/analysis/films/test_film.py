@@ -1,4 +1,6 @@
-"""Films: pictures of every snapshot, one scale, a clock; files that programs open; errors in one line."""
+"""Films: pictures of every snapshot, one scale, a clock; files that programs open; errors in one
+line.
+"""
 
 from __future__ import annotations
 
@@ -28,7 +30,9 @@ from tests.helpers.small_cases import PULSE, case_of
 @pytest.fixture(scope="module")
 def packing(tmp_path_factory):
     directory = tmp_path_factory.mktemp("packing")
-    case = synthetic.make_case("fcc", (8, 8, 4), run={"end_time": 6e-5, "frames": 4}, output={"dump_format": "binary"})
+    case = synthetic.make_case(
+        "fcc", (8, 8, 4), run={"end_time": 6e-5, "frames": 4}, output={"dump_format": "binary"}
+    )
     run_case(case, directory, figures=False)
     return directory
 
@@ -44,7 +48,13 @@ def chain(tmp_path_factory):
 @pytest.mark.parametrize(("form", "view"), [("gif", None), ("webp", "principal"), ("gif", "3d")])
 def test_moving_pictures(packing, tmp_path, form, view):
     seen = []
-    path = write_film(packing, tmp_path / f"a.{form}", view=view, width=240, progress=lambda *now: seen.append(now))
+    path = write_film(
+        packing,
+        tmp_path / f"a.{form}",
+        view=view,
+        width=240,
+        progress=lambda *now: seen.append(now),
+    )
     with Image.open(path) as film:
         assert film.n_frames == 4 and film.size[0] == 240 and film.size[1] % 2 == 0
         first = np.asarray(film.convert("RGB"), dtype=int)
@@ -65,7 +75,9 @@ def test_mp4(chain, tmp_path):
 def test_a_full_disk_keeps_the_earlier_film(chain, tmp_path, form):
     disk = tmp_path / "disk"
     disk.mkdir()
-    if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True).returncode:
+    if subprocess.run(
+        ["mount", "-t", "tmpfs", "-o", "size=1m", "tmpfs", disk], capture_output=True
+    ).returncode:
         pytest.skip("no disk can be mounted here")
     try:
         path = write_film(chain, disk / "a.mp4", width=300) if form == "mp4" else disk / f"a.{form}"
@@ -80,18 +92,32 @@ def test_a_full_disk_keeps_the_earlier_film(chain, tmp_path, form):
 
 
 def test_a_film_that_is_stopped_leaves_nothing(chain, tmp_path):
-    command = [sys.executable, "-m", "granwave.workflows", "film", str(chain), "-o", "a.mp4", "--width", "2400"]
+    command = [
+        sys.executable,
+        "-m",
+        "granwave.workflows",
+        "film",
+        str(chain),
+        "-o",
+        "a.mp4",
+        "--width",
+        "2400",
+    ]
     film = subprocess.Popen(command, cwd=tmp_path, env=PLAIN, stderr=subprocess.PIPE, text=True)
     end = time.monotonic() + 60
     while not list(tmp_path.glob(".a.mp4.*")):
         assert film.poll() is None and time.monotonic() < end
         time.sleep(0.01)
     film.terminate()
-    assert film.communicate(timeout=60)[1].endswith("granwave: stopped\n") and film.returncode == 130
+    assert (
+        film.communicate(timeout=60)[1].endswith("granwave: stopped\n") and film.returncode == 130
+    )
     assert not list(tmp_path.iterdir())
 
 
-@pytest.mark.parametrize(("name", "view"), [("chain", None), ("packing", "section"), ("packing", "3d")])
+@pytest.mark.parametrize(
+    ("name", "view"), [("chain", None), ("packing", "section"), ("packing", "3d")]
+)
 def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
     """Exactly that size, with the colour bar beside the picture."""
     options = Figures(plane=CutPlane((1.0, 1.0, 0.0)), colour_map="plasma")
@@ -111,7 +137,9 @@ def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
 def test_sizes():
     assert size_of("slide") == (1920, 1080) and size_of("640x480") == (640, 480)
     for text in ("slid", "640x481", "20x20", "640", "wide"):
-        with pytest.raises(InputError, match=f"--size: found {text}, expected slide, page, or width x height"):
+        with pytest.raises(
+            InputError, match=f"--size: found {text}, expected slide, page, or width x height"
+        ):
             size_of(text)
 
 
@@ -145,7 +173,10 @@ def test_chain_shows_nothing_of_the_future(chain):
     ("options", "message"),
     [
         ({"path": "a.avi"}, r"-o .*a\.avi: expected a name that ends in \.mp4, \.gif, \.webp"),
-        ({"quantity": "speed"}, r"--quantity: found speed, expected one of force, velocity, dissipation"),
+        (
+            {"quantity": "speed"},
+            r"--quantity: found speed, expected one of force, velocity, dissipation",
+        ),
         ({"view": "orthogonl"}, r"--view: found orthogonl, .* did you mean orthogonal\?"),
         ({"view": "3D"}, r"did you mean 3d\?"),
         ({"view": "chain"}, r"no record of a chain"),
@@ -164,20 +195,45 @@ def test_wrong_options(packing, tmp_path, options, message):
 
 @pytest.mark.validation
 def test_commands(packing, granwave, tmp_path):
-    done = granwave("film", packing, "-o", tmp_path / "a.gif", "--width", 200, "--quantity", "velocity")
+    done = granwave(
+        "film", packing, "-o", tmp_path / "a.gif", "--width", 200, "--quantity", "velocity"
+    )
     assert done.returncode == 0 and done.stdout.strip() == str(tmp_path / "a.gif"), done.stderr
     done = granwave("film", tmp_path / "nope", "-o", tmp_path / "b.gif")
     assert done.returncode == 2 and re.fullmatch(r"granwave: .*no such directory.*\n", done.stderr)
     analyse(packing, figures=False)
     done = granwave("view", packing, "--spheres", 100)
-    assert done.returncode == 0 and done.stdout.splitlines()[0] == str(packing / "view.html"), done.stderr
+    assert done.returncode == 0 and done.stdout.splitlines()[0] == str(packing / "view.html"), (
+        done.stderr
+    )
     assert re.fullmatch(r"[\d.]+ MB, 100 spheres, 4 snapshots", done.stdout.splitlines()[1])
     assert "the 100 spheres nearest to the struck one, of 256; --all shows all" in done.stderr
-    options = ("--plane", "1,1,0", "--through", "0.04,0.04,w", "--colour-map", "viridi", "--force-limits", "9,1")
+    options = (
+        "--plane",
+        "1,1,0",
+        "--through",
+        "0.04,0.04,w",
+        "--colour-map",
+        "viridi",
+        "--force-limits",
+        "9,1",
+    )
     done = granwave("figures", packing, "--only", "energies", *options)
     assert done.returncode == 2 and len(done.stderr.splitlines()) == 3
-    assert "--plane --through: found 1,1,0 and 0.04,0.04,w" in done.stderr and "did you mean viridis?" in done.stderr
-    options = ("--plane", "1,1,0", "--through", "0.04,0.04,0", "--colour-map", "magma", "--formats", "none")
+    assert (
+        "--plane --through: found 1,1,0 and 0.04,0.04,w" in done.stderr
+        and "did you mean viridis?" in done.stderr
+    )
+    options = (
+        "--plane",
+        "1,1,0",
+        "--through",
+        "0.04,0.04,0",
+        "--colour-map",
+        "magma",
+        "--formats",
+        "none",
+    )
     done = granwave("figures", packing, "--only", "peak_force_section", *options)
     assert done.returncode == 0 and "peak_force_section.png" in done.stdout, done.stderr
     assert not (packing / "figures" / "peak_force_section.pdf").exists()

@@ -19,7 +19,8 @@ from granwave.analysis.inference.solve import solve, solve_conic
 from granwave.analysis.inference.tables import instant_summary
 from tests.helpers import plane_crystal
 
-RADIUS, MASS = 0.01, 0.3
+RADIUS = 0.01
+MASS = 0.3
 EXACT = Infer(friction=0.3, repetitions=0)
 
 
@@ -40,7 +41,9 @@ def test_a_disc_between_two_walls():
     found = infer(discs([[RADIUS, 0]], [[-2 * force / (np.pi * RADIUS), 0, 0]]), walls, EXACT)
     assert found.contacts.walls == ("left", "right")
     np.testing.assert_allclose(found.force, [[force, 0], [force, 0]], rtol=1e-12, atol=1e-9)
-    np.testing.assert_allclose(found.contacts.vectors(found.force), [[force, 0], [-force, 0]], rtol=1e-12, atol=1e-9)
+    np.testing.assert_allclose(
+        found.contacts.vectors(found.force), [[force, 0], [-force, 0]], rtol=1e-12, atol=1e-9
+    )
 
 
 def test_a_row_of_three_that_is_pushed():
@@ -49,7 +52,9 @@ def test_a_row_of_three_that_is_pushed():
     forces = MASS * acceleration * np.array([3, 2, 1, 0])
     x = [[RADIUS * (1 + 2 * k), 0.0] for k in range(3)]
     across = -(forces[:3] + forces[1:]) / (np.pi * RADIUS)
-    grains = discs(x, np.stack([across, 0 * across, 0 * across], axis=1), acceleration=[acceleration, 0.0])
+    grains = discs(
+        x, np.stack([across, 0 * across, 0 * across], axis=1), acceleration=[acceleration, 0.0]
+    )
     walls = {"piston": Wall((0, 0), (1, 0)), "end": Wall((6 * RADIUS, 0), (-1, 0))}
     found = infer(grains, walls, EXACT)
     by_place = sorted(zip(found.grains.position[found.contacts.first] + found.contacts.arm, found.force, strict=True),
@@ -58,17 +63,22 @@ def test_a_row_of_three_that_is_pushed():
 
 
 def test_a_spinning_disc_bears_the_stress_of_the_closed_form():
-    """Mean stress rho w^2 R^2/4 of a free spinning disc (Timoshenko and Goodier), with no contact force."""
+    """Mean stress rho w^2 R^2/4 of a free spinning disc (Timoshenko and Goodier), with no contact
+    force.
+    """
     spin = 500.0
     hoop = MASS / (np.pi * RADIUS**2) * spin**2 * RADIUS**2 / 4
-    found = infer(discs([[RADIUS, 0]], [[hoop, hoop, 0]], spin=spin), {"left": Wall((0, 0), (1, 0))}, EXACT)
+    found = infer(
+        discs([[RADIUS, 0]], [[hoop, hoop, 0]], spin=spin), {"left": Wall((0, 0), (1, 0))}, EXACT
+    )
     np.testing.assert_allclose(found.force, 0, atol=1e-9)
 
 
 @pytest.mark.parametrize("state", ["plane-stress", "plane-strain", "space"])
 def test_stiffness_is_hookes(state):
     """Against the strains of a bar, a strip and a block."""
-    modulus, ratio = 70e6, 0.4
+    modulus = 70e6
+    ratio = 0.4
     inverse = np.linalg.inv(stiffness(np.array([modulus]), np.array([ratio]), state)[0])
     lengthwise, crosswise = {
         "plane-stress": (1, -ratio), "plane-strain": (1 - ratio**2, -ratio * (1 + ratio)), "space": (1, -ratio),
@@ -78,16 +88,29 @@ def test_stiffness_is_hookes(state):
 
 
 def cube(rng):
-    """A cube of 27 spheres in a box, with random forces in the cones of friction, and the state that these give.
+    """A cube of 27 spheres in a box, with random forces in the cones of friction, and the state
+    that these give.
 
     Accelerations and stresses are sums over contacts, written out here; the forces balance nothing.
     """
-    n_side, radius, mass = 3, 0.004, 2e-3
-    x = 2 * radius * (0.5 + np.array([(i, j, k) for k in range(n_side) for j in range(n_side) for i in range(n_side)]))
+    n_side = 3
+    radius = 0.004
+    mass = 2e-3
+    x = (
+        2
+        * radius
+        * (
+            0.5
+            + np.array(
+                [(i, j, k) for k in range(n_side) for j in range(n_side) for i in range(n_side)]
+            )
+        )
+    )
     width = 2 * radius * n_side
     walls = {"left": Wall((0, 0, 0), (1, 0, 0)), "right": Wall((width, 0, 0), (-1, 0, 0)),
              "floor": Wall((0, 0, 0), (0, 0, 1)), "slope": Wall((0, width, 0), (0, -1, 0))}  # fmt: skip
-    n, spin = len(x), 100 * rng.normal(size=(27, 3))
+    n = len(x)
+    spin = 100 * rng.normal(size=(27, 3))
     zero = np.zeros((n, 3))
     volume = np.full(n, 4 / 3 * np.pi * radius**3)
     bare = Grains(np.arange(1, n + 1), x, np.full(n, radius), np.full(n, mass), volume, zero, spin, zero, zero,
@@ -95,12 +118,20 @@ def cube(rng):
     contacts = find_contacts(bare, walls, 1e-3)
     normal = rng.exponential(50.0, len(contacts))
     shear = rng.normal(size=(len(contacts), 2))
-    shear *= (0.3 * normal * rng.uniform(size=len(contacts)) / np.linalg.norm(shear, axis=1))[:, None]
+    shear *= (0.3 * normal * rng.uniform(size=len(contacts)) / np.linalg.norm(shear, axis=1))[
+        :, None
+    ]
     true = np.concatenate([normal[:, None], shear], axis=1)
-    total, torque, moment = np.zeros((n, 3)), np.zeros((n, 3)), np.zeros((n, 3, 3))
+    total = np.zeros((n, 3))
+    torque = np.zeros((n, 3))
+    moment = np.zeros((n, 3, 3))
     for m, force in enumerate(contacts.vectors(true)):
-        i, j = contacts.first[m], contacts.second[m]
-        for grain, sign, arm in ((i, 1, -radius * contacts.normal[m]), (j, -1, radius * contacts.normal[m])):
+        i = contacts.first[m]
+        j = contacts.second[m]
+        for grain, sign, arm in (
+            (i, 1, -radius * contacts.normal[m]),
+            (j, -1, radius * contacts.normal[m]),
+        ):
             if grain >= 0:
                 total[grain] += sign * force
                 torque[grain] += np.cross(arm, sign * force)
@@ -111,9 +142,13 @@ def cube(rng):
         spin[:, :, None] * spin[:, None, :] - square
     )
     stress = moment / volume[:, None, None]
-    voigt = np.stack([stress[:, a, b] for a, b in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=1)
+    voigt = np.stack(
+        [stress[:, a, b] for a, b in ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1))], axis=1
+    )
     inertia = 2 / 5 * mass * radius**2
-    grains = dataclasses.replace(bare, acceleration=total / mass, angular_acceleration=torque / inertia, stress=voigt)
+    grains = dataclasses.replace(
+        bare, acceleration=total / mass, angular_acceleration=torque / inertia, stress=voigt
+    )
     return grains, walls, true
 
 
@@ -124,15 +159,20 @@ def test_spheres_in_space_are_exact():
 
 
 def test_spheres_in_space_stay_within_their_cones():
-    """With wrong stresses: no pull, no more than friction; and no small change of the forces fits better."""
+    """With wrong stresses: no pull, no more than friction; and no small change of the forces fits
+    better.
+    """
     rng = np.random.default_rng(6)
     grains, walls, true = cube(rng)
-    wrong = dataclasses.replace(grains, stress=grains.stress * (1 + 0.5 * rng.normal(size=grains.stress.shape)))
+    wrong = dataclasses.replace(
+        grains, stress=grains.stress * (1 + 0.5 * rng.normal(size=grains.stress.shape))
+    )
     found = infer(wrong, walls, EXACT)
     assert (found.force[:, 0] >= 0).all()
     slack = 1e-9 * np.abs(true).max()
     assert (np.linalg.norm(found.force[:, 1:], axis=1) <= 0.3 * found.force[:, 0] + slack).all()
-    matrix, data = found.equations.matrix, found.equations.data()
+    matrix = found.equations.matrix
+    data = found.equations.data()
     gradient = (matrix.T @ (matrix @ found.force.ravel() - data)).reshape(-1, 3)
     # the gradient at the best forces lies in the dual of each cone, and is orthogonal to the force
     size = np.abs(gradient).max()
@@ -143,7 +183,9 @@ def test_spheres_in_space_stay_within_their_cones():
 def random_plane(n_contacts, rng):
     """A random sparse problem as large as that of a crystal."""
     rows = 6 * n_contacts // 5
-    matrix = sparse.random_array((2 * rows, 2 * n_contacts), density=0.1, rng=rng, data_sampler=rng.normal)
+    matrix = sparse.random_array(
+        (2 * rows, 2 * n_contacts), density=0.1, rng=rng, data_sampler=rng.normal
+    )
     return sparse.csr_array(matrix), rng.normal(size=2 * rows)
 
 
@@ -152,7 +194,8 @@ def test_two_solvers_agree_in_the_plane(friction):
     """Non-negative least squares and cones (Clarabel)."""
     matrix, data = random_plane(60, np.random.default_rng(7))
     each = np.full(60, friction)
-    first, second = solve(matrix, data, each, 2), solve_conic(matrix, data, each, 2)
+    first = solve(matrix, data, each, 2)
+    second = solve_conic(matrix, data, each, 2)
     assert np.linalg.norm(first - second) < 1e-7 * np.linalg.norm(first)
     misfit = [float(np.sum((matrix @ force.ravel() - data) ** 2)) for force in (first, second)]
     assert misfit[1] == pytest.approx(misfit[0], rel=1e-10)
@@ -196,8 +239,18 @@ def test_forces_above_two_standard_errors_are_counted():
 EQUAL = Infer(friction=plane_crystal.FRICTION, contact_tolerance=1e-6, repetitions=0)
 #: |f - f_true|/|f_true| by noise, of equal and white weights: physics-plane.md, section 6, from another program.
 PRINTED = {
-    "centred-square": {0.01: (0.0070, 0.0051), 0.05: (0.0345, 0.0254), 0.10: (0.070, 0.049), 0.50: (0.311, 0.217)},
-    "hexagonal": {0.01: (0.025, 0.022), 0.05: (0.088, 0.073), 0.10: (0.152, 0.126), 0.50: (0.519, 0.394)},
+    "centred-square": {
+        0.01: (0.0070, 0.0051),
+        0.05: (0.0345, 0.0254),
+        0.10: (0.070, 0.049),
+        0.50: (0.311, 0.217),
+    },
+    "hexagonal": {
+        0.01: (0.025, 0.022),
+        0.05: (0.088, 0.073),
+        0.10: (0.152, 0.126),
+        0.50: (0.519, 0.394),
+    },
 }
 INSTANTS = (0.5e-3, 1.0e-3, 1.5e-3)
 
@@ -226,9 +279,14 @@ def state_of(name, time, times=(0.5e-3,)):
              "floor": Wall((0, floor), (0, -1)), "plate": Wall((0, plate), (0, 1))}  # fmt: skip
     contacts = find_contacts(grains, walls, EQUAL.contact_tolerance)
     partner = np.where(contacts.second >= 0, contacts.second, -1 - contacts.wall)
-    row = {pair: m for m, pair in enumerate(zip(contacts.first.tolist(), partner.tolist(), strict=True))}
+    row = {
+        pair: m
+        for m, pair in enumerate(zip(contacts.first.tolist(), partner.tolist(), strict=True))
+    }
     vectors = np.zeros((len(contacts), 2))
-    for i, j, force in zip(snapshot.first.tolist(), snapshot.second.tolist(), snapshot.force, strict=True):
+    for i, j, force in zip(
+        snapshot.first.tolist(), snapshot.second.tolist(), snapshot.force, strict=True
+    ):
         vectors[row[i, j]] = force
     return grains, walls, contacts.components(vectors)
 
@@ -241,7 +299,8 @@ def measured(grains, noise, rng):
     return dataclasses.replace(
         grains,
         stress=np.linalg.solve(grains.compliance, strain[:, :, None])[:, :, 0],
-        acceleration=grains.acceleration + size.acceleration * rng.normal(size=grains.acceleration.shape),
+        acceleration=grains.acceleration
+        + size.acceleration * rng.normal(size=grains.acceleration.shape),
         angular_acceleration=grains.angular_acceleration
         + size.angular_acceleration * rng.normal(size=grains.angular_acceleration.shape),
     ), size
@@ -259,7 +318,10 @@ def errors(name, noise, times, repetitions):
         exact, walls, true = state_of(name, instant, times)
         for _ in range(repetitions):
             grains, size = measured(exact, noise, rng)
-            each = [dataclasses.replace(EQUAL, noise=size, weights=kind) for kind in ("equal", "white", "correlated")]
+            each = [
+                dataclasses.replace(EQUAL, noise=size, weights=kind)
+                for kind in ("equal", "white", "correlated")
+            ]
             found.append([error(infer(grains, walls, settings), true) for settings in each])
     return np.mean(found, axis=0)
 
@@ -268,13 +330,21 @@ def errors(name, noise, times, repetitions):
 def test_exact_data_give_exact_forces(name):
     grains, walls, true = state_of(name, 0.5e-3)
     assert error(infer(grains, walls, EQUAL), true) < 1e-12
-    assert error(infer(grains, walls, dataclasses.replace(EQUAL, contact_tolerance=0.02)), true_of_more(name)) < 1e-12
+    assert (
+        error(
+            infer(grains, walls, dataclasses.replace(EQUAL, contact_tolerance=0.02)),
+            true_of_more(name),
+        )
+        < 1e-12
+    )
 
 
 def true_of_more(name):
     """True forces of the candidates within 0.02, most of which bear none."""
     grains, walls, true = state_of(name, 0.5e-3)
-    few, many = (find_contacts(grains, walls, tolerance) for tolerance in (EQUAL.contact_tolerance, 0.02))
+    few, many = (
+        find_contacts(grains, walls, tolerance) for tolerance in (EQUAL.contact_tolerance, 0.02)
+    )
     row = {key: m for m, key in enumerate(zip(many.first, many.second, many.wall, strict=True))}
     found = np.zeros((len(many), 2))
     found[[row[key] for key in zip(few.first, few.second, few.wall, strict=True)]] = true
@@ -310,15 +380,21 @@ def test_error_bars_tell_the_errors():
 
 
 def test_the_modulus_is_found():
-    """Within 3 % at 10 % noise, and within its own standard error, from strains at a modulus three times too large."""
+    """Within 3 % at 10 % noise, and within its own standard error, from strains at a modulus three
+    times too large.
+    """
     rng = np.random.default_rng(3)
     exact, walls, _ = state_of("centred-square", 0.5e-3)
     wrong = 3.0
-    factors, spreads = [], []
+    factors = []
+    spreads = []
     for _ in range(2):
         grains, size = measured(exact, 0.10, rng)
         assumed = dataclasses.replace(
-            grains, stress=wrong * grains.stress, compliance=grains.compliance / wrong, modulus=wrong * grains.modulus
+            grains,
+            stress=wrong * grains.stress,
+            compliance=grains.compliance / wrong,
+            modulus=wrong * grains.modulus,
         )
         found = infer(assumed, walls, dataclasses.replace(EQUAL, noise=size, modulus="find"))
         factors.append(wrong * found.factor)

@@ -1,4 +1,6 @@
-"""Files of a run that are damaged, truncated or of another run: a one-line message with file, line and remedy."""
+"""Files of a run that are damaged, truncated or of another run: a one-line message with file, line
+and remedy.
+"""
 
 from __future__ import annotations
 
@@ -45,7 +47,11 @@ def chain(tmp_path_factory):
     """A chain that is recorded in time."""
     directory = tmp_path_factory.mktemp("chain")
     bar = {"length": 0.4, "area": 127e-6, "elements": 20, "material": "steel"}
-    run_case(case_of(6, load=PULSE, bar=bar, run={"end_time": 8e-5, "frames": 3}), directory, figures=False)
+    run_case(
+        case_of(6, load=PULSE, bar=bar, run={"end_time": 8e-5, "frames": 3}),
+        directory,
+        figures=False,
+    )
     return without_checksums(directory)
 
 
@@ -61,7 +67,9 @@ def edited(line: int, edit: Callable[[list[str]], list[str]]) -> Damage:
 
 
 def word(line: int, n: int, text: str) -> Damage:
-    return edited(line, lambda words: [*words[: n % len(words)], text, *words[n % len(words) + 1 :]])
+    return edited(
+        line, lambda words: [*words[: n % len(words)], text, *words[n % len(words) + 1 :]]
+    )
 
 
 def bytes_in_the_middle(path: Path) -> None:
@@ -85,8 +93,14 @@ OF_ROWS: dict[str, tuple[Damage, str]] = {
     "nan": (word(-1, -1, "nan"), r"line \d+.*: found nan for \w+, expected a finite number"),
     "inf": (word(-1, 1, "-inf"), r"line \d+.*: found -inf for \w+, expected a finite number"),
     "half an id": (word(-1, 0, "1.5"), r"line \d+.*: found 1.5 for \w+, expected a whole number"),
-    "one too many": (edited(-1, lambda words: [*words, "7"]), r"line \d+.*: found \d+ values, expected \d+ \("),
-    "one missing": (edited(-1, lambda words: words[:-1]), r"line \d+.*: found \d+ values, expected \d+ \("),
+    "one too many": (
+        edited(-1, lambda words: [*words, "7"]),
+        r"line \d+.*: found \d+ values, expected \d+ \(",
+    ),
+    "one missing": (
+        edited(-1, lambda words: words[:-1]),
+        r"line \d+.*: found \d+ values, expected \d+ \(",
+    ),
     "bytes": (bytes_in_the_middle, r""),
     "empty": (cut(0), r"holds no"),
     "other text": (lambda path: path.write_text("hello\nworld\n"), r"line 1|no names of columns"),
@@ -121,7 +135,9 @@ def refused(source: Path, tmp_path: Path, file: str, damage: Damage, message: st
     with pytest.raises((OutputFormatError, MissingOutputError)) as error:
         analyse(directory, figures=False)
     assert "\n" not in str(error.value)
-    assert re.search(rf"{re.escape(str(directory / file))}.*({message})", str(error.value)), error.value
+    assert re.search(rf"{re.escape(str(directory / file))}.*({message})", str(error.value)), (
+        error.value
+    )
     assert "--force" in str(error.value) or "delete it" in str(error.value)
     after = {path: path.stat().st_mtime_ns for path in directory.rglob("*")}
     assert {path for path in before if path.is_file()} == {path for path in after if path.is_file()}
@@ -141,14 +157,21 @@ WRITTEN = [
         if file != "contacts.dump"
         for name in ("nan", "one missing", "cut", "unknown id")
     ),
-    *((file, name) for file in TABLES if file != "energy.txt" for name in ("nan", "one missing", "cut", "column")),
+    *(
+        (file, name)
+        for file in TABLES
+        if file != "energy.txt"
+        for name in ("nan", "one missing", "cut", "column")
+    ),
 ]
 
 
 @pytest.mark.parametrize("file, name", WRITTEN)
 def test_what_lammps_wrote(plate, chain, tmp_path, file, name):
     damage, message = (OF_ROWS | (OF_DUMPS if file in DUMPS else OF_TABLES))[name]
-    refused({"plate": plate, "chain": chain}[runs_of(file)], tmp_path, f"dumps/{file}", damage, message)
+    refused(
+        {"plate": plate, "chain": chain}[runs_of(file)], tmp_path, f"dumps/{file}", damage, message
+    )
 
 
 @pytest.mark.parametrize("name", ["text", "one too many", "empty", "other text"])
@@ -158,9 +181,17 @@ def test_the_data_file(plate, tmp_path, name):
     refused(plate, tmp_path, "data.granwave", damage, message)
 
 
-@pytest.mark.parametrize("content", ["", "{", "[1]", '{"n_steps": "many"}', '{"n_steps": 10, "versions": []}'])
+@pytest.mark.parametrize(
+    "content", ["", "{", "[1]", '{"n_steps": "many"}', '{"n_steps": 10, "versions": []}']
+)
 def test_the_record(plate, tmp_path, content):
-    refused(plate, tmp_path, "run.json", lambda path: path.write_text(content), "cannot be read: delete it")
+    refused(
+        plate,
+        tmp_path,
+        "run.json",
+        lambda path: path.write_text(content),
+        "cannot be read: delete it",
+    )
 
 
 @pytest.mark.parametrize("file", [*DUMPS, *TABLES])
@@ -202,7 +233,8 @@ def changed(change: Callable[[h5py.File], object]) -> Damage:
 
 def replaced(name: str, make: Callable[[np.ndarray], Any]) -> Damage:
     def change(file: h5py.File) -> None:
-        values, unit = file[name][()], file[name].attrs["unit"]
+        values = file[name][()]
+        unit = file[name].attrs["unit"]
         del file[name]
         file.create_dataset(name, data=make(values)).attrs["unit"] = unit
 
@@ -257,7 +289,10 @@ def test_values_that_cannot_be_read(analysed, tmp_path):
     with (run / "result.h5").open("r+b") as stream:
         stream.seek(chunk.byte_offset)
         stream.write(b"\x55" * chunk.size)
-    with Result(run) as result, pytest.raises(OutputFormatError, match=r"is damaged \(displacement of snapshot 0"):
+    with (
+        Result(run) as result,
+        pytest.raises(OutputFormatError, match=r"is damaged \(displacement of snapshot 0"),
+    ):
         result.frame(0, "displacement")
     for form in ("csv", "netcdf", "vtp"):
         with pytest.raises((InputError, OutputFormatError), match=r"result\.h5 is damaged"):
@@ -269,7 +304,10 @@ def test_summary_of_what_is_no_number(analysed, tmp_path, value):
     run = tmp_path / "run"
     shutil.copytree(analysed, run)
     (run / "summary.json").write_text(f'{{"name": "a", "energy_input_J": {value}}}')
-    with pytest.raises(InputError, match=r"summary\.json: energy_input_J: found .*, expected a number; make it anew"):
+    with pytest.raises(
+        InputError,
+        match=r"summary\.json: energy_input_J: found .*, expected a number; make it anew",
+    ):
         write_report([run], tmp_path / "r.md")
 
 
@@ -293,12 +331,15 @@ def test_results_of_what_is_no_run(analysed, tmp_path):
         said(tmp_path / "first" / "case.toml"),
     )
     assert re.search(
-        r"dumps: is no run: it holds contacts\.dump.*did you mean .*first\?", said(tmp_path / "first" / "dumps")
+        r"dumps: is no run: it holds contacts\.dump.*did you mean .*first\?",
+        said(tmp_path / "first" / "dumps"),
     )
     (tmp_path / "first" / "result.h5").unlink()
     assert f"make it with  granwave analyse {tmp_path / 'first'}" in said(tmp_path / "first")
     (tmp_path / "first" / "run.json").write_text('{"state": "interrupted"}')
-    assert "is not finished (state interrupted); go on with  granwave run" in said(tmp_path / "first")
+    assert "is not finished (state interrupted); go on with  granwave run" in said(
+        tmp_path / "first"
+    )
     (tmp_path / "first" / "case.toml").write_text("[block]\n[punch]\n")
     assert "is a continuum run" in said(tmp_path / "first")
     (tmp_path / "first" / "case.toml").unlink()
@@ -310,7 +351,9 @@ def test_result_of_a_scan(analysed, tmp_path):
     with pytest.raises(MissingOutputError, match="is a scan of which no point is done"):
         Result(tmp_path)
     shutil.copytree(analysed, tmp_path / "points" / "abc")
-    with pytest.raises(MissingOutputError, match=r"is a scan.*such as .*points/abc \(scan\.csv tells"):
+    with pytest.raises(
+        MissingOutputError, match=r"is a scan.*such as .*points/abc \(scan\.csv tells"
+    ):
         Result(tmp_path)
     with pytest.raises(MissingOutputError, match="is a scan"):
         analyse(tmp_path)
@@ -328,11 +371,14 @@ def test_index_of_a_scan(tmp_path, content):
         lambda: export(tmp_path / "scan", "csv"),
         lambda: write_report([tmp_path / "scan"], tmp_path / "r.md"),
     ):
-        with pytest.raises(InputError, match=r"scan\.json (lacks|cannot be read).*run the scan again with --resume"):
+        with pytest.raises(
+            InputError, match=r"scan\.json (lacks|cannot be read).*run the scan again with --resume"
+        ):
             refuses()
 
 
-DATA, SCRIPT = "data.granwave", "in.granwave"
+DATA = "data.granwave"
+SCRIPT = "in.granwave"
 
 
 @pytest.fixture
@@ -379,7 +425,9 @@ def test_data_changed_after_a_run_is_refused(by_hand):
     before = (by_hand / "result.h5").read_bytes()
     with (by_hand / DATA).open("a") as stream:
         stream.write("\n")
-    with pytest.raises(InputError, match=r"data\.granwave: was changed after the run, and the positions"):
+    with pytest.raises(
+        InputError, match=r"data\.granwave: was changed after the run, and the positions"
+    ):
         analyse(by_hand, figures=False)
     assert (by_hand / "result.h5").read_bytes() == before
 

@@ -39,7 +39,9 @@ def test_frames_are_sorted_and_exact(run):
 
 
 def test_positions_of_the_data_file_are_those_of_the_packing(run):
-    assert np.array_equal(next(read_data(run)).vector("x", "y", "z"), build_packing(synthetic.make_case()).positions)
+    assert np.array_equal(
+        next(read_data(run)).vector("x", "y", "z"), build_packing(synthetic.make_case()).positions
+    )
 
 
 @pytest.mark.parametrize("kept", [0.9, 0.999])
@@ -52,7 +54,9 @@ def test_frame_cut_short_is_dropped_with_a_warning(run, caplog, kept):
     assert "snapshot 3 is cut short" in caplog.text
 
 
-@pytest.mark.parametrize("end", ["ITEM: TIMESTEP", "ITEM: TIMESTEP\n10", "ITEM: TIMESTEP\n1000\nITEM: NUM"])
+@pytest.mark.parametrize(
+    "end", ["ITEM: TIMESTEP", "ITEM: TIMESTEP\n10", "ITEM: TIMESTEP\n1000\nITEM: NUM"]
+)
 def test_header_cut_short_is_dropped(run, caplog, end):
     path = run / "dumps" / "spheres.dump"
     path.write_text(path.read_text() + end)
@@ -86,7 +90,10 @@ def test_damage_in_the_middle_is_an_error(run):
     lines = path.read_text().splitlines(keepends=True)
     lines[20] = "1 2 oops\n"
     path.write_text("".join(lines))
-    with pytest.raises(OutputFormatError, match=r"spheres\.dump: line 21 \(snapshot 0\): found 3 values, expected 17"):
+    with pytest.raises(
+        OutputFormatError,
+        match=r"spheres\.dump: line 21 \(snapshot 0\): found 3 values, expected 17",
+    ):
         list(read_frames(run))
 
 
@@ -104,7 +111,9 @@ def test_wall_without_contacts(run):
 
 
 def test_reading_is_fast_enough(tmp_path):
-    """Reading time for a fiftieth of 155 520 spheres in 20 snapshots, which take about 10 s, with all digits in use."""
+    """Reading time for a fiftieth of 155 520 spheres in 20 snapshots, which take about 10 s, with
+    all digits in use.
+    """
     numbers = np.random.default_rng(1).standard_normal((62_208, 14)) * 1e-6
     n = len(numbers)
     rows = np.column_stack([np.arange(1, n + 1), np.ones(n), np.full(n, 0.005), numbers])
@@ -124,22 +133,34 @@ def test_numbers_in_text_are_those_of_python(form):
     assert read_numbers(text).tolist() == [float(word) for word in text.split()]
 
 
-@pytest.mark.parametrize("text", ["1 2 x", "1 nan", "1 inf", "1 2e400", "1-2", "0x10", "1,2", "1 2."[:-1] + "e"])
+@pytest.mark.parametrize(
+    "text", ["1 2 x", "1 nan", "1 inf", "1 2e400", "1-2", "0x10", "1,2", "1 2."[:-1] + "e"]
+)
 def test_text_that_is_not_all_numbers_is_not_read(text):
     assert read_numbers(text) is None
 
 
 def test_empty_text_has_no_numbers():
-    assert read_numbers(" \n").tolist() == [] and read_numbers("+1 -2\t3\r\n").tolist() == [1, -2, 3]
+    assert read_numbers(" \n").tolist() == [] and read_numbers("+1 -2\t3\r\n").tolist() == [
+        1,
+        -2,
+        3,
+    ]
 
 
 MAGIC = b"DUMPCUSTOM"
-STEP, ROWS, BOX, N_COLUMNS = 26, 34, 70, 118  # places in the header: 8 + 10 bytes of the name, byte order, revision
+# places in the header: 8 + 10 bytes of the name, byte order, revision
+STEP = 26
+ROWS = 34
+BOX = 70
+N_COLUMNS = 118
 SMALL = {"run": {"end_time": 8e-5, "frames": 3}, "boundary": {"bottom": "wall"}}
 
 
 def case_with(form: str):
-    return synthetic.make_case("fcc", (4, 4, 2), output={"dump_format": form}, contact={"friction": 0.3}, **SMALL)
+    return synthetic.make_case(
+        "fcc", (4, 4, 2), output={"dump_format": form}, contact={"friction": 0.3}, **SMALL
+    )
 
 
 @pytest.fixture(scope="module")
@@ -159,7 +180,9 @@ def binary(runs, tmp_path):
 
 
 def test_one_dump_of_snapshots_in_the_form_asked_for(runs):
-    assert (runs["binary"] / "dumps" / "spheres.bin").exists() and (runs["text"] / "dumps" / "spheres.dump").exists()
+    assert (runs["binary"] / "dumps" / "spheres.bin").exists() and (
+        runs["text"] / "dumps" / "spheres.dump"
+    ).exists()
     assert not (runs["binary"] / "dumps" / "spheres.dump").exists()
     assert not (runs["text"] / "dumps" / "spheres.bin").exists()
 
@@ -171,7 +194,9 @@ def test_values_are_those_of_text(runs):
         assert binary.columns == text.columns and "elastic_tangential" in binary.columns
         assert np.array_equal(binary.box, text.box)
         assert np.array_equal(binary["id"], text["id"]) and np.array_equal(binary["ux"], text["ux"])
-        assert np.allclose(binary.values, text.values, rtol=1e-8, atol=0)  # text has 9 digits of the others
+        assert np.allclose(
+            binary.values, text.values, rtol=1e-8, atol=0
+        )  # text has 9 digits of the others
 
 
 def test_result_has_all_digits(runs):
@@ -188,7 +213,10 @@ def test_snapshot_cut_short(binary, caplog, kept):
     path.write_bytes(path.read_bytes()[: int((2 + kept) / 3 * size)])
     assert len(list(read_frames(binary))) == 2
     assert "spheres.bin: snapshot 2 is cut short" in caplog.text
-    with pytest.raises(OutputFormatError, match=r"byte \d+ \(snapshot 2\): snapshot 2 is cut short; the file was cut"):
+    with pytest.raises(
+        OutputFormatError,
+        match=r"byte \d+ \(snapshot 2\): snapshot 2 is cut short; the file was cut",
+    ):
         analyse(binary, figures=False)
 
 
@@ -220,7 +248,10 @@ def value(column: str, put_in: float) -> Callable[[bytearray], object]:
 
 DAMAGES: dict[str, tuple[Callable[[bytearray], object], str]] = {
     "name": (put(8, "3s", b"XYZ"), r"expected the header of a binary dump of LAMMPS"),
-    "byte order": (put(18, "i", 1 << 24), r"found byte order 16777216 and revision 2, expected 1 and 2"),
+    "byte order": (
+        put(18, "i", 1 << 24),
+        r"found byte order 16777216 and revision 2, expected 1 and 2",
+    ),
     "revision": (put(22, "i", 1), r"found byte order 1 and revision 1"),
     "step": (put(STEP, "q", -5), r"found step -5"),
     "rows": (put(ROWS, "q", -1), r"-1 rows"),
@@ -228,12 +259,18 @@ DAMAGES: dict[str, tuple[Callable[[bytearray], object], str]] = {
     "fewer rows": (put(ROWS, "q", 1), r"found more than 1 rows"),
     "box": (put(BOX, "d", float("nan")), r"the box is not finite"),
     "columns": (put(N_COLUMNS, "i", 3), r"3 columns \(id type"),
-    "nan": (value("force", float("nan")), r"row \d+: found nan for force, expected a finite number"),
+    "nan": (
+        value("force", float("nan")),
+        r"row \d+: found nan for force, expected a finite number",
+    ),
     "inf": (value("ux", float("-inf")), r"row \d+: found -inf for ux, expected a finite number"),
     "half an id": (value("id", 1.5), r"row \d+: found 1.5 for id, expected a whole number"),
     "unknown id": (value("id", 99999), r"that are not the"),
     "empty": (lambda content: content.clear(), r"holds no complete snapshot"),
-    "other content": (lambda content: content.__setitem__(slice(None), b"hello world\n" * 9), r"expected the header"),
+    "other content": (
+        lambda content: content.__setitem__(slice(None), b"hello world\n" * 9),
+        r"expected the header",
+    ),
 }
 
 
@@ -269,7 +306,9 @@ def test_resumed_run_has_all_snapshots(runs, tmp_path, monkeypatch, stops):
     for stop in stops:
         looks = iter(range(1000))
         with monkeypatch.context() as patched:
-            patched.setattr(driver.StopRequest, "wanted", lambda _, looks=looks, stop=stop: next(looks) == stop)
+            patched.setattr(
+                driver.StopRequest, "wanted", lambda _, looks=looks, stop=stop: next(looks) == stop
+            )
             outcome = run_case(many, tmp_path / "cut", figures=False, resume=True)
         assert outcome.state == "interrupted"
     outcome = run_case(many, tmp_path / "cut", figures=False, resume=True)
@@ -277,6 +316,8 @@ def test_resumed_run_has_all_snapshots(runs, tmp_path, monkeypatch, stops):
     assert len(list((tmp_path / "cut" / "dumps").glob("spheres*.bin"))) == 1 + len(stops)
     whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
     assert [frame.step for frame in cut] == [frame.step for frame in whole] and len(whole) == 40
-    assert all(np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True))
+    assert all(
+        np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True)
+    )
     run_case(many, tmp_path / "cut", figures=False, force=True)
     assert len(list((tmp_path / "cut" / "dumps").glob("spheres*.bin"))) == 1

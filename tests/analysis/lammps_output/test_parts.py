@@ -1,4 +1,6 @@
-"""Analysis in parts, and dumps of which each rank writes its own: the same values as of one part and one file."""
+"""Analysis in parts, and dumps of which each rank writes its own: the same values as of one part
+and one file.
+"""
 
 from __future__ import annotations
 
@@ -44,19 +46,29 @@ CASES = {
     "hcp, walls": {"kind": "hcp", "boundary": {"bottom": "wall"}, "contact": {"friction": 0.3}},
     "periodic": {"boundary": {"sides": "periodic"}, "size": (4, 4, 5)},
     "vacancies and scatter": {"packing": {"vacancies": 0.1, "diameter_scatter": 2e-6, "seed": 3}},
-    "unlike": {"replace": [{"index": [1, 60], "diameter": 0.0099}, {"index": [20, 77], "material": "steel"}]},
+    "unlike": {
+        "replace": [
+            {"index": [1, 60], "diameter": 0.0099},
+            {"index": [20, 77], "material": "steel"},
+        ]
+    },
     "striker": {
         "load": {"kind": "striker"},
         "striker": [{"touches": [15], "velocity": [0.0, 0.0, 5.0], "diameter": 0.02}],
     },
     "dents": {"contact": {"initial_overlap": 2e-6}},
-    "static stage": {"precompression": {"kind": "uniform", "pressure": 1e4}, "boundary": {"bottom": "wall"}},
+    "static stage": {
+        "precompression": {"kind": "uniform", "pressure": 1e4},
+        "boundary": {"bottom": "wall"},
+    },
     "bar": {"kind": "chain", "size": 12, "bar": {"length": 0.1, "area": 1e-4, "elements": 40}},
 }
 
 
 def case_of(kind="fcc", size=(6, 6, 4), output=None, **tables):
-    return synthetic.make_case(kind, size, run=RUN, output={"history": 0} | (output or {}), **tables)
+    return synthetic.make_case(
+        kind, size, run=RUN, output={"history": 0} | (output or {}), **tables
+    )
 
 
 def values_in(directory: Path) -> dict[str, object]:
@@ -68,7 +80,9 @@ def values_in(directory: Path) -> dict[str, object]:
         if isinstance(item, h5py.Dataset):
             values = item[()]
             found[f"{name}:"] = (
-                values.tolist() if values.dtype == object else (values.dtype, values.shape, values.tobytes())
+                values.tolist()
+                if values.dtype == object
+                else (values.dtype, values.shape, values.tobytes())
             )
 
     with h5py.File(directory / "result.h5") as file:
@@ -134,7 +148,13 @@ def run(runs, tmp_path):
 
 def test_each_rank_writes_its_own(runs):
     names = {path.name for path in (runs["parts"] / "dumps").iterdir()}
-    assert {"spheres.0.bin", "spheres.1.bin", "contacts.0.dump", "contacts.1.dump", "contacts.txt"} <= names
+    assert {
+        "spheres.0.bin",
+        "spheres.1.bin",
+        "contacts.0.dump",
+        "contacts.1.dump",
+        "contacts.txt",
+    } <= names
     assert not names & {"spheres.bin", "contacts.dump"}
 
 
@@ -144,7 +164,9 @@ def test_results_are_those_of_one_file(runs):
     assert [key for key in one if one[key] != parts.get(key)] == []
     summaries = [json.loads((runs[name] / "summary.json").read_text()) for name in ("one", "parts")]
     timed = ("wall_time_s", "sphere_steps_per_s")
-    one, parts = ({key: value for key, value in found.items() if key not in timed} for found in summaries)
+    one, parts = (
+        {key: value for key, value in found.items() if key not in timed} for found in summaries
+    )
     assert one == parts
 
 
@@ -157,7 +179,10 @@ def test_analysis_once_more(run):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("spheres.0.bin", r"spheres\.0\.bin is missing: each of 2 ranks wrote a part of spheres\.%\.bin"),
+        (
+            "spheres.0.bin",
+            r"spheres\.0\.bin is missing: each of 2 ranks wrote a part of spheres\.%\.bin",
+        ),
         ("spheres.1.bin", r"spheres\.1\.bin is missing"),
         ("contacts.0.dump", r"contacts\.0\.dump is missing"),
         ("contacts.1.dump", r"contacts\.1\.dump is missing"),
@@ -177,11 +202,15 @@ def test_last_part_of_a_run_that_did_not_finish(run):
     """Nothing but the ids tells that there were more ranks."""
     for name in ("spheres.1.bin", "contacts.1.dump"):
         (run / "dumps" / name).unlink()
-    with pytest.raises(OutputFormatError, match=r"spheres\.%\.bin: snapshot 0 .* holds 72 spheres .* 144"):
+    with pytest.raises(
+        OutputFormatError, match=r"spheres\.%\.bin: snapshot 0 .* holds 72 spheres .* 144"
+    ):
         analyse(run, figures=False)
 
 
-@pytest.mark.parametrize("name", ["spheres.0.bin", "spheres.1.bin", "contacts.0.dump", "contacts.1.dump"])
+@pytest.mark.parametrize(
+    "name", ["spheres.0.bin", "spheres.1.bin", "contacts.0.dump", "contacts.1.dump"]
+)
 @pytest.mark.parametrize("kept", [0.3, 0.999])
 def test_part_that_was_cut(run, name, kept):
     path = run / "dumps" / name
@@ -195,7 +224,8 @@ def test_contacts_cut_at_the_end_of_a_row(run):
     path = run / "dumps" / "contacts.1.dump"
     path.write_text("".join(path.read_text().splitlines(keepends=True)[:-1]))
     with pytest.raises(
-        OutputFormatError, match=r"contacts\.%\.dump \(all ranks\): found \d+ contacts, contacts\.txt says"
+        OutputFormatError,
+        match=r"contacts\.%\.dump \(all ranks\): found \d+ contacts, contacts\.txt says",
     ):
         analyse(run, figures=False)
 
@@ -210,14 +240,18 @@ def test_parts_of_another_run(run):
 @pytest.mark.parametrize("form", ["binary", "text"])
 def test_resumed_run(tmp_path, monkeypatch, caplog, form):
     """It may have another number of ranks, and writes files of its own."""
-    case = case_of(output=IN_PARTS | {"dump_format": form}, boundary={"bottom": "wall"}, size=(4, 4, 3))
+    case = case_of(
+        output=IN_PARTS | {"dump_format": form}, boundary={"bottom": "wall"}, size=(4, 4, 3)
+    )
     run_case(case, tmp_path / "whole", figures=False)
     monkeypatch.setattr(driver, "_PIECE", 1e-3)
     with monkeypatch.context() as patched:
         looks = iter(range(1000))
         patched.setattr(driver.StopRequest, "wanted", lambda _: next(looks) == 1)
         assert run_case(case, tmp_path / "cut", figures=False).state == "interrupted"
-    assert [path.name.split(".")[1] for path in sorted((tmp_path / "cut").glob("checkpoint-*"))] == ["0", "base"]
+    assert [
+        path.name.split(".")[1] for path in sorted((tmp_path / "cut").glob("checkpoint-*"))
+    ] == ["0", "base"]
     shutil.copytree(tmp_path / "cut", tmp_path / "killed")
     next((tmp_path / "killed").glob("checkpoint-*.0.restart")).unlink()
     assert run_case(case, tmp_path / "killed", figures=False, resume=True).state == "finished"
@@ -229,13 +263,22 @@ def test_resumed_run(tmp_path, monkeypatch, caplog, form):
     assert len(list((tmp_path / "cut" / "dumps").glob(f"spheres-*.0.{suffix}"))) == 1
     whole, cut = (list(read_frames(tmp_path / name)) for name in ("whole", "cut"))
     assert len(whole) == 3 and [frame.step for frame in whole] == [frame.step for frame in cut]
-    assert all(np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True))
+    assert all(
+        np.array_equal(one.values, other.values) for one, other in zip(whole, cut, strict=True)
+    )
     assert len(next(contacts_at_end(tmp_path / "cut").frames())) == len(
         next(contacts_at_end(tmp_path / "whole").frames())
     )
-    again = run_case(case_of(output={"parts": False}, size=(4, 4, 3)), tmp_path / "cut", figures=False, force=True)
+    again = run_case(
+        case_of(output={"parts": False}, size=(4, 4, 3)),
+        tmp_path / "cut",
+        figures=False,
+        force=True,
+    )
     assert again.state == "finished"
-    assert not list((tmp_path / "cut" / "dumps").glob("*.0.*")) + list((tmp_path / "cut" / "dumps").glob("spheres-*"))
+    assert not list((tmp_path / "cut" / "dumps").glob("*.0.*")) + list(
+        (tmp_path / "cut" / "dumps").glob("spheres-*")
+    )
 
 
 # ---------------------------------------------------------------------- analysis on several ranks
@@ -254,12 +297,26 @@ ON_RANKS = """
 """
 
 
-def on_ranks(run: Path, number: int, *words: str, **variables: str) -> subprocess.CompletedProcess[str]:
+def on_ranks(
+    run: Path, number: int, *words: str, **variables: str
+) -> subprocess.CompletedProcess[str]:
     """Analyse a run on so many ranks, 20 spheres in a part."""
     script = run.parent / "on_ranks.py"
     script.write_text(textwrap.dedent(ON_RANKS))
-    command = [str(BIN / "mpiexec"), "-n", str(number), sys.executable, "-m", "mpi4py", str(script), str(run), *words]
-    return subprocess.run(command, env=PLAIN | variables, capture_output=True, text=True, timeout=240, check=False)
+    command = [
+        str(BIN / "mpiexec"),
+        "-n",
+        str(number),
+        sys.executable,
+        "-m",
+        "mpi4py",
+        str(script),
+        str(run),
+        *words,
+    ]
+    return subprocess.run(
+        command, env=PLAIN | variables, capture_output=True, text=True, timeout=240, check=False
+    )
 
 
 @pytest.mark.parametrize("number", [2, 3, 10])
@@ -275,7 +332,8 @@ def test_ranks_give_the_same_bits(run, number):
 
 @pytest.mark.parametrize("name", ["contacts.1.dump", "spheres.1.bin", "contacts.txt"])
 def test_damage_is_told_once_as_by_one_process(run, name):
-    before, path = (run / "result.h5").read_bytes(), run / "dumps" / name
+    before = (run / "result.h5").read_bytes()
+    path = run / "dumps" / name
     content = path.read_bytes()
     if name == "contacts.1.dump":
         path.write_bytes(content[:-40] + b"nan" + content[-37:])
@@ -327,14 +385,23 @@ def test_files_of_others_are_not_overwritten(tmp_path):
 
 def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
     """Only those in time are drawn, which read no value of all spheres or contacts."""
-    drawn, read = [], []
+    drawn = []
+    read = []
     monkeypatch.setattr(pipeline, "MOST_DRAWN", 100)
-    monkeypatch.setattr(run_figures, "draw_figures", lambda _, report, names, helpers: drawn.extend(names))
-    analyse(run, at_once=50)
-    assert "figures of the packing are left out" in caplog.text and "granwave figures" in caplog.text
-    assert "energies" in drawn and not [name for name in drawn if "principal" in name or "3d" in name]
     monkeypatch.setattr(
-        Result, "read", lambda self, name, *rows, old=Result.read: read.append(name) or old(self, name, *rows)
+        run_figures, "draw_figures", lambda _, report, names, helpers: drawn.extend(names)
+    )
+    analyse(run, at_once=50)
+    assert (
+        "figures of the packing are left out" in caplog.text and "granwave figures" in caplog.text
+    )
+    assert "energies" in drawn and not [
+        name for name in drawn if "principal" in name or "3d" in name
+    ]
+    monkeypatch.setattr(
+        Result,
+        "read",
+        lambda self, name, *rows, old=Result.read: read.append(name) or old(self, name, *rows),
     )
     with Result(run, at_once=50) as result:
         drawings = [run_figures.FIGURES[name].draw(result) for name in drawn]
@@ -353,8 +420,13 @@ def test_check_tells_what_a_rank_holds():
     table = plan_table(case, plan(case, n_ranks=8))
     assert "a file from each rank (output.parts)" in table
     assert "all sites at once, for unlike or missing spheres" in table
-    sizes = [plan(case_of(size=(100, 100, n), output={"parts": "auto"}), n_ranks=10_000) for n in (200, 2000)]
-    assert sizes[0].first_rank == pytest.approx(sizes[1].first_rank, rel=0.01)  # the analysis does not grow
+    sizes = [
+        plan(case_of(size=(100, 100, n), output={"parts": "auto"}), n_ranks=10_000)
+        for n in (200, 2000)
+    ]
+    assert sizes[0].first_rank == pytest.approx(
+        sizes[1].first_rank, rel=0.01
+    )  # the analysis does not grow
     assert not written_in_parts(assemble(case_of(size=(100, 100, 999))))
     assert written_in_parts(assemble(case_of(size=(100, 100, 1000))))
 

@@ -56,7 +56,9 @@ def test_principal_plane_of_fcc_is_close_packed_and_holds_two_preferred_directio
     _, positions, struck = lattice_of("fcc")
     principal, orthogonal = planes("fcc")
     directions = preferred_directions("fcc")
-    assert np.allclose(directions @ principal.normal, [0, 0, directions[2] @ principal.normal], atol=1e-14)
+    assert np.allclose(
+        directions @ principal.normal, [0, 0, directions[2] @ principal.normal], atol=1e-14
+    )
     assert np.allclose([directions[2] @ orthogonal.normal, orthogonal.normal[2]], 0, atol=1e-14)
     cut = section(principal, positions, positions[struck - 1], 0.01)
     place = np.stack([cut.across, cut.down], axis=1)
@@ -85,9 +87,13 @@ def test_rays_find_the_decay_and_are_equal(result):
     rays = dissipation.rays(result)
     first_dent = synthetic.DENT * result.law.yield_overlap
     assert rays.peak_force.shape[1] == 3
-    assert np.allclose(rays.peak_force[0], result.law.loading_force(np.array([first_dent]))[0], rtol=1e-12)
+    assert np.allclose(
+        rays.peak_force[0], result.law.loading_force(np.array([first_dent]))[0], rtol=1e-12
+    )
     second = first_dent * np.exp(-1 / synthetic.REACH)
-    assert np.allclose(rays.peak_force[1], result.law.loading_force(np.array([second]))[0], rtol=1e-12)
+    assert np.allclose(
+        rays.peak_force[1], result.law.loading_force(np.array([second]))[0], rtol=1e-12
+    )
     assert rays.difference.max(initial=0.0) < 1e-9
     assert len(rays.difference) >= 4
 
@@ -96,7 +102,9 @@ def test_a_difference_between_rays_shows(result):
     rays = dissipation.rays(result)
     changed = rays.peak_force.copy()
     changed[1, 2] *= 0.9
-    assert dissipation.Rays(rays.directions, changed).difference.max(initial=0.0) == pytest.approx(0.1)
+    assert dissipation.Rays(rays.directions, changed).difference.max(initial=0.0) == pytest.approx(
+        0.1
+    )
 
 
 def test_ranked_and_cumulated(result):
@@ -128,9 +136,12 @@ def test_peak_force_by_depth(result):
 
 
 def test_layers_of_a_packing_that_settled():
-    """Layers settled by up to a twentieth of a diameter are unchanged; disordered ones are replaced by slices."""
+    """Layers settled by up to a twentieth of a diameter are unchanged; disordered ones are replaced
+    by slices.
+    """
     _, positions, _ = lattice_of("fcc")
-    depth, radii = positions[:, 2], np.full(len(positions), 0.005)
+    depth = positions[:, 2]
+    radii = np.full(len(positions), 0.005)
     settled = depth + np.random.default_rng(1).uniform(-2.5e-4, 2.5e-4, len(depth))
     mean, layer = layers(settled, radii, 0.01)
     assert np.array_equal(layer, np.rint(depth / (0.01 * np.sqrt(2 / 3))).astype(int))
@@ -153,18 +164,25 @@ def test_rays_pass_a_missing_sphere(tmp_path):
     positions = assemble(case).lattice.positions(1, assemble(case).lattice.n_spheres)
     place = positions[struck - 1] + 2 * 0.01 * preferred_directions("fcc")[0]
     gone = 1 + int(np.argmin(np.linalg.norm(positions - place, axis=1)))
-    synthetic.write_run(tmp_path, synthetic.make_case(size=(12, 12, 8), packing={"vacancies": [gone]}))
+    synthetic.write_run(
+        tmp_path, synthetic.make_case(size=(12, 12, 8), packing={"vacancies": [gone]})
+    )
     with Result(write_result(tmp_path)) as result:
         found = dissipation.rays(result)
-        assert np.isnan(found.peak_force[1:3, 0]).all() and np.isfinite(found.peak_force[[0, 3], 0]).all()
+        assert (
+            np.isnan(found.peak_force[1:3, 0]).all()
+            and np.isfinite(found.peak_force[[0, 3], 0]).all()
+        )
         assert np.isfinite(found.peak_force[:4, 1:]).all()
         assert found.difference.max(initial=0.0) < 1e-9
-        growth, summary = dissipation.zone_growth(result), summarise(tmp_path)
+        growth = dissipation.zone_growth(result)
+        summary = summarise(tmp_path)
         assert growth.contacts[-1] == summary["n_plastic_contacts"]
         assert growth.depth[-1] == pytest.approx(summary["plastic_zone_depth_m"], rel=1e-13)
 
 
 def test_cumulated_volume_of_unlike_spheres():
-    lost, volume = np.array([1.0, 3.0, 0.0, 2.0]), np.array([1.0, 0.5, 1.0, 2.0])
+    lost = np.array([1.0, 3.0, 0.0, 2.0])
+    volume = np.array([1.0, 0.5, 1.0, 2.0])
     fraction, total = dissipation.cumulated(lost, 12.0, volume)
     assert np.allclose(fraction, [0.25, 5 / 12, 0.5]) and np.allclose(total, [0.5, 2.5, 3.5])

@@ -1,4 +1,6 @@
-"""Load of the target, with and without the packing: closed forms, and simulated impacts of single spheres."""
+"""Load of the target, with and without the packing: closed forms, and simulated impacts of single
+spheres.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,14 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, analyse, summarise, write_result
-from granwave.analysis.measures.target import Reached, Target, impactors_of, reached, target_of, unprotected
+from granwave.analysis.measures.target import (
+    Reached,
+    Target,
+    impactors_of,
+    reached,
+    target_of,
+    unprotected,
+)
 from granwave.analysis.measures.target import _hit as hit
 from granwave.analysis.measures.target import _rebound as rebound
 from granwave.lammps_inputs import Case, write_deck
@@ -41,14 +50,22 @@ def test_peak_on_a_rigid_wall_is_that_of_the_energy(law):
     contact = flat_contact(case, 1)
     (group,) = impactors_of(case, None)
     energy = 0.5 * case.sphere_mass * 9.0
-    assert contact.loading_work(np.array([group.largest_overlap]))[0] == pytest.approx(energy, rel=1e-12)
+    assert contact.loading_work(np.array([group.largest_overlap]))[0] == pytest.approx(
+        energy, rel=1e-12
+    )
     peak, ground = bare_target_peak(case, END)
-    assert peak == ground == pytest.approx(contact.loading_force(np.array([group.largest_overlap]))[0], rel=1e-14)
+    assert (
+        peak
+        == ground
+        == pytest.approx(contact.loading_force(np.array([group.largest_overlap]))[0], rel=1e-14)
+    )
     assert unprotected(case, END).peak_force == pytest.approx(peak, rel=1e-6)
 
 
 def test_a_hertzian_sphere_gives_back_its_momentum():
-    """The impulse is 2 m v; with the elastoplastic law (1 + e) m v with the coefficient of restitution of the law."""
+    """The impulse is 2 m v; with the elastoplastic law (1 + e) m v with the coefficient of
+    restitution of the law.
+    """
     for law in ("hertz", "elastoplastic"):
         case = sphere(**{"contact.law": law})
         found = unprotected(case, END)
@@ -56,28 +73,40 @@ def test_a_hertzian_sphere_gives_back_its_momentum():
         lost = group.law.dissipated_energy(np.array([group.largest_overlap]))[0]
         restitution = math.sqrt(1 - lost / (0.5 * group.mass * group.velocity**2))
         impulse = np.trapezoid(found.force, found.time)
-        assert impulse == pytest.approx((1 + restitution) * group.mass * group.velocity, rel=1e-4), law
+        assert impulse == pytest.approx(
+            (1 + restitution) * group.mass * group.velocity, rel=1e-4
+        ), law
 
 
 @pytest.mark.parametrize("law", ["elastoplastic", "hertz", "thornton"])
 def test_course_on_a_wall_that_does_not_move_solves_the_equation_of_motion(law):
     case = sphere(**{"contact.law": law, "load.velocity": 3.0, "load.spheres": 1})
     groups = impactors_of(case, None)
-    course, solved = rebound(groups[0]), hit(groups, target_of(case), END)
+    course = rebound(groups[0])
+    solved = hit(groups, target_of(case), END)
     felt = np.interp(solved.time, course.time, course.force, right=0.0)
     assert felt == pytest.approx(solved.force, abs=1e-3 * solved.peak_force)
     assert course.force[0] == course.force[-1] == 0
-    assert np.trapezoid(course.force, course.time) == pytest.approx(np.trapezoid(felt, solved.time), rel=3e-4)
+    assert np.trapezoid(course.force, course.time) == pytest.approx(
+        np.trapezoid(felt, solved.time), rel=3e-4
+    )
 
 
 def test_several_struck_spheres_press_together():
-    one, three = (case_from_dict(synthetic.make_case(load={"spheres": n, "velocity": 2.0}).to_dict()) for n in (1, 3))
-    assert bare_target_peak(three, END)[0] == pytest.approx(3 * bare_target_peak(one, END)[0], rel=1e-12)
+    one, three = (
+        case_from_dict(synthetic.make_case(load={"spheres": n, "velocity": 2.0}).to_dict())
+        for n in (1, 3)
+    )
+    assert bare_target_peak(three, END)[0] == pytest.approx(
+        3 * bare_target_peak(one, END)[0], rel=1e-12
+    )
 
 
 def test_an_oblique_impact_counts_with_its_normal_part():
     oblique = bare_target_peak(sphere(**{"load.angle": 60.0}), END)[0]
-    assert oblique == pytest.approx(bare_target_peak(sphere(**{"load.velocity": 0.5}), END)[0], rel=1e-9)
+    assert oblique == pytest.approx(
+        bare_target_peak(sphere(**{"load.velocity": 0.5}), END)[0], rel=1e-9
+    )
 
 
 def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
@@ -85,33 +114,49 @@ def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
     wall = bare_target_peak(sphere(), END)[0]
     heavy = sphere(**{"boundary.bottom": {"plate": {"mass": 1e4, "stiffness": 1.0}}})
     assert unprotected(heavy, 5e-5).peak_force == pytest.approx(wall, rel=1e-5)
-    case = sphere(**{"boundary.bottom": {"plate": {"mass": sphere().sphere_mass, "stiffness": 1.0}}})
+    case = sphere(
+        **{"boundary.bottom": {"plate": {"mass": sphere().sphere_mass, "stiffness": 1.0}}}
+    )
     (group,) = impactors_of(case, None)
     half = 0.25 * group.mass * group.velocity**2  # 1/2 (m/2) v^2
     force = unprotected(case, 5e-5).force
-    overlap = np.interp(half, group.law.loading_work(grid := np.linspace(0, group.largest_overlap, 20001)), grid)
+    overlap = np.interp(
+        half, group.law.loading_work(grid := np.linspace(0, group.largest_overlap, 20001)), grid
+    )
     assert force.max() == pytest.approx(group.law.loading_force(np.array([overlap]))[0], rel=1e-6)
 
 
 def test_an_endless_bar_is_a_damper():
-    """Before a reflection could return, a bar with its own impedance at the end acts as a damper: v = F / Z."""
+    """Before a reflection could return, a bar with its own impedance at the end acts as a damper: v
+    = F / Z.
+    """
     case = sphere(**{"boundary.bottom": BAR})
     target = target_of(case)
     impedance = 1e-4 * math.sqrt(target.material.youngs_modulus * target.material.density)
     assert target.ground_damping == pytest.approx(impedance, rel=1e-12)
     damper = Target(target.material, np.zeros(1), 0.0, 0.0, impedance)
     groups = impactors_of(case, target.material)
-    assert hit(groups, target, END).peak_force == pytest.approx(hit(groups, damper, END).peak_force, rel=2e-3)
-    fixed = unprotected(sphere(**{"boundary.bottom": {**BAR, "bar": {**BAR["bar"], "end": "fixed"}}}), END)
+    assert hit(groups, target, END).peak_force == pytest.approx(
+        hit(groups, damper, END).peak_force, rel=2e-3
+    )
+    fixed = unprotected(
+        sphere(**{"boundary.bottom": {**BAR, "bar": {**BAR["bar"], "end": "fixed"}}}), END
+    )
     assert fixed.ground_peak_force == pytest.approx(2 * fixed.peak_force, rel=3e-3)
 
 
 def test_a_force_acts_on_the_target_itself():
-    """A half-sine much shorter than the period of the plate acts by its impulse, F = J sqrt(K/m); a long one passes."""
+    """A half-sine much shorter than the period of the plate acts by its impulse, F = J sqrt(K/m); a
+    long one passes.
+    """
     load = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
-    assert bare_target_peak(sphere(load={**load, "duration": 1e-4}), END) == pytest.approx((100.0, 100.0), rel=1e-12)
+    assert bare_target_peak(sphere(load={**load, "duration": 1e-4}), END) == pytest.approx(
+        (100.0, 100.0), rel=1e-12
+    )
     plate = {"plate": {"mass": 1.0, "stiffness": 1e6}}
-    short = sphere(load={**load, "duration": 1e-5}, **{"boundary.bottom": plate, "run.end_time": 1e-2})
+    short = sphere(
+        load={**load, "duration": 1e-5}, **{"boundary.bottom": plate, "run.end_time": 1e-2}
+    )
     impulse = 2 / math.pi * 100.0 * 1e-5
     assert bare_target_peak(short, 1e-2) == pytest.approx((100.0, impulse * 1e3), rel=1e-3)
     long = sphere(load={**load, "duration": 0.1}, **{"boundary.bottom": plate, "run.end_time": 0.2})
@@ -129,11 +174,14 @@ def test_nothing_to_compare_with():
 # ------------------------------------------------------------------------------------------ with LAMMPS
 
 
-@pytest.mark.parametrize("bottom", ["wall", {"material": "steel"}, PLATE, BAR], ids=["wall", "steel", "plate", "bar"])
+@pytest.mark.parametrize(
+    "bottom", ["wall", {"material": "steel"}, PLATE, BAR], ids=["wall", "steel", "plate", "bar"]
+)
 def test_a_single_sphere_is_its_own_reference(tmp_path, lmp, bottom):
     """LAMMPS agrees with the differential equation: a packing of one sphere reduces no quantity.
 
-    Forces on planes are recorded every fifth step: the error of a peak is up to (5 dt pi / T)^2 / 8, 2e-4.
+    Forces on planes are recorded every fifth step: the error of a peak is up to (5 dt pi / T)^2 /
+    8, 2e-4.
     """
     case = sphere(**{"boundary.bottom": bottom, "contact.friction": 0.3, "load.angle": 20.0})
     done = lmp(write_deck(case, tmp_path).script)
@@ -143,7 +191,9 @@ def test_a_single_sphere_is_its_own_reference(tmp_path, lmp, bottom):
     assert summary["ground_peak_reduction"] == pytest.approx(1.0, abs=3e-4)
     assert summary["packing_mass_kg"] == pytest.approx(case.sphere_mass, rel=1e-12)
     assert summary["packing_height_m"] == pytest.approx(0.01, rel=1e-12)
-    assert summary["peak_reduction_per_kg"] == pytest.approx(summary["peak_reduction"] / case.sphere_mass)
+    assert summary["peak_reduction_per_kg"] == pytest.approx(
+        summary["peak_reduction"] / case.sphere_mass
+    )
     moves = case.boundary.bottom_support is not None
     if not moves:
         assert summary["energy_target_J"] == 0 and summary["support_energy_J"] is None
@@ -163,7 +213,9 @@ def test_a_single_sphere_is_its_own_reference(tmp_path, lmp, bottom):
 
 def test_a_static_load_is_no_part_of_what_the_impact_brings():
     time = np.linspace(0, 1, 101)
-    found = Reached(time, 10 + np.where(time < 0.5, 0, 4 * np.sin(math.pi * (time - 0.5))), None, None)
+    found = Reached(
+        time, 10 + np.where(time < 0.5, 0, 4 * np.sin(math.pi * (time - 0.5))), None, None
+    )
     assert found.peak_force == pytest.approx(14)
     assert found.arrival == pytest.approx(0.51)
     assert found.impulse[-1] == pytest.approx(10 + 4 / math.pi, rel=1e-3)
@@ -180,13 +232,23 @@ def test_reduction_of_a_packing(tmp_path):
     assert summary["packing_mass_kg"] == pytest.approx(144 * case.sphere_mass)
     assert summary["packing_height_m"] == pytest.approx(0.01 * (1 + 3 * math.sqrt(2 / 3)))
     steps = np.arange(0, synthetic.STEPS + 1, 5) / synthetic.STEPS
-    first = steps[np.flatnonzero(np.sin(math.pi * steps) > 0.01)[0]] * synthetic.STEPS * synthetic.TIMESTEP
+    first = (
+        steps[np.flatnonzero(np.sin(math.pi * steps) > 0.01)[0]]
+        * synthetic.STEPS
+        * synthetic.TIMESTEP
+    )
     assert summary["base_arrival_s"] == pytest.approx(first)
 
 
 def test_packing_without_a_bottom(tmp_path):
     write_result(synthetic.write_run(tmp_path, synthetic.make_case(boundary={"bottom": "free"})))
     summary = summarise(tmp_path)
-    absent = ("ground_peak_force_N", "unprotected_peak_force_N", "peak_reduction", "base_arrival_s", "energy_target_J")
+    absent = (
+        "ground_peak_force_N",
+        "unprotected_peak_force_N",
+        "peak_reduction",
+        "base_arrival_s",
+        "energy_target_J",
+    )
     assert all(summary[key] is None for key in absent)
     assert summary["packing_mass_kg"] > 0

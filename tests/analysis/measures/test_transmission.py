@@ -38,10 +38,15 @@ LIFTED = {"kind": "force", "shape": "up-and-down", "amplitude": 0.02, "frequency
 
 def test_steady_amplitudes_of_made_up_signals():
     time = np.linspace(0, 1e-2, 1201)
-    signals = np.stack([0.3 * np.cos(2 * np.pi * 1234.0 * time - 0.7), 2 + np.sin(2 * np.pi * 1234.0 * time)], axis=1)
+    signals = np.stack(
+        [0.3 * np.cos(2 * np.pi * 1234.0 * time - 0.7), 2 + np.sin(2 * np.pi * 1234.0 * time)],
+        axis=1,
+    )
     found = steady_amplitudes(time, signals, 1234.0)
     assert found is not None
-    assert found[0] == pytest.approx([0.3 * np.exp(-0.7j), -1j], abs=1e-12) and found[1] == pytest.approx(0, abs=1e-12)
+    assert found[0] == pytest.approx([0.3 * np.exp(-0.7j), -1j], abs=1e-12) and found[
+        1
+    ] == pytest.approx(0, abs=1e-12)
     growing = steady_amplitudes(time, signals * np.exp(300 * time)[:, None], 1234.0)
     assert growing is not None and min(growing[1]) > 0.1
     assert steady_amplitudes(time, signals, 500.0) is None  # two periods in half of the time
@@ -68,7 +73,8 @@ def swept(tmp_path_factory):
 def test_a_row_passes_all_below_its_cut_off(swept):
     """An endless linear row: 1 below omega_c = 2 sqrt(k/m), little above it."""
     with Result(swept) as result:
-        found, assembly = transmission_of(result), result.assembly
+        found = transmission_of(result)
+        assembly = result.assembly
         balance = np.abs(result["energy/kinetic"] + result["energy/elastic"] + result["energy/dissipated"]
                          - result["energy/input"]).max() / result.energy_input  # fmt: skip
     assert balance < 1e-5 and (found.first, found.last) == (1, 10)
@@ -80,33 +86,57 @@ def test_a_row_passes_all_below_its_cut_off(swept):
 
 def test_values_that_mean_nothing_under_a_load_that_goes_on(swept):
     summary = json.loads((swept / "summary.json").read_text())
-    absent = ("wave_speed_m_s", "peak_reduction", "ground_peak_reduction", "unprotected_peak_force_N")
-    assert [summary[name] for name in absent] == [None] * len(absent) and summary["wall_peak_force_N"] > 0
+    absent = (
+        "wave_speed_m_s",
+        "peak_reduction",
+        "ground_peak_reduction",
+        "unprotected_peak_force_N",
+    )
+    assert [summary[name] for name in absent] == [None] * len(absent) and summary[
+        "wall_peak_force_N"
+    ] > 0
     with Result(swept) as result:
         assert target(result) is None  # what bottom_force shows
 
 
 def test_attenuation_above_the_cut_off(tmp_path):
     """(q - sqrt(q^2 - 1))^2 for every bead, with q = f/f_c: the evanescent wave of a linear row."""
-    load = {"kind": "force", "shape": "harmonic", "amplitude": 0.02, "frequency": 2.1e4, "ramp": 1e-3}
-    changes = {"packing.size": 16, "load": load, "absorb": [{"layers": 10, "rate": 3e4}], "run.end_time": 5e-3}
+    load = {
+        "kind": "force",
+        "shape": "harmonic",
+        "amplitude": 0.02,
+        "frequency": 2.1e4,
+        "ramp": 1e-3,
+    }
+    changes = {
+        "packing.size": 16,
+        "load": load,
+        "absorb": [{"layers": 10, "rate": 3e4}],
+        "run.end_time": 5e-3,
+    }
     run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
     with Result(tmp_path / "run") as result:
-        found, assembly = transmission_of(result), result.assembly
+        found = transmission_of(result)
+        assembly = result.assembly
     q = math.pi * 2.1e4 / math.sqrt(static_stiffness(assembly) / assembly.case.sphere_mass)
     due = (q - math.sqrt(q**2 - 1)) ** 2
     size = np.abs(found.velocity)
     assert size[2:5] / size[1:4] == pytest.approx(due, rel=0.02)
-    assert found.ratio is None or found.ratio == pytest.approx(due ** (found.last - found.first), rel=0.1)
+    assert found.ratio is None or found.ratio == pytest.approx(
+        due ** (found.last - found.first), rel=0.1
+    )
 
 
 def test_a_matched_end_reflects_little(tmp_path):
-    """Impedance sqrt(k m) on the last bead: at a third of the cut-off frequency the reflection is some 3 %."""
+    """Impedance sqrt(k m) on the last bead: at a third of the cut-off frequency the reflection is
+    some 3 %.
+    """
     changes = {"packing.size": 20, "boundary.bottom": "free", "absorb": [{"layers": 1, "impedance": "matched"}], "run.end_time": 4e-3,
                "load": {"kind": "force", "shape": "harmonic", "amplitude": 0.02, "frequency": 3e3, "ramp": 5e-4}}  # fmt: skip
     outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
     with Result(tmp_path / "run") as result:
-        found, case = transmission_of(result), result.case
+        found = transmission_of(result)
+        case = result.case
         stiffness = static_stiffness(result.assembly)
     size = np.abs(found.velocity[:18])
     reflected = (size.max() - size.min()) / (size.max() + size.min())
@@ -118,16 +148,29 @@ def test_a_matched_end_reflects_little(tmp_path):
     end = 1j * omega * case.sphere_mass + impedance + stiffness / (1j * omega)
     due = abs((stiffness / (1j * omega) * step - end) / (stiffness / (1j * omega) / step - end))
     assert due < 0.2 and reflected == pytest.approx(due, abs=0.01)
-    assert outcome.summary["absorbed_fraction"] > 0.5 and outcome.summary["energy_balance_error"] < 1e-5
+    assert (
+        outcome.summary["absorbed_fraction"] > 0.5
+        and outcome.summary["energy_balance_error"] < 1e-5
+    )
     power = impedance * abs(found.velocity[-1]) ** 2 / 2
     assert outcome.summary["absorbed_power_W"] == pytest.approx(power, rel=0.02)
     assert outcome.summary["load_power_W"] == pytest.approx(power, rel=0.02)
 
 
 def test_power_and_losses_of_small_motions(tmp_path):
-    """In the gap of a row that loses energy: motion and power of the steady response, K - i omega C."""
-    frequency, impedance, amplitude = np.array([2.1e4]), 500.0, 1e-9
-    load = {"kind": "displacement", "shape": "harmonic", "amplitude": amplitude, "frequency": 2.1e4, "ramp": 1e-3}
+    """In the gap of a row that loses energy: motion and power of the steady response, K - i omega
+    C.
+    """
+    frequency = np.array([2.1e4])
+    impedance = 500.0
+    amplitude = 1e-9
+    load = {
+        "kind": "displacement",
+        "shape": "harmonic",
+        "amplitude": amplitude,
+        "frequency": 2.1e4,
+        "ramp": 1e-3,
+    }
     changes = {"packing.size": 5, "boundary.bottom": "free", "absorb": [{"index": [5], "impedance": impedance}],
                "run.end_time": 4e-3, "load": load}  # fmt: skip
     case = load_case("driven-row", changes | {"contact.loss": {"time": 2e-6}})
@@ -146,21 +189,30 @@ def test_power_and_losses_of_small_motions(tmp_path):
 
 
 def test_a_row_on_a_damper(tmp_path):
-    """The damper bears the 20 N; behind the contact with its plate it takes waves of the row's impedance."""
+    """The damper bears the 20 N; behind the contact with its plate it takes waves of the row's
+    impedance.
+    """
     impedance = 255.0
     changes = {"packing.size": 20, "boundary.bottom": {"damper": {"damping": impedance}}, "absorb": [],
                "run.end_time": 4e-3,
                "load": {"kind": "force", "shape": "harmonic", "amplitude": 0.02, "frequency": 4e3, "ramp": 5e-4}}  # fmt: skip
     outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
     with Result(tmp_path / "run") as result:
-        found, assembly = transmission_of(result), result.assembly
+        found = transmission_of(result)
+        assembly = result.assembly
         pressed = result["walls/bottom/force"]
         lost = result["energy/support_lost"][-1] / result.energy_input
     assert pressed[0] == pytest.approx(20, rel=1e-4) and np.abs(pressed / 20 - 1).max() < 0.05
     assert outcome.summary["energy_balance_error"] < 1e-5 and lost > 0.7
-    assert outcome.summary["absorbed_power_W"] == pytest.approx(outcome.summary["load_power_W"], rel=0.02)
-    stiffness, mass, omega = static_stiffness(assembly), assembly.case.sphere_mass, 2j * math.pi * 4e3
-    at_plate = 2 * stiffness  # Hertz: K of a rigid plane is 2 sqrt(2) times that of two spheres, and k ~ K^(2/3)
+    assert outcome.summary["absorbed_power_W"] == pytest.approx(
+        outcome.summary["load_power_W"], rel=0.02
+    )
+    stiffness = static_stiffness(assembly)
+    mass = assembly.case.sphere_mass
+    omega = 2j * math.pi * 4e3
+    at_plate = (
+        2 * stiffness
+    )  # Hertz: K of a rigid plane is 2 sqrt(2) times that of two spheres, and k ~ K^(2/3)
     end = omega * mass + 1 / (1 / impedance + omega / at_plate) + stiffness / omega
     step = np.exp(2j * math.asin(abs(omega) / 2 * math.sqrt(mass / stiffness)))
     due = abs((stiffness / omega * step - end) / (stiffness / omega / step - end))
@@ -184,10 +236,22 @@ def test_runs_that_may_be_too_short_are_not_refused(changes):
 @pytest.mark.parametrize(
     ("changes", "says"),
     [
-        ({"run.end_time": 1e-3}, "run.end_time: found 0.001 s, expected 0.0012 s or more: the steady motion"),
-        ({"load.frequency": 1.97e4}, "run.end_time: found 0.008 s, expected 0.0117 s or more: at 19700 Hz waves take"),
-        ({"load": LIFTED | {"duration": 3e-3}}, "load.duration: found 0.003 s, expected 0.0064 s or more"),
-        ({"load": LIFTED | {"duration": 9e-3}}, "run.end_time: found 0.008 s, expected 0.009 s or more: the load"),
+        (
+            {"run.end_time": 1e-3},
+            "run.end_time: found 0.001 s, expected 0.0012 s or more: the steady motion",
+        ),
+        (
+            {"load.frequency": 1.97e4},
+            "run.end_time: found 0.008 s, expected 0.0117 s or more: at 19700 Hz waves take",
+        ),
+        (
+            {"load": LIFTED | {"duration": 3e-3}},
+            "load.duration: found 0.003 s, expected 0.0064 s or more",
+        ),
+        (
+            {"load": LIFTED | {"duration": 9e-3}},
+            "run.end_time: found 0.008 s, expected 0.009 s or more: the load",
+        ),
         ({"output.history": 200}, "output.history: found 200 instants, expected 241 or more"),
     ],
 )
@@ -212,11 +276,16 @@ def test_a_wave_packet_takes_its_time():
     lighter = [{"index": list(range(2, 61, 2)), "material": "aluminium"}]
     two = row_of(assemble(load_case("driven-row", {"replace": lighter})))
     (m, other), stiffness = two.mass, two.stiffness[0]
-    top, bottom = (math.sqrt(2 * stiffness / max(m, other)), math.sqrt(2 * stiffness / min(m, other)))
-    square = (2 * math.pi * np.array([4e3, top / 7])) ** 2  # cos q = 1 - w^2 (m + M)/k + w^4 m M/(2 k^2)
+    top = math.sqrt(2 * stiffness / max(m, other))
+    bottom = math.sqrt(2 * stiffness / min(m, other))
+    square = (
+        2 * math.pi * np.array([4e3, top / 7])
+    ) ** 2  # cos q = 1 - w^2 (m + M)/k + w^4 m M/(2 k^2)
     cosine = 1 - square * (m + other) / stiffness + square**2 * m * other / (2 * stiffness**2)
     slope = np.sqrt(square) * (2 * (m + other) / stiffness - 2 * square * m * other / stiffness**2)
-    assert two.per_bead(np.sqrt(square) / (2 * math.pi)) == pytest.approx(slope / np.sqrt(1 - cosine**2) / 2, rel=1e-4)
+    assert two.per_bead(np.sqrt(square) / (2 * math.pi)) == pytest.approx(
+        slope / np.sqrt(1 - cosine**2) / 2, rel=1e-4
+    )
     assert np.isinf(two.per_bead(np.array([0.5 * (top + bottom) / (2 * math.pi)])))
 
 
@@ -227,8 +296,16 @@ def test_no_impedance_matches_a_row_without_static_force():
 
 @pytest.mark.parametrize("frequency", [4e3, 9e3, 1.5e4])
 def test_a_run_transmits_what_the_linear_response_says(tmp_path, frequency):
-    """Steel and aluminium in turn, shaken at one end: amplitudes of runs within 2 % of `granwave transmission`."""
-    load = {"kind": "displacement", "shape": "harmonic", "amplitude": 5e-9, "frequency": frequency, "ramp": 5e-4}
+    """Steel and aluminium in turn, shaken at one end: amplitudes of runs within 2 % of `granwave
+    transmission`.
+    """
+    load = {
+        "kind": "displacement",
+        "shape": "harmonic",
+        "amplitude": 5e-9,
+        "frequency": frequency,
+        "ramp": 5e-4,
+    }
     lighter = [{"index": list(range(2, 41, 2)), "material": "aluminium"}]
     changes = {"packing.size": 40, "load": load, "replace": lighter, "absorb": [{"layers": 28, "rate": 5e4}],
                "run.end_time": 5e-3}  # fmt: skip
@@ -246,7 +323,8 @@ def test_amplitudes_at_multiples_of_a_frequency():
     time = np.arange(801) * 1e-6  # eight periods
     angle = 2 * np.pi * 1e4 * time
     signals = np.stack(
-        [3 * np.sin(angle) + 0.5 * np.cos(2 * angle + 1) + 0.2 * np.sin(angle / 2), 7 + 0 * time], axis=1
+        [3 * np.sin(angle) + 0.5 * np.cos(2 * angle + 1) + 0.2 * np.sin(angle / 2), 7 + 0 * time],
+        axis=1,
     )
     assert fitted_amplitudes(time, signals, 1e4) == pytest.approx(
         np.array([[3, 0.5, 0, 0.2], [0, 0, 0, 0]]).T, abs=1e-12
@@ -263,9 +341,22 @@ def test_branches_of_rising_and_falling_amplitude():
 
 
 def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
-    """A light load: the row answers in proportion, with one state; the share of the second harmonic rises with the load."""
-    load = {"kind": "displacement", "shape": "up-and-down", "amplitude": 4e-8, "frequency": 8e3, "duration": 8e-3}
-    changes = {"packing.size": 20, "load": load, "absorb": [{"layers": 14, "rate": 5e4}], "run.end_time": 8.2e-3}
+    """A light load: the row answers in proportion, with one state; the share of the second harmonic
+    rises with the load.
+    """
+    load = {
+        "kind": "displacement",
+        "shape": "up-and-down",
+        "amplitude": 4e-8,
+        "frequency": 8e3,
+        "duration": 8e-3,
+    }
+    changes = {
+        "packing.size": 20,
+        "load": load,
+        "absorb": [{"layers": 14, "rate": 5e4}],
+        "run.end_time": 8.2e-3,
+    }
     outcome = run_case(load_case("driven-row", changes), tmp_path / "run", figures=False)
     with Result(tmp_path / "run") as result:
         found = amplitude_sweep_of(result)
@@ -273,14 +364,19 @@ def test_amplitude_of_a_driven_row_rises_and_falls(tmp_path):
     assert found.first[0] == pytest.approx(2 * np.pi * 8e3 * found.load, rel=1e-2)
     inner = slice(1, 7)
     assert found.last[0][inner] == pytest.approx(found.first[0][inner], rel=0.1)
-    assert outcome.summary["amplitude_hysteresis"] == pytest.approx(found.apart) and found.apart < 0.15
+    assert (
+        outcome.summary["amplitude_hysteresis"] == pytest.approx(found.apart) and found.apart < 0.15
+    )
     share = found.last[1] / found.last[0]
     assert share[3] > 1.5 * share[1] and share.max() < 0.2
 
 
 def test_a_driven_packing_transmits_what_the_linear_response_says(tmp_path):
-    """The top layer of an FCC packing is shaken: amplitudes down a line of a run, and from the springs."""
-    top, down = list(range(1, 13)), [1 + 12 * layer for layer in range(16)]
+    """The top layer of an FCC packing is shaken: amplitudes down a line of a run, and from the
+    springs.
+    """
+    top = list(range(1, 13))
+    down = [1 + 12 * layer for layer in range(16)]
     load = {
         "kind": "displacement",
         "shape": "harmonic",
@@ -297,11 +393,17 @@ def test_a_driven_packing_transmits_what_the_linear_response_says(tmp_path):
         found = transmission_of(result)
     assert (found.first, found.last) == (1, 37) and outcome.summary["transmission"] == found.ratio
     linear, _ = steady(case, None, drive=top, sensors=down[1:4], frequencies=np.array([9e3]))
-    assert np.abs(found.velocity[1:4]) / found.driven == pytest.approx(linear.found.amplitude[0], rel=0.02)
+    assert np.abs(found.velocity[1:4]) / found.driven == pytest.approx(
+        linear.found.amplitude[0], rel=0.02
+    )
 
 
 def test_harmonics_belong_to_a_steady_motion():
     time = np.linspace(0, 1e-2, 1201)
     angle = 2 * np.pi * 1e3 * time
     found = steady_amplitudes(time, (np.cos(angle) + 0.2 * np.cos(2 * angle))[:, None], 1e3)
-    assert found is not None and found[0][0] == pytest.approx(1) and found[1][0] == pytest.approx(0, abs=1e-12)
+    assert (
+        found is not None
+        and found[0][0] == pytest.approx(1)
+        and found[1][0] == pytest.approx(0, abs=1e-12)
+    )

@@ -1,4 +1,6 @@
-"""Plastic zones that reach a boundary: warnings before a run, at its end, in scans, figures and reports."""
+"""Plastic zones that reach a boundary: warnings before a run, at its end, in scans, figures and
+reports.
+"""
 
 from __future__ import annotations
 
@@ -11,7 +13,13 @@ from matplotlib.colors import to_hex
 
 from granwave.analysis.document.model import Table
 from granwave.analysis.figures.dissipation import draw_zone_size
-from granwave.analysis.measures.zone_size import LABELS, Mark, bounds_in_words, mark_of, zone_warning
+from granwave.analysis.measures.zone_size import (
+    LABELS,
+    Mark,
+    bounds_in_words,
+    mark_of,
+    zone_warning,
+)
 from granwave.analysis.scans.figures import drawings
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.scans.table import read_scan, write_scan_table
@@ -25,8 +33,18 @@ from granwave.workflows.run.driver import run_case
 from tests.helpers.synthetic_report import blocks, build, notes, table, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
 
-CUT = {"zone_cut": ["bottom", "sides"], "wave_returned": ["bottom"], "wave_return_s": 2e-4, "wave_return_share": 0.002}
-WAVE = {"zone_cut": [], "wave_returned": ["sides"], "wave_return_s": 2e-5, "wave_return_share": 0.018}
+CUT = {
+    "zone_cut": ["bottom", "sides"],
+    "wave_returned": ["bottom"],
+    "wave_return_s": 2e-4,
+    "wave_return_share": 0.002,
+}
+WAVE = {
+    "zone_cut": [],
+    "wave_returned": ["sides"],
+    "wave_return_s": 2e-5,
+    "wave_return_share": 0.018,
+}
 FREE = {"zone_cut": [], "wave_returned": ["sides"], "wave_return_s": 5e-4, "wave_return_share": 0.0}
 SIZES = {
     **{f"zone_depth_{n}_m": 0.01 * (n / 50) for n in (50, 90, 99)},
@@ -38,7 +56,8 @@ SIZES = {
 def make(size, kind="fcc", velocity=5.0, **tables):
     packing = {"kind": kind, "size": size, "diameter": 0.01}
     return case_from_dict(
-        {"name": "zone", "material": "brass", "packing": packing, "load": {"velocity": velocity}} | tables
+        {"name": "zone", "material": "brass", "packing": packing, "load": {"velocity": velocity}}
+        | tables
     )
 
 
@@ -46,20 +65,37 @@ def make(size, kind="fcc", velocity=5.0, **tables):
 
 
 def test_marks():
-    found = [mark_of(summary) for summary in (CUT, WAVE, FREE, {}, {"zone_cut": None, "wave_return_share": None})]
+    found = [
+        mark_of(summary)
+        for summary in (CUT, WAVE, FREE, {}, {"zone_cut": None, "wave_return_share": None})
+    ]
     assert found == [Mark.CUT, Mark.WAVE, Mark.NONE, Mark.NONE, Mark.NONE]
-    assert [bounds_in_words(bounds) for bounds in (["bottom", "sides"], [], None)] == ["bottom, sides", "none", ""]
+    assert [bounds_in_words(bounds) for bounds in (["bottom", "sides"], [], None)] == [
+        "bottom, sides",
+        "none",
+        "",
+    ]
 
 
 def test_warnings_tell_what_and_what_to_do():
     cut = zone_warning({"name": "x"} | CUT)
-    assert "reaches the bottom and the sides of the packing" in cut and "a larger packing does without" in cut
+    assert (
+        "reaches the bottom and the sides of the packing" in cut
+        and "a larger packing does without" in cut
+    )
     wave = zone_warning({"kind": "continuum"} | WAVE)
     assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
     assert zone_warning(FREE) == ""
-    assert zone_warning({"n_spheres": 2} | CUT) == ""  # a collision of two, which no size would change
+    assert (
+        zone_warning({"n_spheres": 2} | CUT) == ""
+    )  # a collision of two, which no size would change
     assert mark_of({"n_spheres": 2} | CUT) is Mark.NONE
-    chain = {"n_spheres": 50} | CUT | SIZES | dict.fromkeys([name for name in SIZES if "radius" in name])
+    chain = (
+        {"n_spheres": 50}
+        | CUT
+        | SIZES
+        | dict.fromkeys([name for name in SIZES if "radius" in name])
+    )
     assert zone_warning(chain) == ""  # a pulse goes from end to end
     assert mark_of(chain) is Mark.CUT
     assert zone_warning({"n_spheres": 50} | CUT | SIZES) == cut
@@ -72,7 +108,9 @@ def test_terminal_tells_the_sizes_and_the_bounds():
     assert "depth 0.01, 0.018, 0.0198 m" in text
     assert "volume 1e-06, 1.8e-06, 1.98e-06 m3" in text
     assert text.splitlines()[-1].split() == ["bounds", "that", "it", "reaches", "bottom,", "sides"]
-    assert "none" in summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE, continuum=True)
+    assert "none" in summary_table(
+        {"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE, continuum=True
+    )
     growing = summary_table({"name": "x", "plastic_zone_depth_m": 0.1, "zone_growing": ["depth"]})
     assert growing.endswith("0.1 m, still moving out at the end")
     hertz = dict.fromkeys([*SIZES, *CUT, "plastic_zone_radius_m"])
@@ -95,9 +133,16 @@ def test_estimate_against_the_room(size, velocity, reaches):
 
 
 def test_estimate_is_one_of_the_normalised_energy():
-    """Spheres of half the diameter, twice as stiff and a quarter as dense: the same zone in diameters."""
+    """Spheres of half the diameter, twice as stiff and a quarter as dense: the same zone in
+    diameters.
+    """
     one = expected_zone(assemble(make([24, 24, 12])))
-    law = {"youngs_modulus": 230e9, "poisson_ratio": 0.3, "density": 8500 / 4, "yield_strength": 1100e6}
+    law = {
+        "youngs_modulus": 230e9,
+        "poisson_ratio": 0.3,
+        "density": 8500 / 4,
+        "yield_strength": 1100e6,
+    }
     case = case_from_dict(
         {"name": "x", "material": law, "packing": {"kind": "fcc", "size": [24, 24, 12], "diameter": 0.005},
          "load": {"velocity": 5.0 * np.sqrt(2 * 4)}}
@@ -120,7 +165,9 @@ MEASURED = [
 
 @pytest.mark.parametrize(("kind", "velocity", "spheres", "depth", "radius"), MEASURED)
 def test_estimate_is_as_certain_as_it_says(kind, velocity, spheres, depth, radius):
-    zone = expected_zone(assemble(make([24, 24, 12], kind, load={"velocity": velocity, "spheres": spheres})))
+    zone = expected_zone(
+        assemble(make([24, 24, 12], kind, load={"velocity": velocity, "spheres": spheres}))
+    )
     assert zone is not None
     for expected, found in ((zone.depth / 0.01, depth), (zone.radius / 0.01, radius)):
         assert 1 / zone.spread < found / expected < zone.spread
@@ -141,25 +188,45 @@ def test_estimate_holds_for_a_run(tmp_path):
     assert summary["zone_cut"] == []
     for name, size in (("depth", zone.depth), ("radius", zone.radius)):
         assert 1 / zone.spread < summary[f"plastic_zone_{name}_m"] / size < zone.spread
-    assert 0 < summary["zone_depth_50_m"] <= summary["zone_depth_90_m"] <= summary["zone_depth_99_m"] < zone.depth
+    assert (
+        0
+        < summary["zone_depth_50_m"]
+        <= summary["zone_depth_90_m"]
+        <= summary["zone_depth_99_m"]
+        < zone.depth
+    )
 
 
 def test_check_warns_of_a_packing_that_is_too_small(capfd):
     assert main(["check", "fcc-small", "--set", "packing.size=[8,8,4]"]) == 0
     told = capfd.readouterr()
     assert "outermost yield" in told.out
-    assert "packing.size: the plastic zone is expected to reach the bottom" in told.err and "the sides" in told.err
+    assert (
+        "packing.size: the plastic zone is expected to reach the bottom" in told.err
+        and "the sides" in told.err
+    )
     assert main(["check", "fcc-small", "--set", "load.velocity=0.3"]) == 0
     assert "plastic zone" not in capfd.readouterr().err
 
 
 def test_plan_of_a_scan_counts_the_points_that_are_cut(capfd, tmp_path):
     assert main(["scan", "velocity-hcp", "--plan", "-o", str(tmp_path / "x")]) == 0
-    assert "plastic zone   expected to reach a bound of the packing in 4 of 7 points" in capfd.readouterr().out
+    assert (
+        "plastic zone   expected to reach a bound of the packing in 4 of 7 points"
+        in capfd.readouterr().out
+    )
 
 
 def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
-    words = ["run", "fcc-small", "-o", str(tmp_path), "--no-figures", "--set", "packing.size=[4,4,3]"]
+    words = [
+        "run",
+        "fcc-small",
+        "-o",
+        str(tmp_path),
+        "--no-figures",
+        "--set",
+        "packing.size=[4,4,3]",
+    ]
     assert main([*words, "--set", "run.end_time=1e-4"]) == 0
     told = capfd.readouterr()
     assert re.search(r"bounds that it reaches +bottom, sides\n", told.out)
@@ -171,18 +238,24 @@ def test_run_says_that_its_zone_is_cut(capfd, tmp_path):
 
 @pytest.fixture
 def scan(tmp_path):
-    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave returned in the third."""
+    """Scan of five velocities; the zone of the fourth reaches a boundary, a reflected wave returned
+    in the third.
+    """
     write_scan(tmp_path, grid(load__velocity=[1, 2, 5, 10, 20]))
     result = ScanResult(tmp_path)
     for point, changes in zip(result.points, (FREE, FREE, WAVE, CUT, {}), strict=True):
         path = point.directory / "summary.json"
-        path.write_text(json.dumps(json.loads(path.read_text()) | (SIZES | changes if changes else {})))
+        path.write_text(
+            json.dumps(json.loads(path.read_text()) | (SIZES | changes if changes else {}))
+        )
     return tmp_path
 
 
 def test_figures_of_zones_have_open_marks(scan):
     found = drawings(ScanResult(scan))
-    assert {f"zone_{name}_90_vs_load_velocity" for name in ("depth", "radius", "volume")} <= set(found)
+    assert {f"zone_{name}_90_vs_load_velocity" for name in ("depth", "radius", "volume")} <= set(
+        found
+    )
     for name in ("plastic_zone_depth", "plastic_spheres", "zone_depth_90", "zone_volume_90"):
         figure = found[f"{name}_vs_load_velocity"].figure
         lines = {tuple(line.get_xdata()): line for line in figure.axes[0].lines}
@@ -203,7 +276,10 @@ def test_bars_of_cut_zones_are_open(tmp_path):
         path = point.directory / "summary.json"
         path.write_text(json.dumps(json.loads(path.read_text()) | SIZES | changes))
     figure = drawings(ScanResult(tmp_path))["zone_depth_90_vs_packing_kind"].figure
-    assert [to_hex(bar.get_facecolor()) == "#ffffff" for bar in figure.axes[0].patches] == [False, True]
+    assert [to_hex(bar.get_facecolor()) == "#ffffff" for bar in figure.axes[0].patches] == [
+        False,
+        True,
+    ]
     assert [text.get_text() for text in figure.legends[0].get_texts()] == [LABELS[Mark.CUT]]
 
 
@@ -221,11 +297,14 @@ def test_table_of_a_scan_has_the_bounds_in_words(scan):
 
 
 def test_figure_of_the_size_shows_what_lies_farther_out():
-    depth, energy = np.array([0.0, 1.0, 1.0, 2.0, 3.0]), np.array([50.0, 30.0, 15.0, 4.0, 1.0])
+    depth = np.array([0.0, 1.0, 1.0, 2.0, 3.0])
+    energy = np.array([50.0, 30.0, 15.0, 4.0, 1.0])
     drawing = draw_zone_size(energy, {"depth": depth}, 1.0, "D", {"bottom": 3.0})
     assert drawing is not None
     assert drawing.columns["depth_m"].tolist() == [0, 1, 2, 3]
-    np.testing.assert_allclose(drawing.columns["share_beyond_depth"], [0.5, 0.05, 0.01, 0], atol=1e-12)
+    np.testing.assert_allclose(
+        drawing.columns["share_beyond_depth"], [0.5, 0.05, 0.01, 0], atol=1e-12
+    )
     assert drawing.columns["depth_holding_m"] == [0.0, 1.0, 2.0]
     assert [text.get_text() for text in drawing.figure.axes[0].texts] == ["cut: bottom"]
     assert draw_zone_size(0 * energy, {"depth": depth}, 1.0, "D", {}) is None
@@ -236,7 +315,10 @@ def test_report_notes_marks_and_explains(tmp_path, scan):
     whole = write_run(tmp_path / "large", figures=False, **SIZES, **FREE)
     report = build([cut, whole, scan], tmp_path)
     told = [note.text for note in notes(report, "short")]
-    assert any("reaches a bound" in text and "small (bottom, sides)" in text and "large" not in text for text in told)
+    assert any(
+        "reaches a bound" in text and "small (bottom, sides)" in text and "large" not in text
+        for text in told
+    )
     assert any("a wave could be back" in text and "1.8 %" in text for text in told)
     rows = table(report, "results", "Runs")
     assert [row["Bounds that the zone reaches"].text for row in rows] == ["bottom, sides", "none"]
@@ -245,4 +327,8 @@ def test_report_notes_marks_and_explains(tmp_path, scan):
     explained = table(report, "results", "What these values mean")
     assert any(row["In summary.json"].text == "zone_depth_90_m" for row in explained)
     alone = build([scan], tmp_path)
-    assert any(b.caption == "What these values mean" for b in blocks(alone, "results") if isinstance(b, Table))
+    assert any(
+        b.caption == "What these values mean"
+        for b in blocks(alone, "results")
+        if isinstance(b, Table)
+    )

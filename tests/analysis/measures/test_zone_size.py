@@ -1,4 +1,6 @@
-"""Size of the plastic zone: known energy distributions in packings and in the continuum, boundaries, reflected waves."""
+"""Size of the plastic zone: known energy distributions in packings and in the continuum,
+boundaries, reflected waves.
+"""
 
 from __future__ import annotations
 
@@ -44,8 +46,11 @@ def summary_of(directory, dent=synthetic.DENT, **options):
 
 
 def test_ten_equal_parts():
-    """Nine tenths of 1 do not sum to 0.9 in floating point: the ninth part reaches 90 % nevertheless."""
-    distance, energy = np.arange(1.0, 11.0), np.full(10, 0.1)
+    """Nine tenths of 1 do not sum to 0.9 in floating point: the ninth part reaches 90 %
+    nevertheless.
+    """
+    distance = np.arange(1.0, 11.0)
+    energy = np.full(10, 0.1)
     found = [extent_holding(distance, energy, share / 100) for share in SHARES]
     assert found == [5.0, 9.0, 10.0]
 
@@ -60,7 +65,9 @@ def test_layers_count_whole_and_parts_without_energy_not_at_all():
 
 def test_order_does_not_matter():
     rng = np.random.default_rng(3)
-    distance, energy, volume = rng.integers(0, 9, 200) / 7.0, rng.exponential(size=200), rng.uniform(1, 2, 200)
+    distance = rng.integers(0, 9, 200) / 7.0
+    energy = rng.exponential(size=200)
+    volume = rng.uniform(1, 2, 200)
     found = set()
     for _ in range(20):
         order = rng.permutation(200)
@@ -78,7 +85,9 @@ def test_exponential_decay():
 
 
 def test_volume_is_that_of_the_densest_parts():
-    energy, volume = np.array([6.0, 3.0, 1.0]), np.array([6.0, 1.0, 2.0])  # densities 1, 3, 0.5
+    # densities 1, 3, 0.5
+    energy = np.array([6.0, 3.0, 1.0])
+    volume = np.array([6.0, 1.0, 2.0])
     assert volume_holding(volume, energy, 0.3) == 1.0
     assert volume_holding(volume, energy, 0.5) == volume_holding(volume, energy, 0.9) == 7.0
     assert volume_holding(volume, energy, 0.99) == 9.0
@@ -98,8 +107,12 @@ def test_nothing_dissipated_takes_no_room_and_nothing_that_yields_has_no_size():
 def test_packing_by_counting(tmp_path):
     summary = summary_of(tmp_path, size=(9, 9, 5), dent=20.0)
     with Result(tmp_path) as result:
-        energy, offset = result["spheres/dissipated_energy"], result["spheres/position"] - result.origin
-    for name, distance in (("depth", offset[:, 2]), ("radius", np.hypot(offset[:, 0], offset[:, 1]))):
+        energy = result["spheres/dissipated_energy"]
+        offset = result["spheres/position"] - result.origin
+    for name, distance in (
+        ("depth", offset[:, 2]),
+        ("radius", np.hypot(offset[:, 0], offset[:, 1])),
+    ):
         for percent in SHARES:
             size = summary[f"zone_{name}_{percent}_m"]
             inside = energy[distance <= size + 1e-9].sum() / energy.sum()
@@ -110,7 +123,11 @@ def test_packing_by_counting(tmp_path):
         n = summary[f"zone_volume_{percent}_m3"] / SPHERE
         assert n == pytest.approx(round(n), abs=1e-9)
         largest = np.sort(energy)[::-1]
-        assert largest[: round(n) - 1].sum() < percent / 100 * energy.sum() <= largest[: round(n)].sum() * (1 + 1e-12)
+        assert (
+            largest[: round(n) - 1].sum()
+            < percent / 100 * energy.sum()
+            <= largest[: round(n)].sum() * (1 + 1e-12)
+        )
     assert summary["zone_depth_99_m"] <= summary["plastic_zone_depth_m"]
     assert summary["zone_volume_99_m3"] <= summary["plastic_zone_volume_m3"] * (1 + 1e-12)
 
@@ -158,7 +175,14 @@ def test_what_a_packing_does_not_extend_along_has_no_size(tmp_path):
 
 def test_hertz_has_no_zone(tmp_path):
     summary = summary_of(tmp_path, law="hertz")
-    names = [*SIZES, "zone_cut", "zone_growing", "wave_returned", "wave_return_s", "wave_return_share"]
+    names = [
+        *SIZES,
+        "zone_cut",
+        "zone_growing",
+        "wave_returned",
+        "wave_return_s",
+        "wave_return_share",
+    ]
     assert [summary[name] for name in names] == [None] * len(names)
     assert mark_of(summary) is Mark.NONE
     assert zone_warning(summary) == ""
@@ -191,7 +215,9 @@ def test_bounds_that_yield_reaches(tmp_path, kind, size, dent, cut):
 
 
 def test_periodic_zone_meets_its_image(tmp_path):
-    """Energy by the distance from the nearest image of the axis, up to a reach; the half periods are 6 D and 5.2 D."""
+    """Energy by the distance from the nearest image of the axis, up to a reach; the half periods
+    are 6 D and 5.2 D.
+    """
     summary_of(tmp_path, size=(12, 12, 4), boundary={"sides": "periodic"})
     periods = np.array([12 * D, 12 * D * math.sqrt(3) / 2])
     with Result(tmp_path) as result:
@@ -208,12 +234,16 @@ def test_periodic_zone_meets_its_image(tmp_path):
         with Result(tmp_path) as result:
             found = zone_summary(result)
         assert found["zone_cut"] == cut
-        assert found["zone_radius_99_m"] == pytest.approx(np.sort(radius[inside])[math.ceil(0.99 * inside.sum()) - 1])
+        assert found["zone_radius_99_m"] == pytest.approx(
+            np.sort(radius[inside])[math.ceil(0.99 * inside.sum()) - 1]
+        )
 
 
 @pytest.mark.parametrize(("end", "growing"), [(1.2, False), (1.05, True)])
 def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
-    """Contacts of a synthetic run yield the later the farther out they are: in a chain the deepest one last."""
+    """Contacts of a synthetic run yield the later the farther out they are: in a chain the deepest
+    one last.
+    """
     summary_of(tmp_path, kind="chain", size=8, dent=30.0)
     with h5py.File(tmp_path / "result.h5", "r+") as file:
         time = file["spheres/time_yield"][()]
@@ -226,7 +256,9 @@ def test_yield_that_still_moves_out_at_the_end(tmp_path, end, growing):
 
 
 def test_wave_returns_in_a_chain(tmp_path):
-    """Contact k of a synthetic run peaks at (k + 1/2) D / (1000 m/s) + 2 us; the ledger dissipates evenly."""
+    """Contact k of a synthetic run peaks at (k + 1/2) D / (1000 m/s) + 2 us; the ledger dissipates
+    evenly.
+    """
     n = 6
     summary = summary_of(tmp_path, kind="chain", size=n, dent=3.0)
     border = round(summary["zone_depth_99_m"] / D)
@@ -245,7 +277,8 @@ def test_wave_that_does_not_come_back_within_the_run(tmp_path):
 
 
 def test_returns_of_waves():
-    time, lost = np.array([0.0, 1.0, 2.0, 3.0]), np.array([0.0, 8.0, 10.0, 10.0])
+    time = np.array([0.0, 1.0, 2.0, 3.0])
+    lost = np.array([0.0, 8.0, 10.0, 10.0])
     found = wave_returns({"bottom": 1.5, "sides": 2.5}, time, lost)
     assert found == {
         "wave_returned": ["bottom", "sides"],
@@ -254,17 +287,28 @@ def test_returns_of_waves():
     }
     late = wave_returns({"bottom": 3.5, "sides": 2.5}, time, lost)
     assert late == {"wave_returned": ["sides"], "wave_return_s": 2.5, "wave_return_share": 0.0}
-    assert wave_returns({}, time, lost) == {"wave_returned": [], "wave_return_s": None, "wave_return_share": 0.0}
+    assert wave_returns({}, time, lost) == {
+        "wave_returned": [],
+        "wave_return_s": None,
+        "wave_return_share": 0.0,
+    }
     assert set(wave_returns(None, time, lost).values()) == {None}
 
 
 def test_under_precompression_the_wave_has_one_speed(tmp_path):
-    """The wave reaches the bottom of a chain of 12 at t, and returns to a depth d at t + t (11 D - d)/(11 D)."""
+    """The wave reaches the bottom of a chain of 12 at t, and returns to a depth d at t + t (11 D -
+    d)/(11 D).
+    """
     case = synthetic.make_case(
-        "chain", 12, precompression={"kind": "uniaxial", "force": 2.0}, load={"velocity": 2.0}, run={"end_time": 5e-4}
+        "chain",
+        12,
+        precompression={"kind": "uniaxial", "force": 2.0},
+        load={"velocity": 2.0},
+        run={"end_time": 5e-4},
     )
     summary = run_case(case, tmp_path, figures=False).summary
-    arrival, length = summary["base_arrival_s"], 11 * D
+    arrival = summary["base_arrival_s"]
+    length = 11 * D
     back = arrival * (2 - summary["zone_depth_99_m"] / length)
     assert summary["wave_return_s"] == pytest.approx(back, rel=1e-6)
     assert summary["wave_returned"] == ["bottom"]
@@ -282,7 +326,9 @@ def test_tiny_packing_is_cut_on_all_sides(tmp_path):
 
 
 def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
-    """Rounding loads a contact of the side within some steps; a wave takes (x + x - r) / 4260 m/s at least."""
+    """Rounding loads a contact of the side within some steps; a wave takes (x + x - r) / 4260 m/s
+    at least.
+    """
     case = synthetic.make_case("fcc", (8, 8, 5), load={"velocity": 5.0}, run={"end_time": 1e-4})
     summary = run_case(case, tmp_path, figures=False).summary
     with Result(tmp_path) as result:
@@ -290,7 +336,8 @@ def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
         first = result["spheres/time_first"][zone["sides"]].min()
         nearest = zone["radius"][zone["sides"]].min()
         (arrival,) = wave_arrivals(result, [[zone["bottom"]]])
-        time, force = result["walls/bottom/time"], result["walls/bottom/force"]
+        time = result["walls/bottom/time"]
+        force = result["walls/bottom/force"]
     assert summary["wave_return_s"] > nearest / 4260 > first
     felt = time[np.argmax(force > 0.01 * force.max())]
     assert felt < arrival < time[force.argmax()]
@@ -302,7 +349,9 @@ def test_no_wave_returns_faster_than_sound_in_brass(tmp_path):
 @pytest.fixture
 def block():
     """Run with uniform plastic work in a cylinder below the punch."""
-    case = ContinuumCase.from_dict({"name": "block", "material": "brass", "run": {"elements": 20_000}})
+    case = ContinuumCase.from_dict(
+        {"name": "block", "material": "brass", "run": {"elements": 20_000}}
+    )
     run = BlockRun(case)
     solver = run.solver
     r, z = solver.mesh.centres
@@ -314,18 +363,25 @@ def block():
 
 
 def test_elements_weigh_with_their_volume(block):
-    """A share s of a uniform density in a cylinder of radius a and height h is within h s, a sqrt(s) and the volume V s."""
+    """A share s of a uniform density in a cylinder of radius a and height h is within h s, a
+    sqrt(s) and the volume V s.
+    """
     sizes = block.zone_summary()
     mesh = block.solver.mesh
     r, z = mesh.centres
-    a, h = mesh.r[1:][r < 0.004].max(), mesh.z[1:][z < 0.006].max()
+    a = mesh.r[1:][r < 0.004].max()
+    h = mesh.z[1:][z < 0.006].max()
     for percent in SHARES:
         share = percent / 100
-        assert sizes[f"zone_depth_{percent}_m"] == pytest.approx(h * share, abs=np.diff(mesh.z[mesh.z < 0.007]).max())
+        assert sizes[f"zone_depth_{percent}_m"] == pytest.approx(
+            h * share, abs=np.diff(mesh.z[mesh.z < 0.007]).max()
+        )
         assert sizes[f"zone_radius_{percent}_m"] == pytest.approx(
             a * math.sqrt(share), abs=np.diff(mesh.r[mesh.r < 0.005]).max()
         )
-        assert sizes[f"zone_volume_{percent}_m3"] == pytest.approx(math.pi * a**2 * h * share, rel=0.03)
+        assert sizes[f"zone_volume_{percent}_m3"] == pytest.approx(
+            math.pi * a**2 * h * share, rel=0.03
+        )
     assert sizes["zone_cut"] == []
 
 
@@ -347,7 +403,9 @@ def test_block_that_is_cut(block):
 
 
 def test_wave_in_a_block_goes_at_the_speed_of_compression(block):
-    """Path of the wave from the edge of the punch to the side at 50 mm and back; 99 % of the work is within the edge."""
+    """Path of the wave from the edge of the punch to the side at 50 mm and back; 99 % of the work
+    is within the edge.
+    """
     speed = math.sqrt(115e9 * 0.7 / (1.3 * 0.4 * 8500.0))
     found = block.zone_summary()
     assert found["wave_return_s"] == pytest.approx(2 * 0.045 / speed, rel=1e-6)

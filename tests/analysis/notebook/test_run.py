@@ -59,7 +59,11 @@ def no_figures_left():
 
 def test_values(run, directory):
     summary = json.loads((directory / "summary.json").read_text())
-    assert dict(run) == summary == run.summary and list(run) == list(run.keys()) and len(run) == len(summary)
+    assert (
+        dict(run) == summary == run.summary
+        and list(run) == list(run.keys())
+        and len(run) == len(summary)
+    )
     assert run["peak_force_N"] == summary["peak_force_N"] and "peak_force" not in run
     assert run.unit("peak_force_N") == "N" and run.unit("n_spheres") == "1"
     assert run.name == run.case.name == NAME and run.directory == directory
@@ -72,7 +76,10 @@ def test_text(run, directory):
 def test_html_is_escaped_and_explains(run):
     page = run._repr_html_()
     assert "&lt;i&gt;a &amp; &quot;b&quot;" in page and "<i>" not in page
-    assert 'title="n_plastic_contacts: Yielded contacts. Contacts that yielded in this run; a dent' in page
+    assert (
+        'title="n_plastic_contacts: Yielded contacts. Contacts that yielded in this run; a dent'
+        in page
+    )
     assert page.count("<tr") == page.count("</tr>") == len(repr(run).splitlines()) - 2
 
 
@@ -84,7 +91,9 @@ def test_tables_are_those_of_the_file(run, directory, group):
             parts = [name] if source.ndim == 1 else [f"{name}_{axis}" for axis in "xyz"]
             if group == "contacts" or name != "id":
                 assert table[parts[0]].dtype == source.dtype, name
-            assert equal(table[parts].to_numpy(source.dtype).reshape(source.shape), source[()]), name
+            assert equal(table[parts].to_numpy(source.dtype).reshape(source.shape), source[()]), (
+                name
+            )
             assert {table.attrs["units"][part] for part in parts} == {source.attrs["unit"]}
     assert set(table.attrs["units"]) >= set(run.table(group).columns)
 
@@ -96,7 +105,9 @@ def test_rows_are_named(run, directory):
         assert equal(run.energies.index.to_numpy(), file["energy/time"][()])
         assert equal(run.energies["kinetic"].to_numpy(), file["energy/kinetic"][()])
         assert equal(run.walls["force"].to_numpy(), file["walls/bottom/force"][()])
-    assert run.energies.attrs["units"]["kinetic"] == "J" and run.energies.attrs["units"]["time"] == "s"
+    assert (
+        run.energies.attrs["units"]["kinetic"] == "J" and run.energies.attrs["units"]["time"] == "s"
+    )
     assert set(run.walls["wall"]) == {"bottom"} and run.walls.attrs["units"] == {
         "wall": "1", "time": "s", "force": "N", "impulse": "N s"
     }  # fmt: skip
@@ -110,10 +121,17 @@ def test_fields_are_those_of_the_file(run, directory):
     with h5py.File(directory / "result.h5") as file:
         for name in fields:
             source = file[f"particles/spheres/{name}/value"]
-            assert equal(fields[name].to_numpy(), source[()]) and fields[name].attrs["units"] == source.attrs["unit"]
-        moved, ids = file["particles/spheres/displacement/value"][()], file["spheres/id"][()]
+            assert (
+                equal(fields[name].to_numpy(), source[()])
+                and fields[name].attrs["units"] == source.attrs["unit"]
+            )
+        moved = file["particles/spheres/displacement/value"][()]
+        ids = file["spheres/id"][()]
         assert equal(fields.time.to_numpy(), file["particles/spheres/position/time"][()])
-    assert equal(fields.displacement.isel(time=-1).sel(id=[7, 3], axis="z").to_numpy(), moved[-1, np.array([6, 2]), 2])
+    assert equal(
+        fields.displacement.isel(time=-1).sel(id=[7, 3], axis="z").to_numpy(),
+        moved[-1, np.array([6, 2]), 2],
+    )
     assert ids[6] == 7
     again = load(directory).fields.displacement  # nothing of it has been read
     assert equal(again[::-1, 5:2:-1, 0].to_numpy(), moved[::-1, 5:2:-1, 0])
@@ -123,7 +141,9 @@ def test_fields_are_those_of_the_file(run, directory):
 def test_snapshots_are_read_when_they_are_asked_for(run, monkeypatch):
     read = []
     original = datasets._OnDemand._read
-    monkeypatch.setattr(datasets._OnDemand, "_read", lambda self, key: read.append(key) or original(self, key))
+    monkeypatch.setattr(
+        datasets._OnDemand, "_read", lambda self, key: read.append(key) or original(self, key)
+    )
     last = run.fields.velocity.isel(time=-1)
     repr(run.fields)
     assert read == []
@@ -140,12 +160,21 @@ def test_runs_and_fields_can_be_sent_to_other_processes(run):
 
 
 def test_history_of_a_chain(chain):
-    found, file = chain.chain, chain.result.file
-    assert found.contact_force.dims == ("time", "contact") and found.velocity.dims == ("time", "bead")
-    assert found.bar_velocity.dims == ("time", "bar_node") and found.bar_force.dims == ("time", "bar_element")
+    found = chain.chain
+    file = chain.result.file
+    assert found.contact_force.dims == ("time", "contact") and found.velocity.dims == (
+        "time",
+        "bead",
+    )
+    assert found.bar_velocity.dims == ("time", "bar_node") and found.bar_force.dims == (
+        "time",
+        "bar_element",
+    )
     for name in ("contact_force", "displacement", "contact_i", "position", "time"):
         assert equal(found[name].to_numpy(), file[f"chain/{name}"][()]), name
-    assert equal(found.bead.to_numpy(), file["chain/id"][()]) and equal(found.bar_force, file["bars/bar/force"][()])
+    assert equal(found.bead.to_numpy(), file["chain/id"][()]) and equal(
+        found.bar_force, file["bars/bar/force"][()]
+    )
     assert found.bar_force.attrs["units"] == "N" and found.bar_position.attrs["units"] == "m"
     assert set(chain.walls["wall"]) == set(chain.result.names("walls"))
 
@@ -154,9 +183,13 @@ def test_figures_are_handed_over(run, directory):
     before = dict(mpl.rcParams)
     axes = run.figure("peak_force_principal")
     assert isinstance(axes, Axes)  # without its colour bar
-    assert pyplot.gcf() is axes.figure and axes.get_xlabel().startswith("Distance from the impact axis")
+    assert pyplot.gcf() is axes.figure and axes.get_xlabel().startswith(
+        "Distance from the impact axis"
+    )
     energy, residual = run.figure("energies")
-    assert {line.get_markersize() for line in energy.xaxis.get_ticklines()} and residual.get_xlabel()
+    assert {
+        line.get_markersize() for line in energy.xaxis.get_ticklines()
+    } and residual.get_xlabel()
     assert energy.xaxis.get_major_ticks()[0].get_tickdir() == "in"  # the style lasts
     assert len(pyplot.get_fignums()) == 2 and not (directory / "figures").exists()
     assert dict(mpl.rcParams) == before
@@ -166,7 +199,9 @@ def test_figures_that_apply_are_listed(run):
     """Figures of a packing; each of them is drawn."""
     assert {"energies", "peak_force_principal"} <= set(run.figures)
     assert not {"bars", "force_map", "transmission"} & set(run.figures)
-    assert all(run.figure(name) is not None for name in run.figures if not name.startswith("packing_3d"))
+    assert all(
+        run.figure(name) is not None for name in run.figures if not name.startswith("packing_3d")
+    )
     pyplot.close("all")
 
 
@@ -175,9 +210,18 @@ def test_figures_that_apply_are_listed(run):
     [
         (lambda run: run["peak_force"], "has no value peak_force; did you mean peak_force_N"),
         (lambda run: run.unit("x"), r"has no value x; keys\(\) lists them"),
-        (lambda run: run.table("energies"), "has no table energies; did you mean energy[?] it has spheres"),
-        (lambda run: run.table("probes"), "has no table probes; it has spheres, contacts, wall_contacts, energy"),
-        (lambda run: run.figure("energy"), "has no figure energy; did you mean energies.*, energies, "),
+        (
+            lambda run: run.table("energies"),
+            "has no table energies; did you mean energy[?] it has spheres",
+        ),
+        (
+            lambda run: run.table("probes"),
+            "has no table probes; it has spheres, contacts, wall_contacts, energy",
+        ),
+        (
+            lambda run: run.figure("energy"),
+            "has no figure energy; did you mean energies.*, energies, ",
+        ),
         (lambda run: run.figure("bars"), "figure bars does not apply to this run"),
         (lambda run: run.chain, "has no history of a chain; .*output.history"),
     ],
@@ -193,7 +237,9 @@ def test_a_run_without_its_fields_still_has_values(directory, tmp_path):
         (tmp_path / name).write_text((directory / name).read_text())
     run = load(tmp_path)
     assert run["n_spheres"] == 144
-    with pytest.raises(MissingOutputError, match=r"result\.h5 is missing: make it with  granwave analyse"):
+    with pytest.raises(
+        MissingOutputError, match=r"result\.h5 is missing: make it with  granwave analyse"
+    ):
         _ = run.spheres
 
 
@@ -218,14 +264,18 @@ def test_wrong_directories(tmp_path, directory):
 
 
 def test_contact_forces_that_were_not_recorded(run):
-    with pytest.raises(MissingDataError, match=r"run the case again with output\.contact_forces = true"):
+    with pytest.raises(
+        MissingDataError, match=r"run the case again with output\.contact_forces = true"
+    ):
         _ = run.contact_forces
 
 
 @pytest.fixture(scope="module")
 def points(tmp_path_factory):
     points = grid(load__velocity=[1.0, 5.0, 20.0], material=["brass", "steel"])
-    return write_scan(tmp_path_factory.mktemp("scan"), points, failed={3: "a <b>rank</b> died"}, missing=[6])
+    return write_scan(
+        tmp_path_factory.mktemp("scan"), points, failed={3: "a <b>rank</b> died"}, missing=[6]
+    )
 
 
 @pytest.fixture
@@ -234,7 +284,8 @@ def three(points):
 
 
 def test_table(three, points):
-    table, data = three.table, read_scan(points)
+    table = three.table
+    data = read_scan(points)
     assert table.index.tolist() == [1, 2, 3, 4, 5, 6] and table.index.name == "point"
     for name in ("load.velocity", "peak_force_N"):
         np.testing.assert_array_equal(table[name], data[name])
@@ -251,7 +302,11 @@ def test_points_are_runs(three):
     assert [run.labels["load.velocity"] for run in runs] == [1.0, 1.0, 5.0, 20.0]
     assert three[4]["peak_force_N"] == three.table.loc[4, "peak_force_N"] == runs[2]["peak_force_N"]
     assert three[4].labels == {"load.velocity": 5.0, "material": "steel"}
-    for number, message in ((0, "has no point 0; it has 1 to 6"), (3, "point 3 is failed: a <b>"), (6, "is missing$")):
+    for number, message in (
+        (0, "has no point 0; it has 1 to 6"),
+        (3, "point 3 is failed: a <b>"),
+        (6, "is missing$"),
+    ):
         with pytest.raises(MissingDataError, match=message):
             three[number]
 
@@ -259,7 +314,9 @@ def test_points_are_runs(three):
 def test_text_and_html(three, points):
     text = repr(three)
     assert text.startswith("scan synthetic: 6 points, 4 done") and "dissipated_fraction" in text
-    assert f"{three[1]['plastic_zone_volume_m3']:.5g}" in text and "NaN" not in text  # small values have their digits
+    assert (
+        f"{three[1]['plastic_zone_volume_m3']:.5g}" in text and "NaN" not in text
+    )  # small values have their digits
     assert text.endswith(f"results in {points}")
     page = three._repr_html_()
     assert "<th>dissipated_fraction</th>" in page and "failed" in page
@@ -276,12 +333,17 @@ def test_figures(three):
     axes = three.figure("peak_force_vs_load_velocity")
     assert isinstance(axes, Axes) and pyplot.gcf() is axes.figure and len(pyplot.get_fignums()) == 1
     pyplot.close("all")
-    with pytest.raises(MissingDataError, match=r"has no figure x; figures are .*peak_force_vs_load_velocity"):
+    with pytest.raises(
+        MissingDataError, match=r"has no figure x; figures are .*peak_force_vs_load_velocity"
+    ):
         three.figure("x")
 
 
 def test_means_over_seeds(tmp_path):
-    write_scan(tmp_path, grid(load__velocity=[1.0, 5.0], packing__diameter_scatter=[1e-5], packing__seed=[1, 2, 3]))
+    write_scan(
+        tmp_path,
+        grid(load__velocity=[1.0, 5.0], packing__diameter_scatter=[1e-5], packing__seed=[1, 2, 3]),
+    )
     scan = load(tmp_path)
     means = scan.means.set_index("load.velocity")
     found = scan.table.groupby("load.velocity")["peak_force_N"].mean()
@@ -305,12 +367,18 @@ CASE = "[material]\ndensity = 1130\n[infer]\nfriction = 0.3\nthickness = 0.02\nw
 
 
 def test_small_waves(tmp_path):
-    row, place = {"packing__size": 6}, tmp_path / "waves"
+    row = {"packing__size": 6}
+    place = tmp_path / "waves"
     bands = gw.bands("precompressed-chain", directory=place, **row)
     xarray.testing.assert_identical(gw.load(place), bands)
     modes = gw.modes("precompressed-chain", directory=place, **row)
     through = gw.transmission(
-        "precompressed-chain", directory=place, drive=1, sensors=[3, 5], frequencies=[1e3, 2e3], **row
+        "precompressed-chain",
+        directory=place,
+        drive=1,
+        sensors=[3, 5],
+        frequencies=[1e3, 2e3],
+        **row,
     )
     found = gw.load(place)
     assert list(found) == ["bands", "modes", "transmission"]
@@ -327,7 +395,10 @@ def test_inferred_forces(tmp_path):
     made = gw.infer(tmp_path / "disc.csv", tmp_path / "disc.toml", directory=tmp_path / "found")
     found = gw.load(tmp_path / "found")
     assert isinstance(found, gw.InferredForces) and dict(found) == plain(dict(made))
-    assert np.array_equal(found.forces["normal_force_N"], made.forces["normal_force_N"]) and found.measurement is None
+    assert (
+        np.array_equal(found.forces["normal_force_N"], made.forces["normal_force_N"])
+        and found.measurement is None
+    )
     assert "2 of them bear a force" in repr(found)
     (tmp_path / "found" / "forces.csv").unlink()
     with pytest.raises(OutputFormatError, match=r"forces\.csv or grains\.csv cannot be read"):

@@ -22,7 +22,9 @@ from tests.helpers.chromium import Browser
 from tests.helpers.synthetic_report import NASTY, build, draw, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+CHROMIUM = (
+    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+)
 
 
 def scan_with(directory, points, share, **more):
@@ -31,13 +33,19 @@ def scan_with(directory, points, share, **more):
     for point in ScanResult(scan).points:
         path = scan / "points" / point.id / "summary.json"
         if path.exists():
-            path.write_text(json.dumps(json.loads(path.read_text()) | {"dissipated_fraction": share(point.labels)}))
+            path.write_text(
+                json.dumps(
+                    json.loads(path.read_text()) | {"dissipated_fraction": share(point.labels)}
+                )
+            )
     return scan
 
 
 def answer(report: Report) -> tuple[str, Beside | None]:
     section = report.sections[0]
-    texts = [block.text for block in section.blocks if isinstance(block, Note) and block.tone == "lead"]
+    texts = [
+        block.text for block in section.blocks if isinstance(block, Note) and block.tone == "lead"
+    ]
     shown = [block for block in section.blocks if isinstance(block, Beside)]
     return (texts[0] if texts else ""), (shown[0] if shown else None)
 
@@ -64,28 +72,38 @@ def test_sentence_of_a_scan(tmp_path, share, said):
 
 
 def test_table_and_figure_of_a_scan(tmp_path):
-    scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"], missing=[6])
+    scan = scan_with(
+        tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"], missing=[6]
+    )
     draw_scan_figures(scan, pdf=False)
     report = build([scan], tmp_path)
     _, shown = answer(report)
     assert [column.heading for column in shown.table.columns][:3] == [
         "Impact velocity", "Friction coefficient", "Dissipated fraction",
     ]  # fmt: skip
-    assert [row[2].value for row in shown.table.rows] == pytest.approx([0.51, 0.51, 0.52, 0.52, 0.6])
+    assert [row[2].value for row in shown.table.rows] == pytest.approx(
+        [0.51, 0.51, 0.52, 0.52, 0.6]
+    )
     assert shown.table.columns[3].meaning or shown.table.columns[2].meaning is not None
     (figure,) = shown.gallery.figures
     assert figure.caption == "Dissipated fraction against impact velocity"
     figures = next(section for section in report.sections if section.slug == "figures")
     names = [one.name for block in figures.blocks for one in block.figures]
-    assert names and not any("dissipated-fraction-vs-load-velocity" in name for name in names)  # shown once
+    assert names and not any(
+        "dissipated-fraction-vs-load-velocity" in name for name in names
+    )  # shown once
     assert any(
-        "1 of 6 points are missing" in block.text for block in report.sections[0].blocks if isinstance(block, Note)
+        "1 of 6 points are missing" in block.text
+        for block in report.sections[0].blocks
+        if isinstance(block, Note)
     )
 
 
 def test_many_points_of_two_keys_are_crossed(tmp_path):
     points = grid(load__velocity=[1, 2, 3, 4, 5, 6, 7, 8], contact__friction=[0.0, 0.1, 0.3])
-    scan = scan_with(tmp_path / "scan", points, lambda p: 0.5 + 0.01 * p["load.velocity"] + p["contact.friction"])
+    scan = scan_with(
+        tmp_path / "scan", points, lambda p: 0.5 + 0.01 * p["load.velocity"] + p["contact.friction"]
+    )
     draw_scan_figures(scan, pdf=False)
     _, shown = answer(build([scan], tmp_path))
     assert [column.heading for column in shown.table.columns] == ["Impact velocity"] + [
@@ -96,20 +114,31 @@ def test_many_points_of_two_keys_are_crossed(tmp_path):
 
 def test_means_over_seeds(tmp_path):
     points = grid(load__velocity=[1, 2], packing__seed=[1, 2, 3])
-    scan = scan_with(tmp_path / "scan", points, lambda p: 0.3 * p["load.velocity"] + 0.1 * p["packing.seed"])
+    scan = scan_with(
+        tmp_path / "scan", points, lambda p: 0.3 * p["load.velocity"] + 0.1 * p["packing.seed"]
+    )
     draw_scan_figures(scan, pdf=False)
     text, shown = answer(build([scan], tmp_path))
     assert "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s)" in text
-    assert shown.table.caption == "Means of 3 replicates, with 95 % confidence intervals" and len(shown.table.rows) == 2
+    assert (
+        shown.table.caption == "Means of 3 replicates, with 95 % confidence intervals"
+        and len(shown.table.rows) == 2
+    )
 
 
 def test_one_run(tmp_path):
-    run = write_run(tmp_path / "run", energy_input_J=2.0, dissipated_fraction=0.8731, peak_force_N=696.84)
+    run = write_run(
+        tmp_path / "run", energy_input_J=2.0, dissipated_fraction=0.8731, peak_force_N=696.84
+    )
     report = build([run], tmp_path)
     text, shown = answer(report)
-    assert text.startswith("87.3 % of the 2 J put in was dissipated. The largest contact force was 696.8 N.")
+    assert text.startswith(
+        "87.3 % of the 2 J put in was dissipated. The largest contact force was 696.8 N."
+    )
     rows = {row[0].text: row for row in shown.table.rows}
-    assert rows["Peak contact force"][1].value == 696.84 and rows["Peak contact force"][2].text == "N"
+    assert (
+        rows["Peak contact force"][1].value == 696.84 and rows["Peak contact force"][2].text == "N"
+    )
     assert any(row[0].meaning for row in shown.table.rows)
     elastic = write_run(tmp_path / "elastic", energy_input_J=2.0, dissipated_fraction=0.0)
     assert answer(build([elastic], tmp_path))[0].startswith("0 % of the 2 J put in was dissipated.")
@@ -118,7 +147,9 @@ def test_one_run(tmp_path):
 def test_several_runs(tmp_path):
     runs = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in (1, 2, 4)]
     sentence, shown = answer(build(runs, tmp_path))
-    assert re.fullmatch(r"Dissipated of the input: [\d.]+ % \(r1\), [\d.]+ % \(r2\), [\d.]+ % \(r4\)\.", sentence)
+    assert re.fullmatch(
+        r"Dissipated of the input: [\d.]+ % \(r1\), [\d.]+ % \(r2\), [\d.]+ % \(r4\)\.", sentence
+    )
     headings = [column.heading for column in shown.table.columns]
     assert headings[:4] == ["Run", "load.velocity", "Dissipated fraction", "Peak contact force"]
     assert len(headings) == 5 and len(shown.table.rows) == 3
@@ -127,15 +158,39 @@ def test_several_runs(tmp_path):
 def test_a_packing_and_a_block(tmp_path):
     """Only values and keys that both have, and no keys that change no physics."""
     summary = {"dissipated_fraction": 0.9, "peak_force_N": 10.0, "zone_depth_90_m": 0.1}
-    packing = {"packing.kind": "fcc", "material.name": "brass", "material.density": 8500, "run.end_time": 1e-3}
-    block = {"punch.velocity": 10.0, "material.name": "steel", "material.density": 7850, "run.end_time": "auto"}
+    packing = {
+        "packing.kind": "fcc",
+        "material.name": "brass",
+        "material.density": 8500,
+        "run.end_time": 1e-3,
+    }
+    block = {
+        "punch.velocity": 10.0,
+        "material.name": "steel",
+        "material.density": 7850,
+        "run.end_time": "auto",
+    }
     runs = [
         Run("packing", "run", tmp_path, "done", summary | {"n_plastic_spheres": 3}, packing, {}),
-        Run("block", "continuum", tmp_path, "done", summary | {"dissipated_fraction": 0.2}, block, {}),
+        Run(
+            "block",
+            "continuum",
+            tmp_path,
+            "done",
+            summary | {"dissipated_fraction": 0.2},
+            block,
+            {},
+        ),
     ]
     assert _of_runs_in_words(runs) == "Dissipated of the input: 90 % (packing), 20 % (block)."
     headings = [column.heading for column in compact_table(runs).columns]
-    assert headings == ["Run", "material.name", "Dissipated fraction", "Peak contact force", "Zone of 90 %, depth"]
+    assert headings == [
+        "Run",
+        "material.name",
+        "Dissipated fraction",
+        "Peak contact force",
+        "Zone of 90 %, depth",
+    ]
     refused = [runs[0], dataclasses.replace(runs[1], status="refused")]
     assert "Status" in [column.heading for column in compact_table(refused).columns]
 
@@ -151,9 +206,13 @@ def test_a_study_speaks_for_its_scan(tmp_path):
     assert shown.gallery.figures == (picture,) and main_figures(inputs, picture) == set()
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")
+@pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)"
+)
 def test_on_the_first_screen(tmp_path):
-    """The answer is on the first screen; tables are copied, figures enlarged; dark screens have light letters."""
+    """The answer is on the first screen; tables are copied, figures enlarged; dark screens have
+    light letters.
+    """
     scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"])
     draw_scan_figures(scan, pdf=False)
     draw(scan, NASTY.replace("/", "-")[:20])
@@ -163,7 +222,9 @@ def test_on_the_first_screen(tmp_path):
         bottom = "document.querySelector('.beside').getBoundingClientRect().bottom"
         assert browser.evaluate(bottom) < 800
         browser.evaluate("window.scrollTo(0, 2000)")
-        assert 0 <= browser.evaluate("document.querySelector('nav').getBoundingClientRect().top") < 100
+        assert (
+            0 <= browser.evaluate("document.querySelector('nav').getBoundingClientRect().top") < 100
+        )
         copied = "navigator.clipboard.writeText = (text) => { window.copied = text; return Promise.resolve(); }"
         browser.evaluate(f"{copied}; document.querySelector('.beside .copy').click()")
         lines = browser.evaluate("window.copied").splitlines()
@@ -185,11 +246,19 @@ def test_nothing_varies_in_a_scan_so_nothing_is_drawn(tmp_path):
 
 
 def test_scans_of_a_suite(tmp_path):
-    """The report has the name of the suite; of many scans the first is shown, and the others unfold."""
+    """The report has the name of the suite; of many scans the first is shown, and the others
+    unfold.
+    """
     names = [f"scan-{n}" for n in range(5)]
     for name in names:
-        scan_with(tmp_path / "suite" / name, grid(load__velocity=[1, 2]), lambda p: 0.1 * p["load.velocity"])
-    (tmp_path / "suite" / "suite.json").write_text(json.dumps({"name": "all-of-it", "scans": names}))
+        scan_with(
+            tmp_path / "suite" / name,
+            grid(load__velocity=[1, 2]),
+            lambda p: 0.1 * p["load.velocity"],
+        )
+    (tmp_path / "suite" / "suite.json").write_text(
+        json.dumps({"name": "all-of-it", "scans": names})
+    )
     report = build([tmp_path / "suite"], tmp_path / "suite")
     assert report.title == "Report: all-of-it"
     blocks = report.sections[0].blocks
@@ -197,13 +266,17 @@ def test_scans_of_a_suite(tmp_path):
     assert group.folded and group.title == "The other 4 scans, each by its main quantity"
     said = [block.text for block in group.blocks if isinstance(block, Note)]
     assert [text.partition(":")[0] for text in said] == [f"Scan {name}" for name in names[1:]]
-    text = write_report([tmp_path / "suite"], tmp_path / "suite" / "report.md").read_text(encoding="utf-8")
+    text = write_report([tmp_path / "suite"], tmp_path / "suite" / "report.md").read_text(
+        encoding="utf-8"
+    )
     assert text.startswith("# Report: all-of-it\n") and "### The other 4 scans" in text
 
 
 def test_agreement_with_the_sources():
     values = [(1.0, 1.01), (1.0, 1.05), (1.0, 1.5), (None, 7.0)]
-    rows = tuple(Row(f"Quantity {n}", "", source, ours, "1.1") for n, (source, ours) in enumerate(values, 1))
+    rows = tuple(
+        Row(f"Quantity {n}", "", source, ours, "1.1") for n, (source, ours) in enumerate(values, 1)
+    )
     (lead,) = leads([Study("study", "Study", "", rows)])
     assert (lead.text, lead.tone) == (
         "Of 3 values that the sources give, ours are within 2 % for 1 and within 10 % for 2; the largest difference is 50 % "
@@ -213,10 +286,19 @@ def test_agreement_with_the_sources():
 
 
 def test_verdicts_begin_a_report_and_are_said_once():
-    one, two = (Study(name, f"Title {name}", "", verdict=(f"First of {name}.", "Second.")) for name in ("a", "b"))
+    one, two = (
+        Study(name, f"Title {name}", "", verdict=(f"First of {name}.", "Second."))
+        for name in ("a", "b")
+    )
     assert [note.text for note in leads([one])] == ["First of a."]
-    assert [note.text for note in leads([one, two])] == ["Title a: First of a.", "Title b: First of b."]
-    assert [[part.text for part in group.blocks] for group in verdicts([one, two])] == [["Second."], ["Second."]]
+    assert [note.text for note in leads([one, two])] == [
+        "Title a: First of a.",
+        "Title b: First of b.",
+    ]
+    assert [[part.text for part in group.blocks] for group in verdicts([one, two])] == [
+        ["Second."],
+        ["Second."],
+    ]
     many = [one] * 4
     assert leads(many) == () and len(verdicts(many)[0].blocks) == 2
 
@@ -224,7 +306,11 @@ def test_verdicts_begin_a_report_and_are_said_once():
 def test_a_run_that_ends_before_its_load_begins(tmp_path):
     """Nothing yields and nothing comes in: no zone is told, and why there is no balance is."""
     write_run(
-        tmp_path / "late", energy_input_J=0.0, energy_balance_error=None, zone_depth_90_m=0.0, zone_radius_90_m=0.0
+        tmp_path / "late",
+        energy_input_J=0.0,
+        energy_balance_error=None,
+        zone_depth_90_m=0.0,
+        zone_radius_90_m=0.0,
     )
     page = write_report([tmp_path / "late"], tmp_path / "late.md").read_text()
     assert "No energy came in before the end: late." in page

@@ -28,8 +28,12 @@ from tests.helpers.small_cases import PULSE, case_of
 from tests.helpers.synthetic_report import build, nasty_inputs, write_inputs, write_run
 from tests.helpers.synthetic_scan import grid, write_json, write_scan
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
-pytestmark = pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")
+CHROMIUM = (
+    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+)
+pytestmark = pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)"
+)
 
 
 @pytest.fixture
@@ -39,7 +43,9 @@ def runs(tmp_path):
 
 
 def test_in_a_browser(runs, tmp_path):
-    """No error messages, no requests, no horizontal scrolling on a phone, and tables that can be sorted by keyboard."""
+    """No error messages, no requests, no horizontal scrolling on a phone, and tables that can be
+    sorted by keyboard.
+    """
     write_report([*runs, *nasty_inputs(tmp_path / "more")], tmp_path / "report.html")
     with Browser(CHROMIUM, tmp_path / "profile") as browser:
         for width in (390, 1200):
@@ -47,9 +53,16 @@ def test_in_a_browser(runs, tmp_path):
             browser.evaluate("document.querySelectorAll('details').forEach((d) => (d.open = true))")
             assert browser.evaluate("document.documentElement.scrollWidth") <= width
             assert browser.evaluate("innerWidth") == width
-            wide = "[...document.querySelectorAll('.box')].some((b) => b.scrollWidth > b.clientWidth)"
+            wide = (
+                "[...document.querySelectorAll('.box')].some((b) => b.scrollWidth > b.clientWidth)"
+            )
             assert browser.evaluate(wide) is True  # tables scroll within their own elements
-            assert browser.evaluate("[...document.images].every((i) => i.complete && i.naturalWidth > 0)") is True
+            assert (
+                browser.evaluate(
+                    "[...document.images].every((i) => i.complete && i.naturalWidth > 0)"
+                )
+                is True
+            )
             assert browser.evaluate("parseFloat(getComputedStyle(document.body).fontSize)") >= 16
         sort = "[...document.querySelectorAll('table.sortable')].find((t) => t.caption?.innerText == 'Scan scan')"
         column = f"[...({sort}).tBodies[0].rows].map((r) => r.cells[1].innerText)"
@@ -58,7 +71,10 @@ def test_in_a_browser(runs, tmp_path):
         browser.evaluate(f"({sort}).tHead.rows[0].cells[1].querySelector('button').focus()")
         browser.press("Enter", 13)
         assert browser.evaluate(column) == ["1", "1", "9", "9", "10", "10", "40", "40"]
-        assert browser.evaluate(f"({sort}).tHead.rows[0].cells[1].getAttribute('aria-sort')") == "ascending"
+        assert (
+            browser.evaluate(f"({sort}).tHead.rows[0].cells[1].getAttribute('aria-sort')")
+            == "ascending"
+        )
         browser.press("Enter", 13)
         assert browser.evaluate(column) == ["40", "40", "10", "10", "9", "9", "1", "1"]
         browser.press("Enter", 13)
@@ -82,20 +98,29 @@ def test_on_paper(runs, tmp_path):
         assert before > 0
         browser.evaluate("dispatchEvent(new Event('beforeprint'))")
         assert browser.evaluate(folded) == 0
-        zooms = browser.evaluate("[...document.querySelectorAll('table')].map((t) => parseFloat(t.style.zoom))")
+        zooms = browser.evaluate(
+            "[...document.querySelectorAll('table')].map((t) => parseFloat(t.style.zoom))"
+        )
         assert min(zooms) < 1 and max(zooms) == 1  # wide tables alone are made smaller
         browser.evaluate("dispatchEvent(new Event('afterprint'))")
         assert browser.evaluate(folded) == before
-        assert browser.evaluate("[...document.querySelectorAll('table')].every((t) => !t.style.zoom)") is True
+        assert (
+            browser.evaluate("[...document.querySelectorAll('table')].every((t) => !t.style.zoom)")
+            is True
+        )
         assert browser.complaints() == []
 
 
 @pytest.mark.parametrize("alone", [True, False])
 def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
-    """A two-column figure has the font size of the page, alone in its gallery or not; others share a row."""
+    """A two-column figure has the font size of the page, alone in its gallery or not; others share
+    a row.
+    """
     run = write_run(tmp_path / "run", figures=False)
     (run / "figures").mkdir()
-    sizes = {"target": (2100, 1300)} | ({} if alone else {"impactor_velocity": (1020, 1080), "probes": (1020, 700)})
+    sizes = {"target": (2100, 1300)} | (
+        {} if alone else {"impactor_velocity": (1020, 1080), "probes": (1020, 700)}
+    )
     for name, size in sizes.items():
         Image.new("RGB", size, "white").save(run / "figures" / f"{name}.png", dpi=(300, 300))
     write_report([run], tmp_path / "report.html")
@@ -113,7 +138,9 @@ def test_a_wide_figure_has_the_whole_row(tmp_path, alone):
 def test_the_browser_test_would_notice(tmp_path):
     """A page with a request and an error message is detected by the same check."""
     page = tmp_path / "bad.html"
-    page.write_text("<body><img src='http://127.0.0.1:9/x.png'><p style='width:2000px'>x</p><script>nope()</script>")
+    page.write_text(
+        "<body><img src='http://127.0.0.1:9/x.png'><p style='width:2000px'>x</p><script>nope()</script>"
+    )
     with Browser(CHROMIUM, tmp_path / "profile") as browser:
         browser.open(page.as_uri(), 390)
         assert browser.evaluate("document.documentElement.scrollWidth") > 390
@@ -123,11 +150,14 @@ def test_the_browser_test_would_notice(tmp_path):
 
 @pytest.fixture(scope="module")
 def tolerances(tmp_path_factory) -> Path:
-    """Scan with the files written by the driver: packings hit at two velocities, with friction and without."""
+    """Scan with the files written by the driver: packings hit at two velocities, with friction and
+    without.
+    """
     points = grid(load__velocity=[2.0, 5.0], contact__friction=[0.0, 0.1, 0.2])
     scan = write_scan(tmp_path_factory.mktemp("scans") / "tolerances", points, study=["tolerance"])
     for point in ScanResult(scan).points:
-        path, values = scan / "points" / point.id / "summary.json", (float(v) for v in point.labels.values())
+        path = scan / "points" / point.id / "summary.json"
+        values = (float(v) for v in point.labels.values())
         velocity, friction = values
         force = {"wall_peak_force_N": 300 * velocity * (1 - friction * velocity / 10)}
         path.write_text(json.dumps(json.loads(path.read_text()) | force))
@@ -144,7 +174,11 @@ def kinds(tmp_path_factory) -> list[Path]:
     packing = synthetic.write_run(folder / "packing", synthetic.make_case())
     analyse(packing)
     bar = {"length": 0.4, "area": 127e-6, "elements": 20, "material": "steel"}
-    run_case(case_of(6, load=PULSE, bar=bar, run={"end_time": 4e-5, "frames": 3}), folder / "chain", figures=False)
+    run_case(
+        case_of(6, load=PULSE, bar=bar, run={"end_time": 4e-5, "frames": 3}),
+        folder / "chain",
+        figures=False,
+    )
     plate = {"bottom": {"plate": {"mass": 0.5, "stiffness": 1e8}, "material": "steel"}}
     target = synthetic.make_case(boundary=plate, run={"end_time": 1e-4, "frames": 3})
     run_case(target, folder / "target", figures=False)
@@ -165,7 +199,8 @@ def repeated(report: Report) -> dict[str, list[object]]:
     """Find the parts that a report shows twice, by their kind."""
     everything = [part for section in report.sections for part in parts(section.blocks)]
     figures, tables, groups, notes = (
-        [part for part in everything if isinstance(part, kind)] for kind in (Figure, Table, Group, Note)
+        [part for part in everything if isinstance(part, kind)]
+        for kind in (Figure, Table, Group, Note)
     )
     verdicts = [section for section in report.sections if section.slug == "verdict"]
     said = {id(part) for section in verdicts for part in parts(section.blocks)}  # one per packing
@@ -179,15 +214,26 @@ def repeated(report: Report) -> dict[str, list[object]]:
         "tables": [(table.caption, table.columns, table.rows) for table in tables],
         "notes": [note.text for note in notes if id(note) not in said],
     }  # fmt: skip
-    return {kind: [one for one, n in Counter(shown).items() if n > 1] for kind, shown in found.items()}
+    return {
+        kind: [one for one, n in Counter(shown).items() if n > 1] for kind, shown in found.items()
+    }
 
 
 def test_report_of_a_scan(tolerances):
-    """Figures of studies are files, too; the studies show them with the packing that they belong to."""
+    """Figures of studies are files, too; the studies show them with the packing that they belong
+    to.
+    """
     report = build([tolerances], tolerances)
     assert not any(repeated(report).values()), repeated(report)
-    figures = [part for section in report.sections for part in parts(section.blocks) if isinstance(part, Figure)]
-    against = [figure for figure in figures if figure.caption.startswith("Against friction coefficient")]
+    figures = [
+        part
+        for section in report.sections
+        for part in parts(section.blocks)
+        if isinstance(part, Figure)
+    ]
+    against = [
+        figure for figure in figures if figure.caption.startswith("Against friction coefficient")
+    ]
     assert [figure.caption.partition(" (")[2][:6] for figure in against] == ["2 m/s)", "5 m/s)"]
     assert all(figure.data for figure in against)
 
@@ -206,7 +252,9 @@ def refused(directories, output) -> list[str]:
 
 
 def test_studies_that_do_not_exist(runs, tmp_path):
-    with pytest.raises(InputError, match=r"--study: found tolerence, expected one of: .*tolerance") as error:
+    with pytest.raises(
+        InputError, match=r"--study: found tolerence, expected one of: .*tolerance"
+    ) as error:
         write_report(runs, tmp_path / "r.md", ["tolerence", "protected-height"])
     assert len(error.value.errors) == 1
     assert not list(tmp_path.glob("r*"))
@@ -219,7 +267,14 @@ def test_all_faults_at_once_and_nothing_written(runs, tmp_path):
     (runs[1] / "summary.json").unlink()
     (runs[0] / "summary.json").write_text("{")
     before = sorted(tmp_path.rglob("*"))
-    given = [tmp_path / "nowhere", tmp_path / "empty", tmp_path / "other", *runs[:2], tmp_path, runs[0] / "case.toml"]
+    given = [
+        tmp_path / "nowhere",
+        tmp_path / "empty",
+        tmp_path / "other",
+        *runs[:2],
+        tmp_path,
+        runs[0] / "case.toml",
+    ]
     errors = refused(given, tmp_path / "there" / "r.doc")
     assert len(errors) == 9
     for part in (
@@ -241,7 +296,12 @@ def test_unfinished_run_and_damaged_scans(runs, tmp_path):
     (runs[0] / "summary.json").unlink()
     write_json(runs[0] / "run.json", {"state": "interrupted"})
     assert "--resume" in refused([runs[0]], tmp_path / "r.html")[0]
-    for content in ("{", "[]", '{"name": "a", "case": "b", "varied": [], "points": [{}]}', '{"name": 1}'):
+    for content in (
+        "{",
+        "[]",
+        '{"name": "a", "case": "b", "varied": [], "points": [{}]}',
+        '{"name": 1}',
+    ):
         (runs[2] / "scan.json").write_text(content)
         assert "scan.json" in refused([runs[2]], tmp_path / "r.html")[0]
 

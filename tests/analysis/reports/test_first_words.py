@@ -1,4 +1,6 @@
-"""First sentences and values of the reports of runs that are no simple impacts, and of what is no run."""
+"""First sentences and values of the reports of runs that are no simple impacts, and of what is no
+run.
+"""
 
 from __future__ import annotations
 
@@ -37,19 +39,28 @@ def test_a_driven_row():
         driven_velocity_m_s=4e-4, peak_reduction=20.0, impactor_velocity_m_s=1e-4,
     )  # fmt: skip
     words = in_words(run)
-    assert words.startswith("90 % of the 200 nJ put in was taken by absorbing spheres. 5 % of the 200 nJ put in was ")
+    assert words.startswith(
+        "90 % of the 200 nJ put in was taken by absorbing spheres. 5 % of the 200 nJ put in was "
+    )
     assert "50 % of the driven end's velocity, 400 µm/s, came through." in words
     assert labels(run)[0] == "Transmission"
     assert not {"Peak reduction", "Struck sphere at the end"} & set(labels(run))
 
 
 def test_a_plate():
-    run = run_with(energy_input_J=9.0, dissipated_fraction=0.3, plate_velocity_m_s=-3.5, impactor_velocity_m_s=-3.0)
+    run = run_with(
+        energy_input_J=9.0,
+        dissipated_fraction=0.3,
+        plate_velocity_m_s=-3.5,
+        impactor_velocity_m_s=-3.0,
+    )
     assert "The plate rebounds with 3.5 m/s." in in_words(run)
     assert labels(run)[0] == "Plate at the end" and "Struck sphere at the end" not in labels(run)
 
 
-@pytest.mark.parametrize(("law", "shown"), [("elastoplastic", True), ("hertz", False), ("line", False)])
+@pytest.mark.parametrize(
+    ("law", "shown"), [("elastoplastic", True), ("hertz", False), ("line", False)]
+)
 def test_values_of_yielding_where_the_law_yields(law, shown):
     run = run_with({"contact.law": law}, dissipated_fraction=0.0, n_plastic_contacts=0)
     assert ("Yielded contacts" in labels(run)) == shown
@@ -65,8 +76,16 @@ def test_inferred_forces():
         "are off by 1.2 % to 5.7 % of the true ones, for noise of 2 % to 10 %. What these forces leave unexplained is 5 % "
         "of the data."
     )
-    assert labels(run)[:3] == ["Grains", "Candidate contacts", "Contacts with a force above two standard errors"]
-    others = [dataclasses.replace(run, label="two", summary={**run.summary, "n_significant_contacts": None})]
+    assert labels(run)[:3] == [
+        "Grains",
+        "Candidate contacts",
+        "Contacts with a force above two standard errors",
+    ]
+    others = [
+        dataclasses.replace(
+            run, label="two", summary={**run.summary, "n_significant_contacts": None}
+        )
+    ]
     table = compact_table([run, *others])
     assert [column.heading for column in table.columns] == ["Quantity", "one", "two", "Unit"]
     rows = {row[0].text: [cell.text for cell in row[1:]] for row in table.rows}
@@ -87,7 +106,11 @@ def test_a_target_comes_first():
         "The target bore 1.192 kN, 43.2 % less than the 2.097 kN without the packing. The ground below it bore 239.4 N, "
         "8.87 % more than the 219.9 N without the packing. 80 % of the 50 mJ"
     )
-    assert labels(run)[:3] == ["Peak force on the bottom", "Peak force without the packing", "Peak reduction"]
+    assert labels(run)[:3] == [
+        "Peak force on the bottom",
+        "Peak force without the packing",
+        "Peak reduction",
+    ]
     values = {row[0].text: (row[1].text, row[2].text) for row in value_rows(run).rows}
     assert values["Largest displacement of the target"] == ("0.012", "mm")
     on_a_wall = run_with({"boundary.bottom": "wall"}, wall_peak_force_N=10.0)
@@ -96,8 +119,12 @@ def test_a_target_comes_first():
 
 def test_a_chain_says_speed_and_decay(monkeypatch):
     """Contacts that the wave has not reached do not count."""
-    monkeypatch.setattr("granwave.analysis.reports.answer._peaks", lambda _: np.array([100.0, 60.0, 9.0, 1e-9]))
-    run = run_with({"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0)
+    monkeypatch.setattr(
+        "granwave.analysis.reports.answer._peaks", lambda _: np.array([100.0, 60.0, 9.0, 1e-9])
+    )
+    run = run_with(
+        {"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0
+    )
     assert in_words(run) == (
         "The wave ran at 428.3 m/s. Its peak force goes from 100 N in contact 1 to 9 N in contact 3. 0 % of the 2 J put in "
         "was dissipated."
@@ -124,30 +151,47 @@ def small_waves(tmp_path_factory):
 
 
 def test_bands_have_a_report(small_waves):
-    """Speed and edge of the band are those of the dispersion relation; the diagram stands at the top."""
+    """Speed and edge of the band are those of the dispersion relation; the diagram stands at the
+    top.
+    """
     report = build([small_waves], small_waves.parent)
     summary = json.loads((small_waves / "bands.json").read_text())
     edge = math.sqrt(4 * summary["contact_stiffness_N_per_m"] / MASS) / (2 * math.pi)
-    said = [block.text for block in report.sections[0].blocks if isinstance(block, Note) and block.tone == "lead"]
+    said = [
+        block.text
+        for block in report.sections[0].blocks
+        if isinstance(block, Note) and block.tone == "lead"
+    ]
     assert f"Nothing passes above {1e-3 * edge:.4g} kHz. Long waves run at" in said[0]
     assert said[1].startswith("row (modes): 6 modes from ")
     assert "row (bands) (chain of 6, brass, 9.52 mm, under 20 N, elastic, ideal)" in report.lead
     figures = next(section for section in report.sections if section.slug == "figures")
-    names = [[one.name for part in group.blocks for one in part.figures] for group in figures.blocks]
-    assert ["bands" in name for name in names[0]].count(True) and not any("density" in name for name in names[0])
+    names = [
+        [one.name for part in group.blocks for one in part.figures] for group in figures.blocks
+    ]
+    assert ["bands" in name for name in names[0]].count(True) and not any(
+        "density" in name for name in names[0]
+    )
     assert len(names[1]) == 2
     assert not any(section.slug == "balance" for section in report.sections)
 
 
 def test_symbols_are_defined_with_their_values(tmp_path):
-    """F_y and alpha_y of two spheres of the run, with the energy put in; of elastic ones the largest force."""
+    """F_y and alpha_y of two spheres of the run, with the energy put in; of elastic ones the
+    largest force.
+    """
     run = write_run(tmp_path / "run", energy_input_J=0.05, peak_force_N=700.0)
     (note,) = symbols_note(read_inputs([run], tmp_path))
     law = sphere_contact(load_case(run / "case.toml"))
-    assert f"F_y = {law.yield_force:.4g} N is the force at which a contact of two spheres first yields." in note.text
+    assert (
+        f"F_y = {law.yield_force:.4g} N is the force at which a contact of two spheres first yields."
+        in note.text
+    )
     assert f"alpha_y = {1e6 * law.yield_overlap:.4g} µm is" in note.text
     assert "e_in = 50 mJ is the energy put in" in note.text
-    elastic = write_run(tmp_path / "elastic", contact__law="hertz", energy_input_J=0.05, peak_force_N=700.0)
+    elastic = write_run(
+        tmp_path / "elastic", contact__law="hertz", energy_input_J=0.05, peak_force_N=700.0
+    )
     (note,) = symbols_note(read_inputs([elastic], tmp_path))
     assert note.text.startswith("F_max = 700 N is the largest contact force")
 

@@ -1,4 +1,6 @@
-"""Three formats of a report: identical bytes for identical inputs, and arbitrary characters in texts."""
+"""Three formats of a report: identical bytes for identical inputs, and arbitrary characters in
+texts.
+"""
 
 from __future__ import annotations
 
@@ -35,8 +37,11 @@ def nasty(tmp_path_factory):
 
 
 def test_same_inputs_same_bytes(runs, tmp_path):
-    """Reports are identical in another process and directory, with other hashes and files made in another order."""
-    here, there = tmp_path / "here", tmp_path / "there"
+    """Reports are identical in another process and directory, with other hashes and files made in
+    another order.
+    """
+    here = tmp_path / "here"
+    there = tmp_path / "there"
     shutil.copytree(runs[0].parent, here)
     for path in sorted(here.rglob("*"), reverse=True):
         if path.is_file():
@@ -48,9 +53,16 @@ def test_same_inputs_same_bytes(runs, tmp_path):
     code = f"""from granwave.analysis.reports.report import write_report
 for name in {reports}:
     write_report({[path.name for path in runs]}, name)"""
-    subprocess.run([sys.executable, "-c", code], cwd=there, env={**os.environ, "PYTHONHASHSEED": "7"}, check=True)
+    subprocess.run(
+        [sys.executable, "-c", code],
+        cwd=there,
+        env={**os.environ, "PYTHONHASHSEED": "7"},
+        check=True,
+    )
     pictures = sorted(f"report_files/{path.name}" for path in (here / "report_files").iterdir())
-    assert pictures and pictures == sorted(f"report_files/{path.name}" for path in (there / "report_files").iterdir())
+    assert pictures and pictures == sorted(
+        f"report_files/{path.name}" for path in (there / "report_files").iterdir()
+    )
     for name in (*reports, *pictures):
         assert (there / name).read_bytes() == (here / name).read_bytes(), name
     assert not [path for path in there.iterdir() if path.name.startswith(".")]
@@ -101,7 +113,9 @@ def test_markdown_escapes_everything(nasty, tmp_path):
 @pytest.mark.parametrize("text", ["75.5 % of it", "5\\. of May", "\\- no list", "-e of it"])
 def test_markdown_has_no_lists_by_accident(text):
     blocks = (Note(text.replace("\\", "")), Note("Answer", "lead", "short"))
-    found, _ = markdown(Report("R", "1 run. SI units.", (Section("In short", "short", blocks),)), "r_files")
+    found, _ = markdown(
+        Report("R", "1 run. SI units.", (Section("In short", "short", blocks),)), "r_files"
+    )
     assert f"\n{text}\n\n**Answer** [In short](#in-short)\n" in found
 
 
@@ -129,20 +143,41 @@ def test_pdf_is_the_page_on_paper(runs, tmp_path):
     assert b"DejaVuSans" in inside and b"DejaVuSans-Bold" in inside
     assert b"/URI" not in inside and b"file:" not in inside
     report = build(runs, tmp_path)
-    page, screen = Page(html_page(report, paper=True)), Page(html_page(report))
-    assert not {tag for tag, _ in page.tags} & {"details", "summary", "script", "button", "nav", "dialog"}
+    page = Page(html_page(report, paper=True))
+    screen = Page(html_page(report))
+    assert not {tag for tag, _ in page.tags} & {
+        "details",
+        "summary",
+        "script",
+        "button",
+        "nav",
+        "dialog",
+    }
     assert all(attributes["href"].startswith("#") for tag, attributes in page.tags if tag == "a")
-    assert [tag for tag, _ in page.tags].count("img") == [tag for tag, _ in screen.tags].count("img") > 0
+    assert (
+        [tag for tag, _ in page.tags].count("img")
+        == [tag for tag, _ in screen.tags].count("img")
+        > 0
+    )
 
 
 def test_tables_of_a_pdf_fill_its_page():
-    """The grounds of the heads of their columns reach from margin to margin, as the line below a title does."""
-    table = Table("Two", (Column("A", key=True), Column("B", numeric=True)), ((Cell("x"), Cell("1")),))
+    """The grounds of the heads of their columns reach from margin to margin, as the line below a
+    title does.
+    """
+    table = Table(
+        "Two", (Column("A", key=True), Column("B", numeric=True)), ((Cell("x"), Cell("1")),)
+    )
     drawn = objects(pdf_writer.pdf_file(Report("R", "", (Section("S", "s", (table,)),))))
-    boxes = [tuple(map(float, box)) for box in re.findall(rb"([\d.]+) ([\d.]+) ([\d.]+) ([\d.]+) re f", drawn)]
+    boxes = [
+        tuple(map(float, box))
+        for box in re.findall(rb"([\d.]+) ([\d.]+) ([\d.]+) ([\d.]+) re f", drawn)
+    ]
     page = max(width for _, _, width, height in boxes if height < 1)
     heads = [(left, left + width) for left, _, width, height in boxes if 5 < height < 20]
-    assert max(right for _, right in heads) - min(left for left, _ in heads) == pytest.approx(page, abs=1)
+    assert max(right for _, right in heads) - min(left for left, _ in heads) == pytest.approx(
+        page, abs=1
+    )
 
 
 def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
@@ -168,7 +203,9 @@ def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
 
     monkeypatch.setattr(plutoprint, "ResourceFetcher", Watched)
     for address in (secret.as_uri(), "http://127.0.0.1:9/picture.png", "secret.png"):
-        monkeypatch.setattr(pdf_writer, "html_page", lambda report, paper, url=address: form.format(url))
+        monkeypatch.setattr(
+            pdf_writer, "html_page", lambda report, paper, url=address: form.format(url)
+        )
         assert pdf_writer.pdf_file(Report("R", "", ())).startswith(b"%PDF")
     assert len(refused) == 3
 
@@ -176,7 +213,9 @@ def test_pdf_reads_nothing_but_its_page(runs, tmp_path, monkeypatch):
 def test_pdf_without_its_library(runs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "plutoprint", None)
     (tmp_path / "report.pdf").write_bytes(b"% report of granwave\n")
-    with pytest.raises(InputError, match=r"needs PlutoPrint.*pip install plutoprint.*\.html and print that"):
+    with pytest.raises(
+        InputError, match=r"needs PlutoPrint.*pip install plutoprint.*\.html and print that"
+    ):
         write_report(runs, tmp_path / "new.pdf")
     assert not (tmp_path / "new.pdf").exists()
 
@@ -194,14 +233,21 @@ def test_wide_tables_in_parts(columns):
         if len(found) > 1:
             assert [column.heading for column in part.columns[:2]] == ["c0", "c2"]
             assert part.caption == f"Points, part {number} of {len(found)}"
-        assert [cell.text for cell in part.rows[1]] == [f"1.{column.heading[1:]}" for column in part.columns]
+        assert [cell.text for cell in part.rows[1]] == [
+            f"1.{column.heading[1:]}" for column in part.columns
+        ]
 
 
 def test_markdown_has_the_same_content(runs, tmp_path):
     report = build(runs, tmp_path)
     text = write_report(runs, tmp_path / "report.md").read_text(encoding="utf-8")
     assert all(f"## {section.title}" in text for section in report.sections)
-    n_figures = sum(len(b.figures) for s in report.sections for b in blocks(report, s.slug) if isinstance(b, Gallery))
+    n_figures = sum(
+        len(b.figures)
+        for s in report.sections
+        for b in blocks(report, s.slug)
+        if isinstance(b, Gallery)
+    )
     assert text.count("![") == n_figures == len(list((tmp_path / "report_files").iterdir()))
     assert "the disk is full no space left" in text and "**failed**" in text
 
@@ -212,7 +258,11 @@ def test_html_headings_and_figures(runs, tmp_path):
     assert levels.count(1) == 1
     assert all(later - before <= 1 for before, later in itertools.pairwise(levels))
     pictures = [attributes for tag, attributes in page.tags if tag == "img"]
-    assert pictures and all(p["alt"] and p["src"].startswith("data:image/png;base64,") for p in pictures)
+    assert pictures and all(
+        p["alt"] and p["src"].startswith("data:image/png;base64,") for p in pictures
+    )
     ids = [attributes["id"] for _, attributes in page.tags if attributes.get("id")]
     assert len(ids) == len(set(ids))
-    assert {a["href"][1:] for tag, a in page.tags if tag == "a" and a["href"].startswith("#")} <= set(ids)
+    assert {
+        a["href"][1:] for tag, a in page.tags if tag == "a" and a["href"].startswith("#")
+    } <= set(ids)

@@ -6,7 +6,16 @@ import json
 
 import pytest
 
-from granwave.analysis.document.model import Figure, Gallery, Note, Table, cleaned, named, percent, show
+from granwave.analysis.document.model import (
+    Figure,
+    Gallery,
+    Note,
+    Table,
+    cleaned,
+    named,
+    percent,
+    show,
+)
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.reports import figures
@@ -14,7 +23,15 @@ from granwave.analysis.reports import outline as balance
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.workflows.run.checks import TOLERANCE
-from tests.helpers.synthetic_report import blocks, build, draw, notes, table, write_inputs, write_run
+from tests.helpers.synthetic_report import (
+    blocks,
+    build,
+    draw,
+    notes,
+    table,
+    write_inputs,
+    write_run,
+)
 from tests.helpers.synthetic_scan import grid, write_json, write_scan
 
 
@@ -50,22 +67,41 @@ def test_sections_and_order_of_the_inputs(both):
 
 def test_scan_table_has_the_varied_keys_first_and_every_status(both):
     (_, _, scan), report = both
-    part = next(b for b in blocks(report, "results") if isinstance(b, Table) and b.caption == "Scan scan")
+    part = next(
+        b for b in blocks(report, "results") if isinstance(b, Table) and b.caption == "Scan scan"
+    )
     heads = ["#", "load.velocity", "material", "Status", quantity(REPORT_COLUMNS[0]).label]
-    assert [column.heading for column in part.columns][:5] == heads and part.columns[1].unit == "m/s"
+    assert [column.heading for column in part.columns][:5] == heads and part.columns[
+        1
+    ].unit == "m/s"
     rows = table(report, "results", "Scan scan")
     assert [row["#"].text for row in rows] == [str(n) for n in range(1, 9)]
-    assert [row["Status"].text for row in rows] == ["done", "done", "failed", "done", "done", "done", "done", "missing"]
+    assert [row["Status"].text for row in rows] == [
+        "done",
+        "done",
+        "failed",
+        "done",
+        "done",
+        "done",
+        "done",
+        "missing",
+    ]
     assert rows[0]["load.velocity"].value == 10.0
     summary = json.loads(next((scan / "points").glob("*/summary.json")).read_text())
-    assert any(row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows)
+    assert any(
+        row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows
+    )
     assert rows[2]["Peak contact force"].text == ""  # for a failed point
 
 
 def test_failed_and_missing_points_say_why(both):
     _, report = both
     failed, missing = table(report, "failures", "Scan scan: points that are not done")
-    assert (failed["#"].text, failed["Status"].text, failed["Attempts"].text) == ("3", "failed", "2")
+    assert (failed["#"].text, failed["Status"].text, failed["Attempts"].text) == (
+        "3",
+        "failed",
+        "2",
+    )
     assert failed["Why"].text == "the disk is full\nno space left"
     assert failed["Directory"].text.startswith("scan/unfinished/")
     assert (missing["#"].text, missing["Why"].text) == ("8", "not begun")
@@ -77,7 +113,9 @@ def test_damaged_summary_of_a_point_is_told(runs, tmp_path):
     for name, content in (("[1]", "[1]"), ("cut", '{"name": ')):
         scan = write_scan(tmp_path / name, grid(load__velocity=[1, 2]))
         next((scan / "points").glob("*/summary.json")).write_text(content)
-        (row,) = table(build([scan], tmp_path), "failures", f"Scan {name}: points that are not done")
+        (row,) = table(
+            build([scan], tmp_path), "failures", f"Scan {name}: points that are not done"
+        )
         assert "damaged" in row["Why"].text and "granwave analyse" in row["Why"].text
 
 
@@ -114,7 +152,9 @@ def test_limit_of_the_balance_is_the_driver_s():
 
 
 def test_contacts_beyond_the_law_and_a_refused_run_are_told(tmp_path):
-    run = write_run(tmp_path / "run", figures=False, contacts_beyond_law=3, energy_balance_error=3e-5)
+    run = write_run(
+        tmp_path / "run", figures=False, contacts_beyond_law=3, energy_balance_error=3e-5
+    )
     write_json(run / "run.json", {"state": "refused", "reason": "the balance missed by 3e-5"})
     report = build([run], tmp_path)
     texts = [note.text for note in notes(report, "short")]
@@ -123,7 +163,9 @@ def test_contacts_beyond_the_law_and_a_refused_run_are_told(tmp_path):
     assert table(report, "inputs", "What this report is about")[0]["Status"].text == "refused"
 
 
-@pytest.mark.parametrize("reason", ["energy balance refused", "refused"])  # of spheres, of finite elements
+@pytest.mark.parametrize(
+    "reason", ["energy balance refused", "refused"]
+)  # of spheres, of finite elements
 def test_refused_runs_are_marked_and_not_compared(tmp_path, reason):
     """Also those without a run.json, such as blocks."""
     runs = [write_run(tmp_path / name, figures=False, **values) for name, values in
@@ -131,24 +173,35 @@ def test_refused_runs_are_marked_and_not_compared(tmp_path, reason):
     report = build(runs, tmp_path)
     labels = [row["Run"].text for row in table(report, "short", "Runs")]
     assert labels == ["good", "bad (refused)"]
-    assert any("did not close: bad (refused)" in note.text and note.tone == "bad" for note in notes(report, "short"))
+    assert any(
+        "did not close: bad (refused)" in note.text and note.tone == "bad"
+        for note in notes(report, "short")
+    )
 
 
 def test_two_runs_side_by_side(runs, tmp_path):
     report = build(runs[:2], tmp_path)
-    row = {row["Quantity"].text: row for row in table(report, "results", "Values side by side")}["Energy input"]
+    row = {row["Quantity"].text: row for row in table(report, "results", "Values side by side")}[
+        "Energy input"
+    ]
     values = [json.loads((run / "summary.json").read_text())["energy_input_J"] for run in runs[:2]]
     assert [row["first"].value, row["second"].value] == pytest.approx(values)
     assert row["Difference"].value == pytest.approx(300.0) and row["Difference"].text == "+300 %"
     (shown,) = [block for block in blocks(report, "short") if isinstance(block, Gallery)][:1]
-    assert shown.figures[0].caption.startswith("Dissipated share of the input against time. Where a curve is level")
+    assert shown.figures[0].caption.startswith(
+        "Dissipated share of the input against time. Where a curve is level"
+    )
     assert list(table(report, "results", "Runs")[0])[1] == "load.velocity"
 
 
 def test_many_runs_have_one_table(tmp_path):
     paths = [write_run(tmp_path / f"r{v}", figures=False, load__velocity=v) for v in range(1, 9)]
     report = build(paths, tmp_path)
-    captions = [block.caption for block in blocks(report, "results") if isinstance(block, Table) and block.captioned]
+    captions = [
+        block.caption
+        for block in blocks(report, "results")
+        if isinstance(block, Table) and block.captioned
+    ]
     assert captions == ["Runs"] and len(table(report, "results", "Runs")) == 8
 
 
@@ -162,12 +215,17 @@ def test_replicates_have_mean_and_confidence(tmp_path):
     points = [{"load.velocity": v, "packing.seed": s} for v in (1, 2) for s in (1, 2, 3)]
     scan = tmp_path / "scan"
     write_scan(scan, [{"load.velocity": p["load.velocity"]} for p in points], missing=range(1, 7))
-    index = json.loads((scan / "scan.json").read_text()) | {"varied": ["load.velocity", "packing.seed"]}
+    index = json.loads((scan / "scan.json").read_text()) | {
+        "varied": ["load.velocity", "packing.seed"]
+    }
     for number, (point, entry) in enumerate(zip(points, index["points"], strict=True)):
         entry |= {"labels": point, "id": f"p{number}"}
         folder = scan / "points" / f"p{number}"
         folder.mkdir(parents=True)
-        write_json(folder / "summary.json", {"dissipated_fraction": 0.5 + 0.1 * point["packing.seed"], "versions": {}})
+        write_json(
+            folder / "summary.json",
+            {"dissipated_fraction": 0.5 + 0.1 * point["packing.seed"], "versions": {}},
+        )
     write_json(scan / "scan.json", index)
     rows = table(build([scan], tmp_path), "results", "Scan scan: mean and 95 % confidence interval")
     assert [row["Replicates"].text for row in rows] == ["3", "3"]
@@ -181,8 +239,13 @@ def test_versions_common_once_and_differences_by_run(tmp_path):
         "second": {"granwave": "1", "lammps": "3"},
         "old": {"granwave": "1"},
     }
-    runs = [write_run(tmp_path / name, figures=False, versions=versions) for name, versions in several.items()]
-    block = write_run(tmp_path / "block", figures=False, versions={"granwave": "1", "numba": "3"}, n_elements=100)
+    runs = [
+        write_run(tmp_path / name, figures=False, versions=versions)
+        for name, versions in several.items()
+    ]
+    block = write_run(
+        tmp_path / "block", figures=False, versions={"granwave": "1", "numba": "3"}, n_elements=100
+    )
     report = build([runs[0], block], tmp_path)
     shared = [row["Program"].text for row in table(report, "inputs", "Versions, the same in all")]
     assert shared == ["granwave", "lammps", "numba"]
@@ -222,9 +285,16 @@ def test_figures_in_a_fixed_order_made_small(both):
     gallery = next(block for block in blocks(report, "figures") if isinstance(block, Gallery))
     assert [figure.alt for figure in gallery.figures] == [
         f"{name}: run first"
-        for name in ("Peak contact force, principal plane", "Energies and the error of their balance", "Zebra")
+        for name in (
+            "Peak contact force, principal plane",
+            "Energies and the error of their balance",
+            "Zebra",
+        )
     ]
-    assert gallery.figures[0].caption == f"{gallery.figures[0].alt}. {FIGURES['peak_force_principal'].look}"
+    assert (
+        gallery.figures[0].caption
+        == f"{gallery.figures[0].alt}. {FIGURES['peak_force_principal'].look}"
+    )
     figure = gallery.figures[-1]
     assert figure.size == (900, 45)
     assert (figure.data.text, figure.data.href) == ("figures/zebra.csv", "first/figures/zebra.csv")
@@ -264,7 +334,12 @@ def test_numbers(value, text):
 def test_small_words():
     assert named(["a", "s #1", "s #2", "b"]) == "a, s #1, #2, b"
     assert named(["a", "b", "c"], 2) == "a, b and 1 more"
-    assert [percent(x) for x in (0.0, 0.11234, -12.345, 1e-7)] == ["0 %", "+0.11 %", "-12.3 %", "+1e-7 %"]
+    assert [percent(x) for x in (0.0, 0.11234, -12.345, 1e-7)] == [
+        "0 %",
+        "+0.11 %",
+        "-12.3 %",
+        "+1e-7 %",
+    ]
 
 
 def test_cleaned_replaces_what_formats_cannot_hold():
@@ -274,7 +349,8 @@ def test_cleaned_replaces_what_formats_cannot_hold():
 
 
 def test_same_names_and_one_directory_twice(tmp_path):
-    first, second = write_run(tmp_path / "a" / "run", figures=False), write_run(tmp_path / "b" / "run", figures=False)
+    first = write_run(tmp_path / "a" / "run", figures=False)
+    second = write_run(tmp_path / "b" / "run", figures=False)
     inputs = read_inputs([first, second, tmp_path / "a" / ".." / "a" / "run"], tmp_path)
     assert [run.label for run in inputs.runs] == ["a/run", "b/run"]
 

@@ -1,4 +1,6 @@
-"""Tables and notes of a report: no empty columns, no insignificant digits, the bottoms of runs, names of sections."""
+"""Tables and notes of a report: no empty columns, no insignificant digits, the bottoms of runs,
+names of sections.
+"""
 
 from __future__ import annotations
 
@@ -8,7 +10,15 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.document.model import BLANK, Cell, Column, Table, spread_cell, tidied_table, value_cell
+from granwave.analysis.document.model import (
+    BLANK,
+    Cell,
+    Column,
+    Table,
+    spread_cell,
+    tidied_table,
+    value_cell,
+)
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import text_of
 from granwave.analysis.reports.results import results_section
@@ -20,10 +30,14 @@ from tests.helpers.synthetic_scan import grid, write_scan
 
 
 def made(heads: list[str], rows: list[list], *, by_row: bool = False) -> Table:
-    """Table from headings: ``Energy:J`` is a numeric column with its unit, ``Run`` a column of names."""
+    """Table from headings: ``Energy:J`` is a numeric column with its unit, ``Run`` a column of
+    names.
+    """
     columns = [Column(name, unit, numeric=name[0].isupper() and colon == ":") for name, colon, unit in
                (head.partition(":") for head in heads)]  # fmt: skip
-    cells = [[value if isinstance(value, Cell) else value_cell(value) for value in row] for row in rows]
+    cells = [
+        [value if isinstance(value, Cell) else value_cell(value) for value in row] for row in rows
+    ]
     return Table("t", tuple(columns), tuple(map(tuple, cells)), by_row=by_row)
 
 
@@ -42,7 +56,11 @@ def test_columns_without_a_value_are_left_out():
 
 
 def test_quantities_without_a_value_are_left_out():
-    of = made(["Quantity", "One:", "Two:"], [["a", 1.0, None], ["b", None, None], ["c", None, 2.0]], by_row=True)
+    of = made(
+        ["Quantity", "One:", "Two:"],
+        [["a", 1.0, None], ["b", None, None], ["c", None, 2.0]],
+        by_row=True,
+    )
     assert texts(of) == [["a", "1", BLANK], ["c", BLANK, "2"]]
 
 
@@ -51,7 +69,11 @@ def test_tables_on_paper_are_as_wide_as_the_page():
 
 
 def test_rounding_is_no_number():
-    rows = [["x", 0.0022, 7.7711e-121, 1.0], ["y", 0.0022, 4.8756e-12, 3e-17], ["z", 0.0022, -1e-19, 0.0]]
+    rows = [
+        ["x", 0.0022, 7.7711e-121, 1.0],
+        ["y", 0.0022, 4.8756e-12, 3e-17],
+        ["z", 0.0022, -1e-19, 0.0],
+    ]
     of = made(["Run", "Input:J", "Elastic:J", "Share:"], rows)
     assert texts(of) == [
         ["x", "0.0022", "< 1e-14", "1"],
@@ -76,25 +98,40 @@ def test_rounding_where_each_row_is_a_quantity():
         ["e", "", 1e-6, 2e-6],
     ]
     of = made(["Quantity", "Unit", "First:", "Second:"], rows, by_row=True)
-    assert [row[2:] for row in texts(of)] == [["100000", "100000"], ["2", "2"], ["< 1e-11", "0.001"], ["1e-6", "2e-6"]]
+    assert [row[2:] for row in texts(of)] == [
+        ["100000", "100000"],
+        ["2", "2"],
+        ["< 1e-11", "0.001"],
+        ["1e-6", "2e-6"],
+    ]
 
 
 def test_means_of_rounding():
     of = made(
-        ["Run", "A:"], [["x", spread_cell(0.7, 0.25)], ["y", spread_cell(3e-20, 1e-20)], ["z", spread_cell(0.5, None)]]
+        ["Run", "A:"],
+        [
+            ["x", spread_cell(0.7, 0.25)],
+            ["y", spread_cell(3e-20, 1e-20)],
+            ["z", spread_cell(0.5, None)],
+        ],
     )
     assert [row[1] for row in texts(of)][0::2] == ["0.70 ± 0.25", "0.5"]
 
 
 def test_bottoms_of_runs_are_told_in_one_column(tmp_path):
-    """Bottoms that are a wall, a plate, a half-space and a bar; units and single values are in the settings."""
+    """Bottoms that are a wall, a plate, a half-space and a bar; units and single values are in the
+    settings.
+    """
     bottoms = {
         "wall": "wall",
         "plate": "{plate = {mass = 5.0, stiffness = 5e9}}",
         "space": '{half_space = {}, material = "steel"}',
         "bar": '{bar = {length = 0.5, area = 0.0125}, material = "steel"}',
     }
-    runs = [write_run(tmp_path / name, figures=False, boundary__bottom=text) for name, text in bottoms.items()]
+    runs = [
+        write_run(tmp_path / name, figures=False, boundary__bottom=text)
+        for name, text in bottoms.items()
+    ]
     results = results_section(read_inputs(runs, tmp_path))
     shown = tidied_table(next(block for block in results.blocks if isinstance(block, Table)))
     heads = [column.heading for column in shown.columns]
@@ -124,16 +161,25 @@ def test_shares_of_friction_are_shown_where_there_is_friction(tmp_path):
     shares = {"plastic_fraction": 0.5, "friction_fraction": 0.0}
     first = write_run(tmp_path / "first", figures=False, **shares)
     second = write_run(tmp_path / "second", figures=False, **shares | {"friction_fraction": 0.2})
-    assert "Share dissipated by friction" in table(build([first, second], tmp_path), "results", "Runs")[0]
+    assert (
+        "Share dissipated by friction"
+        in table(build([first, second], tmp_path), "results", "Runs")[0]
+    )
     third = write_run(tmp_path / "third", figures=False, **shares)
-    assert not any("Share" in head for head in table(build([first, third], tmp_path), "results", "Runs")[0])
+    assert not any(
+        "Share" in head for head in table(build([first, third], tmp_path), "results", "Runs")[0]
+    )
 
 
 @pytest.mark.parametrize(
-    ("errors", "number"), [([7.66e-5], "7.7e-5"), ([2.1e-5, 8e-5], "off by up to 8e-5"), ([math.nan], "infinite")]
+    ("errors", "number"),
+    [([7.66e-5], "7.7e-5"), ([2.1e-5, 8e-5], "off by up to 8e-5"), ([math.nan], "infinite")],
 )
 def test_a_balance_that_is_poor_is_told_with_numbers(tmp_path, errors, number):
-    runs = [write_run(tmp_path / f"r{n}", figures=False, energy_balance_error=e) for n, e in enumerate(errors)]
+    runs = [
+        write_run(tmp_path / f"r{n}", figures=False, energy_balance_error=e)
+        for n, e in enumerate(errors)
+    ]
     (note,) = notes(build(runs, tmp_path), "short")
     assert number in note.text and "1e-5" in note.text and "r0" in note.text and note.tone == "bad"
 
@@ -149,12 +195,23 @@ def test_a_continuum_balance_has_its_own_limits(tmp_path):
 def test_sections_have_names_of_their_own(tmp_path):
     run = write_run(tmp_path / "run", figures=False)
     inputs = read_inputs([run], tmp_path)
-    study = Study("s", "A chain", "text", rows=(Row("a", "N", 2.0, 3.0, "1"), Row("b", "", None, 3.0, "", theory=4.0)))
+    study = Study(
+        "s",
+        "A chain",
+        "text",
+        rows=(Row("a", "N", 2.0, 3.0, "1"), Row("b", "", None, 3.0, "", theory=4.0)),
+    )
     section = studies_section(inputs, [study])
     assert section.title == "Studies"
     parts = [block for block in section.blocks[0].blocks if isinstance(block, Table)]
-    assert [part.caption for part in parts] == ["A chain: source against ours", "A chain: theory against ours"]
-    assert [row[3].text for part in parts for row in part.rows] == ["+50 %", "-25 %"]  # of what it is compared with
+    assert [part.caption for part in parts] == [
+        "A chain: source against ours",
+        "A chain: theory against ours",
+    ]
+    assert [row[3].text for part in parts for row in part.rows] == [
+        "+50 %",
+        "-25 %",
+    ]  # of what it is compared with
     titles = [one.title for one in build([run], tmp_path).sections] + [section.title]
     assert len({re.sub(r"\W", "", title).lower() for title in titles}) == len(titles)
 

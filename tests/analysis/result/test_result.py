@@ -15,7 +15,13 @@ from granwave.analysis import MissingOutputError, OutputFormatError, Result, uni
 from granwave.analysis.lammps_output.dumps import contacts_at_end
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result import contacts
-from granwave.analysis.result.contacts import LISTED_FROM, list_contacts, merge_dents, pair_laws, touching_pairs
+from granwave.analysis.result.contacts import (
+    LISTED_FROM,
+    list_contacts,
+    merge_dents,
+    pair_laws,
+    touching_pairs,
+)
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import Lattice, build_packing
@@ -25,7 +31,9 @@ from tests.helpers import synthetic
 
 
 def dissipation_mismatch(result: Result) -> float:
-    """Largest difference of a sphere's dissipation between the last snapshot and ``/contacts``, over the input."""
+    """Largest difference of a sphere's dissipation between the last snapshot and ``/contacts``,
+    over the input.
+    """
     from_contacts = result["spheres/dissipated_energy"] - result["spheres/dissipated_energy_wall"]
     from_snapshot = result.frame(result.n_frames - 1, "dissipated_energy")
     return float(np.max(np.abs(from_snapshot - from_contacts))) / (result.energy_input or 1.0)
@@ -70,7 +78,8 @@ def test_layout(result):
     assert np.array_equal(result["spheres/id"], np.arange(1, 145))
     assert result.case == synthetic.make_case()
     assert result.versions["lammps"] == "1"
-    first, second = result["contacts/i"], result["contacts/j"]
+    first = result["contacts/i"]
+    second = result["contacts/j"]
     assert np.all(first < second)
     assert np.all(np.diff(first * 1000 + second) > 0)
 
@@ -91,7 +100,9 @@ def test_spheres_sum_to_the_contacts(result):
 
 def test_dissipation_at_a_rigid_wall_belongs_to_the_sphere(run):
     row = np.array([[144, 0, 0, 1e-5, 50.0, 2e-4, 1e-5, 2e-5, 1.5e-5]])
-    synthetic.write_custom(run / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS)
+    synthetic.write_custom(
+        run / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS
+    )
     write_result(run)
     with Result(run) as result:
         total = result["contacts/dissipated_energy"].sum() + 2e-4
@@ -102,12 +113,17 @@ def test_dissipation_at_a_rigid_wall_belongs_to_the_sphere(run):
 
 
 def test_dents_of_one_pair_are_merged(run):
-    """A forgotten dent and a new one: the largest peak, the sum of the energies, the earliest times."""
+    """A forgotten dent and a new one: the largest peak, the sum of the energies, the earliest
+    times.
+    """
     dents = next(contacts_at_end(run).frames()).values
-    old, new = dents[0].copy(), dents[0].copy()
+    old = dents[0].copy()
+    new = dents[0].copy()
     old[2:] = [0, 0, 3e-6, 40.0, 0, 1e-5, 1e-6, 2e-6, 1.5e-6, 0]
     new[2:] = [1e-6, 8.0, 2e-6, 20.0, 3e-6, 5e-6, 7e-6, 8e-6, 7.5e-6, 1]
-    synthetic.write_local(run / "dumps" / "contacts.dump", np.concatenate([[new], dents[1:], [old]]))
+    synthetic.write_local(
+        run / "dumps" / "contacts.dump", np.concatenate([[new], dents[1:], [old]])
+    )
     merged = merge_dents(*contacts_at_end(run).frames())
     assert (merged["i"][0], merged["j"][0], merged["n_dents"][0]) == (old[0], old[1], 2)
     expected = {"peak_overlap": 3e-6, "peak_force": 40.0, "dissipated_energy": 1.5e-5, "force": 8.0}
@@ -130,7 +146,9 @@ def test_pairs_that_met_later_are_listed_from_a_threshold(run):
         met = dents[0].copy()
         met[:2], met[4] = (1, 144), factor * LISTED_FROM * 1e-6
         synthetic.write_local(run / "dumps" / "contacts.dump", np.concatenate([dents, [met]]))
-        table = list_contacts(merge_dents(*contacts_at_end(run).frames()), dents[:, :2].astype(int), 1e-6)
+        table = list_contacts(
+            merge_dents(*contacts_at_end(run).frames()), dents[:, :2].astype(int), 1e-6
+        )
         assert len(table["i"]) == len(dents) + listed
         assert np.count_nonzero(table["touching"]) == len(dents)
 
@@ -152,8 +170,15 @@ def test_trajectory_is_h5md(result):
     assert spheres["box"].attrs["dimension"] == 3
     assert list(spheres["box"].attrs["boundary"]) == ["none"] * 3
     for name in ("position", "displacement", "velocity", "contact_force", "elastic_energy"):
-        assert len(spheres[name]["value"]) == len(spheres[name]["step"]) == len(spheres[name]["time"]) == 4
-    assert np.allclose(spheres["position/time"], np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP, rtol=1e-14)
+        assert (
+            len(spheres[name]["value"])
+            == len(spheres[name]["step"])
+            == len(spheres[name]["time"])
+            == 4
+        )
+    assert np.allclose(
+        spheres["position/time"], np.array([0, 250, 500, 1000]) * synthetic.TIMESTEP, rtol=1e-14
+    )
 
 
 def test_runs_from_before_elastic_energy_was_recorded(run):
@@ -189,7 +214,9 @@ def test_failure_leaves_the_old_file(run):
 
 
 def test_frames_of_another_run_are_refused(run, tmp_path_factory):
-    other = synthetic.write_run(tmp_path_factory.mktemp("other"), synthetic.make_case(size=(5, 5, 4)))
+    other = synthetic.write_run(
+        tmp_path_factory.mktemp("other"), synthetic.make_case(size=(5, 5, 4))
+    )
     (other / "dumps" / "spheres.dump").replace(run / "dumps" / "spheres.dump")
     with pytest.raises(OutputFormatError, match="100 spheres"):
         write_result(run)
@@ -223,15 +250,22 @@ def test_rows_are_found_where_spheres_are_missing(tmp_path):
             result.rows([4, 70])
         assert np.array_equal(result[f"{GROUP}/id"], ids)
         pairs = np.stack([result["contacts/i"], result["contacts/j"]], axis=1)
-        assert np.array_equal(pairs, build_packing(case).contacts) and not np.isin(pairs, MISSING).any()
+        assert (
+            np.array_equal(pairs, build_packing(case).contacts)
+            and not np.isin(pairs, MISSING).any()
+        )
         forces = np.zeros(145)
         np.maximum.at(forces, pairs, result["contacts/peak_force"][:, None])
         assert np.array_equal(result["spheres/peak_force"], forces[ids])
-        assert np.array_equal(result["spheres/coordination"], np.bincount(pairs.ravel(), minlength=145)[ids])
+        assert np.array_equal(
+            result["spheres/coordination"], np.bincount(pairs.ravel(), minlength=145)[ids]
+        )
         lost = result["contacts/dissipated_energy"].sum()
         assert result["spheres/dissipated_energy"].sum() == pytest.approx(lost, rel=1e-13)
         assert dissipation_mismatch(result) < 1e-14
-        assert np.array_equal(result.origin, assemble(case).lattice.positions(1, 144)[result.struck[0] - 1])
+        assert np.array_equal(
+            result.origin, assemble(case).lattice.positions(1, 144)[result.struck[0] - 1]
+        )
 
 
 def test_friction_is_part_of_the_dissipation_and_stands_apart(tmp_path):
@@ -241,15 +275,22 @@ def test_friction_is_part_of_the_dissipation_and_stands_apart(tmp_path):
     columns = synthetic.WALL_COLUMNS + " tangential_force friction"
     synthetic.write_custom(run / "dumps" / "wall_bottom.dump", columns, row, synthetic.STEPS)
     with Result(write_result(run)) as result:
-        rubbed, lost = result["contacts/friction_energy"], result["contacts/dissipated_energy"]
+        rubbed = result["contacts/friction_energy"]
+        lost = result["contacts/dissipated_energy"]
         assert np.allclose(rubbed, synthetic.RUBBED * (lost - rubbed), rtol=1e-14)
         assert result["wall_contacts/dissipated_energy"][0] == pytest.approx(3e-4)
         assert result["spheres/dissipated_energy_wall"][142] == pytest.approx(3e-4)
-        assert result["spheres/friction_energy"].sum() == pytest.approx(rubbed.sum() + 1e-4, rel=1e-13)
-        assert result["spheres/dissipated_energy"].sum() == pytest.approx(lost.sum() + 3e-4, rel=1e-13)
+        assert result["spheres/friction_energy"].sum() == pytest.approx(
+            rubbed.sum() + 1e-4, rel=1e-13
+        )
+        assert result["spheres/dissipated_energy"].sum() == pytest.approx(
+            lost.sum() + 3e-4, rel=1e-13
+        )
         assert dissipation_mismatch(result) < 1e-14
         assert "friction_energy" in result.quantities
-        expected = result["spheres/friction_energy"] - np.where(result["spheres/id"] == 143, 1e-4, 0)
+        expected = result["spheres/friction_energy"] - np.where(
+            result["spheres/id"] == 143, 1e-4, 0
+        )
         assert np.allclose(result.frame(3, "friction_energy"), expected, rtol=1e-13)
         assert result.unit("spheres/friction_energy") == result.unit("energy/friction") == "J"
 
@@ -278,12 +319,16 @@ def test_radii_of_their_own_change_the_laws():
     case = synthetic.make_case(packing={"diameter_scatter": 4e-6}, replace=replaced)
     assembly = assemble(case)
     pairs = np.concatenate(list(assemble(case).lattice.pairs()))
-    types = np.array([[assembly.type_of(assembly.material_of(one)) for one in pair] for pair in pairs.tolist()])
+    types = np.array(
+        [[assembly.type_of(assembly.material_of(one)) for one in pair] for pair in pairs.tolist()]
+    )
     radii = np.array([[assembly.diameter_of(one) / 2 for one in pair] for pair in pairs.tolist()])
     found = pair_laws(case, types, radii)
     laws = [pair_contact(case, *pair) for pair in pairs.tolist()]
     assert len({law.yield_overlap for law in laws}) > 100
-    assert np.allclose(found["effective_radius"], [law.effective_radius for law in laws], rtol=1e-14)
+    assert np.allclose(
+        found["effective_radius"], [law.effective_radius for law in laws], rtol=1e-14
+    )
     assert np.allclose(found["yield_overlap"], [law.yield_overlap for law in laws], rtol=1e-13)
     assert np.allclose(found["share"], [law.share_of_first for law in laws])
 
@@ -313,16 +358,20 @@ def test_search_finds_what_touches_a_large_sphere():
     """All pairs in contact, by comparing all spheres with all others."""
     random = np.random.default_rng(5)
     radii = np.where(np.arange(300) < 5, 0.03, random.uniform(0.004, 0.006, 300))
-    places, ids = random.uniform(0, 0.15, (300, 3)), np.arange(1, 301) * 3
+    places = random.uniform(0, 0.15, (300, 3))
+    ids = np.arange(1, 301) * 3
     gaps = np.linalg.norm(places[:, None] - places[None], axis=-1) - radii[:, None] - radii
     i, j = np.nonzero(np.triu(gaps <= 1e-4, 1))
     assert len(i) > 50
-    assert np.array_equal(touching_pairs(ids, places, radii, 1e-4), np.stack([ids[i], ids[j]], axis=1))
+    assert np.array_equal(
+        touching_pairs(ids, places, radii, 1e-4), np.stack([ids[i], ids[j]], axis=1)
+    )
 
 
 def test_ctrl_c_waits_for_the_file_and_keeps_the_old_one(tmp_path: Path) -> None:
     """An error that leaves a write within HDF5 ends the program by a signal."""
-    path, written = tmp_path / "x.h5", False
+    path = tmp_path / "x.h5"
+    written = False
     with new_hdf5(path) as file:
         file["a"] = 1
     with pytest.raises(KeyboardInterrupt), new_hdf5(path) as file:
@@ -370,20 +419,26 @@ def test_selections_work_in_metres(written):
     u = universe(written)
     layer = u.select_atoms("prop z < 0.004")
     assert layer.n_atoms == 36
-    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(assemble(synthetic.make_case()).lattice.neighbours(15))
+    assert u.select_atoms("around 0.0101 id 15").n_atoms == len(
+        assemble(synthetic.make_case()).lattice.neighbours(15)
+    )
 
 
 def test_universe_can_be_copied_and_pickled(written):
     u = universe(written)
     u.trajectory[2]
     for other in (u.copy(), pickle.loads(pickle.dumps(u))):
-        assert np.array_equal(other.trajectory[2].data["displacement"], u.trajectory[2].data["displacement"])
+        assert np.array_equal(
+            other.trajectory[2].data["displacement"], u.trajectory[2].data["displacement"]
+        )
 
 
 def test_periodic_sides_give_dimensions(tmp_path):
     case = synthetic.make_case(size=(6, 6, 4), boundary={"sides": "periodic", "bottom": "fixed"})
     write_result(synthetic.write_run(tmp_path, case))
-    assert universe(tmp_path).dimensions[:2] == pytest.approx(assemble(case).lattice.lengths, rel=1e-6)
+    assert universe(tmp_path).dimensions[:2] == pytest.approx(
+        assemble(case).lattice.lengths, rel=1e-6
+    )
 
 
 @pytest.mark.filterwarnings("ignore")

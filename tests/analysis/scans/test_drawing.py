@@ -1,4 +1,6 @@
-"""Appearance of the figures of a scan: labels without overlap inside the figure, curves of one kind, data of zeros only."""
+"""Appearance of the figures of a scan: labels without overlap inside the figure, curves of one
+kind, data of zeros only.
+"""
 
 from __future__ import annotations
 
@@ -38,8 +40,18 @@ def as_drawn():
 def points(x, values=None, n_curves=1):
     """Table of the points of curves, each a row of the scan."""
     mean = np.linspace(1, 2, len(x)) if values is None else values
-    table = DataFrame({"x": np.array(x, float), "mean": mean, "deviation": np.nan, "half_width": np.nan, "count": 1})
-    return concat([table.assign(mark=0, curve=n, row=n) for n in range(n_curves)], ignore_index=True)
+    table = DataFrame(
+        {
+            "x": np.array(x, float),
+            "mean": mean,
+            "deviation": np.nan,
+            "half_width": np.nan,
+            "count": 1,
+        }
+    )
+    return concat(
+        [table.assign(mark=0, curve=n, row=n) for n in range(n_curves)], ignore_index=True
+    )
 
 
 def shown_labels(figure: Figure) -> list[list[tuple[str, Bbox]]]:
@@ -51,9 +63,13 @@ def shown_labels(figure: Figure) -> list[list[tuple[str, Bbox]]]:
         for n, axis in enumerate((axes.xaxis, axes.yaxis)):
             low, high = sorted(axis.get_view_interval())
             labels = [
-                label for label in axis.get_ticklabels() if label.get_text() and low <= label.get_position()[n] <= high
+                label
+                for label in axis.get_ticklabels()
+                if label.get_text() and low <= label.get_position()[n] <= high
             ]
-            found.append([(label.get_text(), label.get_window_extent(renderer)) for label in labels])
+            found.append(
+                [(label.get_text(), label.get_window_extent(renderer)) for label in labels]
+            )
     return found
 
 
@@ -66,10 +82,19 @@ def touching(figure: Figure) -> list[tuple[str, str]]:
 def outside(figure: Figure) -> list[str]:
     """Texts that are cut off by the edge of the figure."""
     boxes = list(itertools.chain.from_iterable(shown_labels(figure)))
-    renderer, whole = figure.canvas.get_renderer(), figure.bbox
+    renderer = figure.canvas.get_renderer()
+    whole = figure.bbox
     legends = [*figure.legends, *(axes.get_legend() for axes in figure.axes if axes.get_legend())]
-    boxes += [(text.get_text(), text.get_window_extent(renderer)) for legend in legends for text in legend.get_texts()]
-    return [text for text, box in boxes if box.x0 < whole.x0 - 1 or box.x1 > whole.x1 + 1 or box.y1 > whole.y1 + 1]
+    boxes += [
+        (text.get_text(), text.get_window_extent(renderer))
+        for legend in legends
+        for text in legend.get_texts()
+    ]
+    return [
+        text
+        for text, box in boxes
+        if box.x0 < whole.x0 - 1 or box.x1 > whole.x1 + 1 or box.y1 > whole.y1 + 1
+    ]
 
 
 @pytest.mark.parametrize(
@@ -114,9 +139,17 @@ def test_bars_of_many_short_names():
 
 
 def test_legends_cut_nothing_off():
-    key, friction = key_of("boundary.bottom", BOTTOMS), key_of("contact.friction", [0.1, 0.2, 0.3, 0.4])
+    key = key_of("boundary.bottom", BOTTOMS)
+    friction = key_of("contact.friction", [0.1, 0.2, 0.3, 0.4])
     size = key_of("packing.size", ["[4, 4, 5]", "[4, 4, 6]", "[4, 4, 7]", "[4, 4, 8]"])
-    assert outside(draw_curves(points([1, 2], n_curves=4), "x", "y", [key, friction, size], ("x", "y")).figure) == []
+    assert (
+        outside(
+            draw_curves(
+                points([1, 2], n_curves=4), "x", "y", [key, friction, size], ("x", "y")
+            ).figure
+        )
+        == []
+    )
 
 
 def test_columns_of_a_map_do_not_run_together():
@@ -127,7 +160,9 @@ def test_columns_of_a_map_do_not_run_together():
 
 
 def test_what_is_zero_everywhere_has_no_figure(tmp_path):
-    """Without yielding there are no curves, bars or maps of dissipation; one yielding point is sufficient for them."""
+    """Without yielding there are no curves, bars or maps of dissipation; one yielding point is
+    sufficient for them.
+    """
     points = grid(load__velocity=[1, 2], packing__diameter=[0.005, 0.01], contact__law=["hertz"])
     elastic = write_scan(tmp_path / "elastic", points)
     assert {path.stem.partition("_vs_")[0] for path in draw_scan_figures(elastic, pdf=False)} == {
@@ -135,9 +170,15 @@ def test_what_is_zero_everywhere_has_no_figure(tmp_path):
         "wave_speed",
     }
     bars = write_scan(tmp_path / "bars", grid(packing__kind=["fcc", "hcp"], contact__law=["hertz"]))
-    assert "dissipated_fraction_vs_packing_kind" not in {path.stem for path in draw_scan_figures(bars, pdf=False)}
-    both = write_scan(tmp_path / "both", grid(load__velocity=[1, 2], contact__law=["hertz", "elastoplastic"]))
-    assert "dissipated_fraction_vs_load_velocity" in {path.stem for path in draw_scan_figures(both, pdf=False)}
+    assert "dissipated_fraction_vs_packing_kind" not in {
+        path.stem for path in draw_scan_figures(bars, pdf=False)
+    }
+    both = write_scan(
+        tmp_path / "both", grid(load__velocity=[1, 2], contact__law=["hertz", "elastoplastic"])
+    )
+    assert "dissipated_fraction_vs_load_velocity" in {
+        path.stem for path in draw_scan_figures(both, pdf=False)
+    }
 
 
 def rows_of(path):
@@ -147,19 +188,33 @@ def rows_of(path):
 
 def test_a_key_that_sorts_the_points_tells_the_curves_apart(tmp_path):
     """Curves are drawn although each velocity occurs with one number of struck spheres only."""
-    points = [{"load.velocity": v, "load.spheres": n} for n, speeds in ((1, (1, 4, 9)), (3, (2, 5, 8))) for v in speeds]
+    points = [
+        {"load.velocity": v, "load.spheres": n}
+        for n, speeds in ((1, (1, 4, 9)), (3, (2, 5, 8)))
+        for v in speeds
+    ]
     scan = write_scan(tmp_path, points)
     draw_scan_figures(scan, pdf=False)
     rows = rows_of(tmp_path / "figures" / "peak_force_vs_load_velocity.csv")
     assert [row["load.spheres"] for row in rows] == ["1"] * 3 + ["3"] * 3
     axes = drawings(ScanResult(scan))["peak_force_vs_load_velocity"].figure.axes[0]
-    assert [len(line.get_xdata()) for line in axes.lines if line.get_linestyle() != "None"] == [3, 3]
+    assert [len(line.get_xdata()) for line in axes.lines if line.get_linestyle() != "None"] == [
+        3,
+        3,
+    ]
 
 
-@pytest.mark.parametrize(("diameters", "joined"), [([0.004, 0.006, 0.008], True), ([0.008, 0.004, 0.006], False)])
+@pytest.mark.parametrize(
+    ("diameters", "joined"), [([0.004, 0.006, 0.008], True), ([0.008, 0.004, 0.006], False)]
+)
 def test_points_are_joined_where_all_that_varies_goes_one_way(tmp_path, diameters, joined):
-    points = [{"load.velocity": v, "packing.diameter": d} for v, d in zip((1, 2, 3), diameters, strict=True)]
-    figure = drawings(ScanResult(write_scan(tmp_path, points)))["peak_force_vs_load_velocity"].figure
+    points = [
+        {"load.velocity": v, "packing.diameter": d}
+        for v, d in zip((1, 2, 3), diameters, strict=True)
+    ]
+    figure = drawings(ScanResult(write_scan(tmp_path, points)))[
+        "peak_force_vs_load_velocity"
+    ].figure
     assert (figure.axes[0].lines[0].get_linestyle() != "None") == joined
 
 
@@ -167,9 +222,14 @@ def test_run_times_that_follow_other_keys_are_no_abscissa(tmp_path):
     points = grid(load__velocity=[1, 2], packing__kind=["fcc", "hcp"])
     for n, point in enumerate(points):
         point["run.end_time"] = 1e-3 * (n + 1)
-    names = {path.stem.partition("_vs_")[2] for path in draw_scan_figures(write_scan(tmp_path, points), pdf=False)}
+    names = {
+        path.stem.partition("_vs_")[2]
+        for path in draw_scan_figures(write_scan(tmp_path, points), pdf=False)
+    }
     assert names == {"load_velocity"}
     study = write_scan(tmp_path / "study", grid(run__end_time=[1e-3, 2e-3]))
     index = json.loads((study / "scan.json").read_text())
     write_json(study / "scan.json", index)
-    assert "peak_force_vs_run_end_time" in {path.stem for path in draw_scan_figures(study, pdf=False)}
+    assert "peak_force_vs_run_end_time" in {
+        path.stem for path in draw_scan_figures(study, pdf=False)
+    }

@@ -35,7 +35,13 @@ from tests.helpers import synthetic
 from tests.helpers.synthetic_report import build
 from tests.helpers.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan
 
-QUANTITIES = {"dissipated_fraction", "plastic_zone_depth", "plastic_spheres", "peak_force", "wave_speed"}
+QUANTITIES = {
+    "dissipated_fraction",
+    "plastic_zone_depth",
+    "plastic_spheres",
+    "peak_force",
+    "wave_speed",
+}
 
 
 @pytest.fixture(scope="module")
@@ -55,7 +61,10 @@ def test_columns_in_order_and_values(scan):
     table = scan_table(ScanResult(scan))
     names = list(table)
     assert names[:6] == ["load.velocity", "material", "status", "reason", "directory", "attempts"]
-    assert names[6:8] == ["name", "n_spheres"] and names[-2:] == ["versions.granwave", "versions.lammps"]
+    assert names[6:8] == ["name", "n_spheres"] and names[-2:] == [
+        "versions.granwave",
+        "versions.lammps",
+    ]
     assert table["status"] == ["done", "failed", "done", "done", "missing", "done"]
     assert table["attempts"] == [1, 2, 1, 1, 0, 1]
     labels = {"load.velocity": 5, "material": "brass"}
@@ -69,13 +78,16 @@ def test_csv_gives_every_number_back(scan):
     path = write_scan_table(scan)
     assert path == scan / "scan.csv" and not (scan / "scan_mean.csv").exists()
     assert b"\r" not in path.read_bytes()
-    rows, table = rows_of(path), scan_table(ScanResult(scan))
+    rows = rows_of(path)
+    table = scan_table(ScanResult(scan))
     assert list(rows[0]) == list(table) and len(rows) == 6
     assert [row["peak_force_N"] and float(row["peak_force_N"]) for row in rows] == [
         "" if value is None else value for value in table["peak_force_N"]
     ]
     assert rows[1]["reason"] == 'ERROR: "lost atoms",\nrank 0: ?µ'
-    assert [path.name for path in scan.iterdir() if path.name.startswith(".")] == [".granwave"]  # no temporary file
+    assert [path.name for path in scan.iterdir() if path.name.startswith(".")] == [
+        ".granwave"
+    ]  # no temporary file
 
 
 def test_hdf5_has_types_and_units(scan):
@@ -83,8 +95,12 @@ def test_hdf5_has_types_and_units(scan):
     with h5py.File(scan / "scan.h5") as file:
         assert (file.attrs["name"], file.attrs["case"]) == ("synthetic", "fcc-small")
         assert set(file) == set(scan_table(ScanResult(scan)))
-        assert file["load.velocity"].dtype == np.int64 and file["load.velocity"].attrs["unit"] == "m/s"
-        assert file["n_spheres"].dtype == np.float64 and math.isnan(file["n_spheres"][1])  # missing in two rows
+        assert (
+            file["load.velocity"].dtype == np.int64 and file["load.velocity"].attrs["unit"] == "m/s"
+        )
+        assert file["n_spheres"].dtype == np.float64 and math.isnan(
+            file["n_spheres"][1]
+        )  # missing in two rows
         assert file["material"].asstr()[1] == "steel" and file["status"].asstr()[4] == "missing"
         assert all("unit" in column.attrs for column in file.values())
 
@@ -95,7 +111,9 @@ def test_units():
         "m^3": "plastic_zone_volume_m3", "m/s": "wave_speed_m_s", "N s": "wall_impulse_Ns", "s": "wall_time_s",
         "1/s": "sphere_steps_per_s", "Pa": "material.youngs_modulus", "1": "n_steps versions.plugin_s dissipated_fraction",
     }.items():  # fmt: skip
-        assert {name: column_unit(name, {}) for name in names.split()} == dict.fromkeys(names.split(), unit)
+        assert {name: column_unit(name, {}) for name in names.split()} == dict.fromkeys(
+            names.split(), unit
+        )
 
 
 def test_a_scan_without_a_finished_point(tmp_path):
@@ -104,8 +122,14 @@ def test_a_scan_without_a_finished_point(tmp_path):
     table = scan_table(ScanResult(tmp_path))
     assert table["name"] == table["summary.name"] == ["one", "two"]
     write_scan(tmp_path / "none", grid(load__velocity=[1, 2]), missing=[1, 2])
-    assert [row["status"] for row in rows_of(write_scan_table(tmp_path / "none"))] == ["missing", "missing"]
-    assert draw_scan_figures(tmp_path / "none") == [] and read_scan(tmp_path / "none").where("done").n_points == 0
+    assert [row["status"] for row in rows_of(write_scan_table(tmp_path / "none"))] == [
+        "missing",
+        "missing",
+    ]
+    assert (
+        draw_scan_figures(tmp_path / "none") == []
+        and read_scan(tmp_path / "none").where("done").n_points == 0
+    )
 
 
 def test_replicates_have_means_and_deviations(tmp_path):
@@ -115,16 +139,26 @@ def test_replicates_have_means_and_deviations(tmp_path):
     forces = [summary_of(case_of(point))["peak_force_N"] for point in points]
     assert statistics["load.velocity"] == [1, 5] and statistics["n"] == [2, 1]
     assert "packing.seed" not in statistics and "name.mean" not in statistics
-    assert statistics["peak_force_N.mean"] == pytest.approx([sum(forces[:2]) / 2, forces[3]], rel=1e-14)
-    assert statistics["peak_force_N.std"][0] == pytest.approx(abs(forces[0] - forces[1]) / math.sqrt(2), rel=1e-12)
+    assert statistics["peak_force_N.mean"] == pytest.approx(
+        [sum(forces[:2]) / 2, forces[3]], rel=1e-14
+    )
+    assert statistics["peak_force_N.std"][0] == pytest.approx(
+        abs(forces[0] - forces[1]) / math.sqrt(2), rel=1e-12
+    )
     assert statistics["peak_force_N.std"][1] is None and statistics["peak_force_N.ci95"][1] is None
     half = 12.7062 * statistics["peak_force_N.std"][0] / math.sqrt(2)  # of two values, by tables
     assert statistics["peak_force_N.ci95"][0] == pytest.approx(half, rel=1e-5)
     write_scan_table(tmp_path)
     assert rows_of(tmp_path / "scan_mean.csv")[1]["peak_force_N.std"] == ""
     with h5py.File(tmp_path / "scan.h5") as file:
-        assert file["mean/n"][()].tolist() == [2, 1] and math.isnan(file["mean/peak_force_N.std"][1])
-        assert file["mean/peak_force_N.mean"].attrs["unit"] == file["mean/peak_force_N.ci95"].attrs["unit"] == "N"
+        assert file["mean/n"][()].tolist() == [2, 1] and math.isnan(
+            file["mean/peak_force_N.std"][1]
+        )
+        assert (
+            file["mean/peak_force_N.mean"].attrs["unit"]
+            == file["mean/peak_force_N.ci95"].attrs["unit"]
+            == "N"
+        )
 
 
 def test_two_thousand_points_are_quick(tmp_path):
@@ -135,8 +169,14 @@ def test_two_thousand_points_are_quick(tmp_path):
         folder = tmp_path / "points" / point_id(labels)
         folder.mkdir(parents=True)
         write_json(folder / "summary.json", summary)
-    index = [{"number": n, "id": point_id(labels), "labels": labels} for n, labels in enumerate(points, start=1)]
-    write_json(tmp_path / "scan.json", {"name": "many", "case": "c", "varied": ["load.velocity"], "points": index})
+    index = [
+        {"number": n, "id": point_id(labels), "labels": labels}
+        for n, labels in enumerate(points, start=1)
+    ]
+    write_json(
+        tmp_path / "scan.json",
+        {"name": "many", "case": "c", "varied": ["load.velocity"], "points": index},
+    )
     result = ScanResult(tmp_path)
     write_scan_table(result)
     start = time.process_time()
@@ -155,7 +195,10 @@ def test_reader(scan):
         data["peak"]
     frame = data.to_pandas()
     assert frame.groupby("status").size().to_dict() == {"done": 4, "failed": 1, "missing": 1}
-    assert frame.attrs["units"]["peak_force_N"] == "N" and frame.attrs["units"]["load.velocity"] == "m/s"
+    assert (
+        frame.attrs["units"]["peak_force_N"] == "N"
+        and frame.attrs["units"]["load.velocity"] == "m/s"
+    )
 
 
 def test_reader_for_xarray(tmp_path):
@@ -172,7 +215,9 @@ def test_reader_for_xarray(tmp_path):
     found = data["peak_force_N"].sel({"load.velocity": 5, "material": "steel"})
     assert found == summary_of(case_of({"load.velocity": 5, "material": "steel"}))["peak_force_N"]
     assert data["peak_force_N"].attrs["units"] == "N"
-    write_scan(tmp_path / "bad", [*points, {"load.velocity": 9, "material": "brass", "run.end_time": 1.0}])
+    write_scan(
+        tmp_path / "bad", [*points, {"load.velocity": 9, "material": "brass", "run.end_time": 1.0}]
+    )
     with pytest.raises(ValueError, match="found 5 points at 5 places of a grid of 3 x 2"):
         read_scan(tmp_path / "bad").to_xarray()
 
@@ -195,7 +240,11 @@ def test_sizes_are_numbers():
     for sizes, label, values in (
         ([[6, 24], [6, 32]], "Rows", (24, 32)),
         ([[6, 24], [8, 24]], "Grains along x", (6, 8)),
-        ([[6, 24], [8, 32]], "Grains along x times rows", (144, 256)),  # rows of n and n - 1 have fewer
+        (
+            [[6, 24], [8, 32]],
+            "Grains along x times rows",
+            (144, 256),
+        ),  # rows of n and n - 1 have fewer
     ):
         key = key_of("packing.size", [str(size) for size in sizes])
         assert (key.naming.label, key.values) == (label, values)
@@ -211,33 +260,56 @@ def test_figures_of_velocity_and_material(scan):
     expected = {f"{name}_vs_load_velocity" for name in QUANTITIES}
     assert stems(written) == expected | {"collapse_dissipated_fraction", "collapse_plastic_volume"}
     for path in written:
-        assert all(path.with_suffix(suffix).stat().st_size > 0 for suffix in (".png", ".pdf", ".csv"))
+        assert all(
+            path.with_suffix(suffix).stat().st_size > 0 for suffix in (".png", ".pdf", ".csv")
+        )
     rows = rows_of(scan / "figures" / "peak_force_vs_load_velocity.csv")
-    labels = [{"load.velocity": v, "material": m} for m, v in (("brass", 1), ("brass", 5), ("steel", 5), ("steel", 20))]
+    labels = [
+        {"load.velocity": v, "material": m}
+        for m, v in (("brass", 1), ("brass", 5), ("steel", 5), ("steel", 20))
+    ]
     for row, point in zip(rows, labels, strict=True):
         case = case_of(point)
-        assert (float(row["load.velocity_m_s"]), row["material"]) == (point["load.velocity"], point["material"])
+        assert (float(row["load.velocity_m_s"]), row["material"]) == (
+            point["load.velocity"],
+            point["material"],
+        )
         force = summary_of(case)["peak_force_N"] / sphere_contact(case).yield_force
         assert float(row["peak_force_over_yield_force"]) == pytest.approx(force, rel=1e-9)
 
 
 def test_categories_as_bars(tmp_path):
     write_scan(tmp_path, grid(packing__kind=["fcc", "hcp", "bcc"], material=["brass", "steel"]))
-    assert stems(draw_scan_figures(tmp_path, pdf=False)) == {f"{name}_vs_packing_kind" for name in QUANTITIES}
+    assert stems(draw_scan_figures(tmp_path, pdf=False)) == {
+        f"{name}_vs_packing_kind" for name in QUANTITIES
+    }
     rows = rows_of(tmp_path / "figures" / "plastic_spheres_vs_packing_kind.csv")
-    assert [(row["packing.kind"], row["material"]) for row in rows[2:4]] == [("bcc", "brass"), ("fcc", "steel")]
-    expected = summary_of(case_of({"packing.kind": "fcc", "material": "steel"}))["n_plastic_spheres"]
+    assert [(row["packing.kind"], row["material"]) for row in rows[2:4]] == [
+        ("bcc", "brass"),
+        ("fcc", "steel"),
+    ]
+    expected = summary_of(case_of({"packing.kind": "fcc", "material": "steel"}))[
+        "n_plastic_spheres"
+    ]
     assert float(rows[3]["n_plastic_spheres"]) == expected
 
 
 def test_keys_varied_together_and_text_with_commas(tmp_path):
-    """Size that varies with the kind: curves over the one, bars by the other, no legend; it is quoted in a CSV file."""
-    zipped = [{"packing.kind": kind, "packing.size": f"[12, 12, {n}]"} for kind, n in (("fcc", 10), ("hcp", 12))]
+    """Size that varies with the kind: curves over the one, bars by the other, no legend; it is
+    quoted in a CSV file.
+    """
+    zipped = [
+        {"packing.kind": kind, "packing.size": f"[12, 12, {n}]"}
+        for kind, n in (("fcc", 10), ("hcp", 12))
+    ]
     write_scan(tmp_path / "zip", zipped)
     names = stems(draw_scan_figures(tmp_path / "zip", pdf=False))
     assert names == {f"{name}_vs_packing_{key}" for name in QUANTITIES for key in ("size", "kind")}
     assert len(rows_of(tmp_path / "zip" / "figures" / "peak_force_vs_packing_size.csv")[0]) == 2
-    write_scan(tmp_path / "grid", grid(load__velocity=[1, 2], packing__size=["[12, 12, 10]", "[24, 24, 12]"]))
+    write_scan(
+        tmp_path / "grid",
+        grid(load__velocity=[1, 2], packing__size=["[12, 12, 10]", "[24, 24, 12]"]),
+    )
     draw_scan_figures(tmp_path / "grid", pdf=False)
     rows = rows_of(tmp_path / "grid" / "figures" / "peak_force_vs_load_velocity.csv")
     assert [row["packing.size"] for row in rows] == ["[12, 12, 10]"] * 2 + ["[24, 24, 12]"] * 2
@@ -268,16 +340,25 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
         "peak_force_vs_load_velocity",
         "wave_speed_vs_load_velocity",
     }
-    assert (folder / "own.png").exists() and not (folder / "plastic_spheres_vs_load_velocity.png").exists()
+    assert (folder / "own.png").exists() and not (
+        folder / "plastic_spheres_vs_load_velocity.png"
+    ).exists()
     header = (folder / "peak_force_vs_load_velocity.csv").read_text().splitlines()[0]
     assert header.endswith("peak_force_N")  # no yield force to divide by
-    os.remove(tmp_path / "points" / point_id({"load.velocity": 1, "contact.law": "hertz"}) / "summary.json")
+    os.remove(
+        tmp_path
+        / "points"
+        / point_id({"load.velocity": 1, "contact.law": "hertz"})
+        / "summary.json"
+    )
     assert draw_scan_figures(tmp_path) == []
     assert sorted(path.name for path in folder.iterdir()) == ["mine_vs_theirs.png", "own.png"]
 
 
 def test_wave_speed_takes_the_first_arrival_of_deep_layers(tmp_path):
-    """Packing with two spheres per layer; the upper layers, a later sphere and layers that were not reached are ignored."""
+    """Packing with two spheres per layer; the upper layers, a later sphere and layers that were not
+    reached are ignored.
+    """
     layer = np.arange(16)
     depth = np.repeat(layer * 0.01, 2) + 1e-9 * np.tile([0, 1], 16)
     arrival = np.repeat(layer * 0.01 / 500.0, 2)
@@ -296,23 +377,40 @@ def test_wave_speed_takes_the_first_arrival_of_deep_layers(tmp_path):
 
 def test_wave_speed_of_a_hertz_chain(granwave, tmp_path):
     """Speed of a solitary wave after Nesterenko, with the peak force of the chain."""
-    settings = ["contact.law=hertz", "packing.kind=chain", "packing.size=40", "run.end_time=5.5e-4", "run.frames=2"]
+    settings = [
+        "contact.law=hertz",
+        "packing.kind=chain",
+        "packing.size=40",
+        "run.end_time=5.5e-4",
+        "run.frames=2",
+    ]
     options = [word for setting in settings for word in ("--set", setting)]
     assert granwave("run", "fcc-small", "-o", tmp_path / "r", *options).returncode == 0
     found = json.loads((tmp_path / "r" / "summary.json").read_text())["wave_speed_m_s"]
     with Result(tmp_path / "r") as result:
         force = float(np.median(result["contacts/peak_force"][20:35]))
-        material, diameter = result.case.material, result.case.packing.diameter
-    stiffness = 2 * material.youngs_modulus / (diameter * material.density**1.5 * (1 - material.poisson_ratio**2))
+        material = result.case.material
+        diameter = result.case.packing.diameter
+    stiffness = (
+        2
+        * material.youngs_modulus
+        / (diameter * material.density**1.5 * (1 - material.poisson_ratio**2))
+    )
     assert found == pytest.approx(0.6802 * stiffness ** (1 / 3) * force ** (1 / 6), rel=0.02)
 
 
 def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
     """The first force in a layer comes with the peak force about four layers above.
 
-    The lead increases by half a layer over the depth, since the wave is attenuated: the speed is 10 % above that of the peak.
+    The lead increases by half a layer over the depth, since the wave is attenuated: the speed is 10
+    % above that of the peak.
     """
-    settings = ["packing.size=[14,14,14]", "run.end_time=1.9e-4", "run.frames=2", "boundary.bottom=free"]
+    settings = [
+        "packing.size=[14,14,14]",
+        "run.end_time=1.9e-4",
+        "run.frames=2",
+        "boundary.bottom=free",
+    ]
     written = write_deck(load_case(library.find("fcc-small"), settings), tmp_path)
     assert lmp(written.script).returncode == 0
     write_result(tmp_path)
@@ -320,21 +418,29 @@ def test_wave_speed_in_a_packing_that_yields(lmp, tmp_path):
     with Result(tmp_path) as result:
         depth = result["spheres/position"][:, 2] - result.origin[2]
         arrivals = result["spheres/time_first"]
-        first, second = result["contacts/i"] - 1, result["contacts/j"] - 1
-        force, peak = result["contacts/peak_force"], result["contacts/time_peak"]
+        first = result["contacts/i"] - 1
+        second = result["contacts/j"] - 1
+        force = result["contacts/peak_force"]
+        peak = result["contacts/time_peak"]
     spacing = written.case.packing.diameter * math.sqrt(2 / 3)
     layer = np.rint(depth / spacing).astype(int)
-    gap = np.where(layer[first] != layer[second], np.minimum(layer[first], layer[second]), -1)  # below this layer
+    gap = np.where(
+        layer[first] != layer[second], np.minimum(layer[first], layer[second]), -1
+    )  # below this layer
     above = range(2, 9)
     passed = [peak[gap == k][np.argmax(force[gap == k])] for k in above]
-    arrived = [np.nanmin(arrivals[layer == k + 5]) for k in above]  # the contact above it is four below
+    arrived = [
+        np.nanmin(arrivals[layer == k + 5]) for k in above
+    ]  # the contact above it is four below
     assert arrived == pytest.approx(passed, rel=0.06)
     assert found == pytest.approx(np.polyfit(passed, np.arange(7) * spacing, 1)[0], rel=0.12)
 
 
 @pytest.fixture
 def driven(tmp_path, request):
-    directory = write_scan(tmp_path / "scan", grid(load__velocity=[1, 4], contact__friction=[0.3, 0.5]))
+    directory = write_scan(
+        tmp_path / "scan", grid(load__velocity=[1, 4], contact__friction=[0.3, 0.5])
+    )
     index = json.loads((directory / "scan.json").read_text())
     index["varied"] = ["load.amplitude", "load.frequency"]
     for point in index["points"]:
@@ -352,21 +458,34 @@ def driven(tmp_path, request):
 
 @pytest.mark.parametrize(
     ("driven", "unit", "setting"),
-    [("displacement", "m", "amplitude of the load 40 nm"), ("force", "N", "amplitude of the load 4e-8 N")],
+    [
+        ("displacement", "m", "amplitude of the load 40 nm"),
+        ("force", "N", "amplitude of the load 4e-8 N"),
+    ],
     indirect=["driven"],
 )
 def test_amplitude_and_transmission(driven, unit, setting):
-    assert driven.units["load.amplitude"] == unit and read_scan(driven.directory).unit("load.amplitude") == unit
+    assert (
+        driven.units["load.amplitude"] == unit
+        and read_scan(driven.directory).unit("load.amplitude") == unit
+    )
     means = means_of(driven)
     assert means.quantities()[0] == ("transmission", "transmission")
-    assert setting in means.sentence("transmission") and "falls with amplitude" in means.sentence("transmission")
+    assert setting in means.sentence("transmission") and "falls with amplitude" in means.sentence(
+        "transmission"
+    )
     columns = drawings(driven)["transmission_vs_load_amplitude"].columns
     assert f"load.amplitude_{unit}" in columns
 
 
 @pytest.mark.parametrize(
     ("labels", "expected"),
-    [([2e-3], ("mm", 2.0)), ([5e-6], ("µm", 5.0)), ([5e-9, 2e-6], ("µm", 0.005)), ([3e-10], ("nm", 0.3))],
+    [
+        ([2e-3], ("mm", 2.0)),
+        ([5e-6], ("µm", 5.0)),
+        ([5e-9, 2e-6], ("µm", 0.005)),
+        ([3e-10], ("nm", 0.3)),
+    ],
 )
 def test_unit_by_size(labels, expected):
     key = key_of("load.amplitude", labels, "m")
@@ -386,7 +505,10 @@ def test_names_of_replaced_spheres():
     density = key_of("replace.1.material.density", [4000.0, 8000.0]).naming
     assert (density.label, density.unit) == ("Density of replaced spheres", "kg/m³")
     diameter = key_of("replace.2.diameter", [0.01, 0.02])
-    assert diameter.naming.label == "Diameter of replaced spheres" and diameter.values == (10.0, 20.0)
+    assert diameter.naming.label == "Diameter of replaced spheres" and diameter.values == (
+        10.0,
+        20.0,
+    )
     assert key_of("replace.1.index", [3, 4]).naming.label == "Place of replaced spheres"
     assert key_of("replace.first", [1]).naming.label == "replace.first"
 
@@ -394,7 +516,10 @@ def test_names_of_replaced_spheres():
 def test_run_times_that_follow_are_left_out():
     times = {"run.end_time": [1e-3, 5e-4, 5e-4]}
     assert list(physical({"load.velocity": [1, 2, 3], **times})) == ["load.velocity"]
-    assert list(physical({"load.velocity": [1, 2, 2], "run.end_time": [1, 2, 3]})) == ["load.velocity", "run.end_time"]
+    assert list(physical({"load.velocity": [1, 2, 2], "run.end_time": [1, 2, 3]})) == [
+        "load.velocity",
+        "run.end_time",
+    ]
     assert list(physical(times)) == ["run.end_time"]
 
 
@@ -404,8 +529,16 @@ PLATE = {"target_peak_displacement_m": 1e-6}
 @pytest.mark.parametrize(
     ("varied", "summaries", "expected"),
     [
-        (["contact.friction"], [{"peak_reduction": 1.4}], False),  # a wall is only what holds the packing
-        (["contact.friction"], [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2} | PLATE], True),
+        (
+            ["contact.friction"],
+            [{"peak_reduction": 1.4}],
+            False,
+        ),  # a wall is only what holds the packing
+        (
+            ["contact.friction"],
+            [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2} | PLATE],
+            True,
+        ),
         (["contact.friction"], [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2}], False),
         (["boundary.bottom"], [{"peak_reduction": 1.4} | PLATE, {"peak_reduction": 1.2}], True),
         (["boundary.bottom.plate.mass"], [{"peak_reduction": 0.7}], True),
@@ -420,7 +553,9 @@ def test_which_scans(varied, summaries, expected):
 
 @pytest.mark.parametrize("plate", [True, False])
 def test_main_figure(tmp_path, plate):
-    scan = write_scan(tmp_path / "scan", grid(contact__friction=[0, 0.1, 0.2], load__velocity=[1, 5]))
+    scan = write_scan(
+        tmp_path / "scan", grid(contact__friction=[0, 0.1, 0.2], load__velocity=[1, 5])
+    )
     for point in ScanResult(scan).points:
         path = scan / "points" / point.id / "summary.json"
         reduction = 2 + 10 * point.labels["contact.friction"] - 0.1 * point.labels["load.velocity"]
@@ -431,12 +566,18 @@ def test_main_figure(tmp_path, plate):
     means = means_of(ScanResult(scan))
     assert (means.quantities()[0][1] == "peak_reduction") is plate
     answer = build([scan], tmp_path).sections[0].blocks
-    (sentence,) = [block.text for block in answer if isinstance(block, Note) and block.tone == "lead"]
+    (sentence,) = [
+        block.text for block in answer if isinstance(block, Note) and block.tone == "lead"
+    ]
     (shown,) = [block for block in answer if isinstance(block, Beside)]
     if plate:
-        assert sentence.startswith("Peak reduction: from 1.5 (friction coefficient 0, impact velocity 5 m/s) to 3.9 ")
+        assert sentence.startswith(
+            "Peak reduction: from 1.5 (friction coefficient 0, impact velocity 5 m/s) to 3.9 "
+        )
         assert "It rises with friction coefficient, falls with impact velocity." in sentence
         assert shown.gallery.figures[0].name.endswith("peak-reduction-vs-contact-friction")
         assert shown.table.columns[2].heading == "Peak reduction"
     else:
-        assert sentence.startswith("Dissipated fraction") and "Peak reduction" not in str(shown.table)
+        assert sentence.startswith("Dissipated fraction") and "Peak reduction" not in str(
+            shown.table
+        )

@@ -23,8 +23,11 @@ AXIAL = {"kind": "uniaxial", "force": 20.0}
 ALL_ROUND = {"kind": "uniform", "pressure": 1e5}
 HERTZ = 4 / 3 * (115e9 / (1 - 0.09) / 2) * np.sqrt(0.0025)  # of two brass spheres of 10 mm
 STIFFNESS = 1.5 * HERTZ ** (2 / 3) * 20 ** (1 / 3)
-BRASS, HALF = 8500 * np.pi / 6 * 0.01**3, 4000 * np.pi / 6 * 0.01**3
-RESULTS = json.loads((Path(__file__).parents[3] / "docs" / "explanation" / "results.json").read_text())
+BRASS = 8500 * np.pi / 6 * 0.01**3
+HALF = 4000 * np.pi / 6 * 0.01**3
+RESULTS = json.loads(
+    (Path(__file__).parents[3] / "docs" / "explanation" / "results.json").read_text()
+)
 
 
 def test_monatomic_chain():
@@ -49,14 +52,21 @@ def test_diatomic_chain():
     """Edges sqrt(2k/M), sqrt(2k/m), sqrt(2k(1/m + 1/M)), and cosh of the attenuation in the gap."""
     found = band_structure(diatomic())
     assert found.state.network.n_grains == 2
-    edges = np.sqrt(2 * STIFFNESS * np.array([1 / BRASS, 1 / HALF, 1 / HALF + 1 / BRASS])) / (2 * np.pi)
+    edges = np.sqrt(2 * STIFFNESS * np.array([1 / BRASS, 1 / HALF, 1 / HALF + 1 / BRASS])) / (
+        2 * np.pi
+    )
     np.testing.assert_allclose([found.edges[0, 1], *found.edges[1]], edges, rtol=1e-9)
-    assert [(gap.low, gap.below) for gap in found.gaps] == [(found.edges[0, 1], 1), (found.edges[1, 1], 2)]
+    assert [(gap.low, gap.below) for gap in found.gaps] == [
+        (found.edges[0, 1], 1),
+        (found.edges[1, 1], 2),
+    ]
     decaying = found.complex_bands
     assert decaying is not None and decaying.spacing == pytest.approx(0.02)
     square = (2 * np.pi * decaying.frequency) ** 2 / STIFFNESS
     cosine = np.abs(1 - square * (BRASS + HALF) + square**2 * BRASS * HALF / 2)
-    np.testing.assert_allclose(decaying.least, np.arccosh(np.maximum(cosine, 1)), rtol=1e-6, atol=2e-6)
+    np.testing.assert_allclose(
+        decaying.least, np.arccosh(np.maximum(cosine, 1)), rtol=1e-6, atol=2e-6
+    )
 
 
 @pytest.mark.parametrize(
@@ -68,12 +78,18 @@ def test_diatomic_chain():
     ],
 )
 def test_tunnel_of_cylinders(stiffness, acoustic, low, high, third):
-    """Thesis 7.12 put right: spheres with a pair of cylinders in each gap, between two walls, within 0.2 %."""
+    """Thesis 7.12 put right: spheres with a pair of cylinders in each gap, between two walls,
+    within 0.2 %.
+    """
     between, beside, wall = stiffness
-    k1, k2 = 1.5 * 4.11119e9 * np.sqrt(between), 1.5 * 4.52809e9 * np.sqrt(beside)
-    ms, mc, cosine = 3.84603e-3, 1.44075e-3, 9.525 / (9.525 + 4.76)
+    k1 = 1.5 * 4.11119e9 * np.sqrt(between)
+    k2 = 1.5 * 4.52809e9 * np.sqrt(beside)
+    ms = 3.84603e-3
+    mc = 1.44075e-3
+    cosine = 9.525 / (9.525 + 4.76)
     sine = np.sqrt(1 - cosine**2)
-    right, left = (sine, 0.0, cosine), (-sine, 0.0, cosine)
+    right = (sine, 0.0, cosine)
+    left = (-sine, 0.0, cosine)
     tunnel = network(
         [ms, mc, mc],
         [(0, 0, 1, (0, 0, 1), k1), (0, 1, 0, right, k2), (0, 2, 0, left, k2), (1, 0, 1, left, k2), (2, 0, 1, right, k2)],
@@ -81,7 +97,8 @@ def test_tunnel_of_cylinders(stiffness, acoustic, low, high, third):
     )  # fmt: skip
     bands = solve_bands(stiffness_of(tunnel), make_path("G-X", tunnel.periods, 61))
     edges = 2 * np.pi * band_edges(bands)
-    # pairs of cylinders that move alike: with the spheres; apart from each other, they make bands of their own
+    # pairs of cylinders that move alike: with the spheres; apart from each other, they make bands
+    # of their own
     alike = [row for row in edges if row[1] - row[0] > 1e-6 * row[1] or row[0] > 3e5]
     assert alike[0][1] == pytest.approx(acoustic, rel=2e-3)
     assert any(row[0] == pytest.approx(low, rel=2e-3) for row in edges)
@@ -94,8 +111,15 @@ def test_speed_along_the_stacking(kind):
     """[111] of fcc and c of hcp: against the line of layers 1e-6, against runs 2e-4."""
     rows = list(_rows(RESULTS))
     for pressure in (1e4, 1e5, 1e6, 1e7):
-        case = endless(kind, [4, 4, 12], {"kind": "uniaxial", "pressure": pressure}, boundary={"sides": "periodic"})
-        speed = long_wave_speeds(stiffness_of(cell_state(case).network), np.array([[0.0, 0.0, 1.0]]))[0]
+        case = endless(
+            kind,
+            [4, 4, 12],
+            {"kind": "uniaxial", "pressure": pressure},
+            boundary={"sides": "periodic"},
+        )
+        speed = long_wave_speeds(
+            stiffness_of(cell_state(case).network), np.array([[0.0, 0.0, 1.0]])
+        )[0]
         assert speed[-1] == pytest.approx(line_of(case, sphere_contact(case)).speed, rel=1e-6)
         name = f"Speed of small waves, {kind}, uniaxial, {pressure:.4g} Pa"
         (run,) = [row["granwave"] for row in rows if row["quantity"] == name]
@@ -113,15 +137,23 @@ def _rows(found):
 
 
 def test_fcc_under_pressure_from_all_sides():
-    """Cubic: in units of sqrt(k/m)/a, a = sqrt(2) D the edge of the cube, c_l^2 = 2 along [001]... of central forces."""
+    """Cubic: in units of sqrt(k/m)/a, a = sqrt(2) D the edge of the cube, c_l^2 = 2 along [001]...
+    of central forces.
+    """
     case = endless("fcc", [4, 4, 6], ALL_ROUND)
     state = cell_state(case)
     springs = state.network.springs
     assert len(springs) == 6
     np.testing.assert_allclose(springs.force, 1e5 * 0.01**2 / (2 * np.sqrt(2)), rtol=1e-9)
-    speeds = long_wave_speeds(stiffness_of(state.network), np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]]))
-    k, f, d, m = springs.stiffness[0], springs.force[0], springs.distance[0], state.network.mass[0]
-    # sum over 12 contacts of (n.q)^2 D^2/(2 m) times k n n - F/d (1 - n n), q = [111] (n.q = sqrt(2/3) six times)
+    speeds = long_wave_speeds(
+        stiffness_of(state.network), np.array([[0.0, 0.0, 1.0], [1.0, 0.0, 0.0]])
+    )
+    k = springs.stiffness[0]
+    f = springs.force[0]
+    d = springs.distance[0]
+    m = state.network.mass[0]
+    # sum over 12 contacts of (n.q)^2 D^2/(2 m) times k n n - F/d (1 - n n), q = [111] (n.q =
+    # sqrt(2/3) six times)
     longitudinal = 0.01**2 / m * 3 * (2 / 3) * (k * 2 / 3 - f / d / 3)
     np.testing.assert_allclose(speeds[0, -1] ** 2, longitudinal, rtol=1e-6)
     # q = [110], along a row: n.q = 1 for two contacts, 1/2 for eight, with n n_qq = 1 and 1/4
@@ -130,12 +162,19 @@ def test_fcc_under_pressure_from_all_sides():
 
 
 def test_square_with_friction_turns():
-    """Springs of Mindlin hold a square lattice: transverse waves, and rotations with a cut-on at 8 k_t (R/..)/I."""
+    """Springs of Mindlin hold a square lattice: transverse waves, and rotations with a cut-on at 8
+    k_t (R/..)/I.
+    """
     case = endless("square", [5, 5], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
     found = band_structure(case, "0,0,0; 314.159265358979,0,0", points=3)
-    springs, mass = found.state.network.springs, found.state.network.mass[0]
-    k, kt, f, d = (float(one[0]) for one in (springs.stiffness, springs.tangential, springs.force, springs.distance))
-    lever, inertia = float(springs.lever[0, 0]), found.state.network.inertia[0]
+    springs = found.state.network.springs
+    mass = found.state.network.mass[0]
+    k, kt, f, d = (
+        float(one[0])
+        for one in (springs.stiffness, springs.tangential, springs.force, springs.distance)
+    )
+    lever = float(springs.lever[0, 0])
+    inertia = found.state.network.inertia[0]
     assert kt == pytest.approx(k * 2 * (1 - 0.3) / (2 - 0.3), rel=1e-9)
     at_zero = np.sort((2 * np.pi * found.bands.frequency[0]) ** 2)
     # uniform rotation: each of four contacts slips by 2 l q, half of it belongs to the grain
@@ -147,11 +186,14 @@ def test_square_with_friction_turns():
 
 def test_scattered_packing_is_its_own_cell():
     load = {"kind": "uniform", "pressure": 1e6}
-    scatter, endless_too = {"diameter_scatter": 5e-7, "seed": 3}, {"sides": "periodic", "bottom": "periodic"}
+    scatter = {"diameter_scatter": 5e-7, "seed": 3}
+    endless_too = {"sides": "periodic", "bottom": "periodic"}
     case = endless("fcc", [4, 4, 3], load, packing=scatter, boundary=endless_too)
     found = band_structure(case, "0,0,0; 0,0,20", points=2, n_bands=6)
     state = found.state
-    assert state.network.n_grains == 48 and state.residual < 1e-8 and len(state.network.springs) == 288
+    assert (
+        state.network.n_grains == 48 and state.residual < 1e-8 and len(state.network.springs) == 288
+    )
     like = cell_state(endless("fcc", [4, 4, 6], load))
     speeds = long_wave_speeds(stiffness_of(like.network), np.array([[0.0, 0.0, 1.0]]))[0]
     np.testing.assert_allclose(found.speeds, speeds, rtol=0.02)  # softer by the scatter, hardly
@@ -161,7 +203,8 @@ def test_scattered_packing_is_its_own_cell():
 def test_velocities_are_slopes():
     """Group velocities are the differences of frequencies, in any direction."""
     stiffness = stiffness_of(cell_state(endless("hcp", [4, 4, 4], ALL_ROUND)).network)
-    middle, step = np.array([120.0, 40.0, 90.0]), 1e-3
+    middle = np.array([120.0, 40.0, 90.0])
+    step = 1e-3
     for axis in range(3):
         move = step * np.eye(3)[axis]
         text = "; ".join(",".join(map(str, middle + place * move)) for place in (-1, 0, 1))
@@ -177,7 +220,9 @@ def test_dense_factorised_and_lanczos_agree(monkeypatch, limits):
     dense = solve_bands(stiffness, path, 3)
     for name in limits:
         monkeypatch.setattr(f"granwave.analysis.spectra.stiffness.{name}", 0)
-    np.testing.assert_allclose(solve_bands(stiffness, path, 3).frequency, dense.frequency, rtol=1e-7)
+    np.testing.assert_allclose(
+        solve_bands(stiffness, path, 3).frequency, dense.frequency, rtol=1e-7
+    )
 
 
 def test_attenuation_leads_back_to_the_frequencies():
@@ -187,7 +232,8 @@ def test_attenuation_leads_back_to_the_frequencies():
     wave = np.exp(-found.attenuation[0, 0] + 1j * found.phase[0, 0])
     own, other = stiffness._dense
     matrix = own + sum(
-        one * wave ** n[0] + one.T * wave ** -n[0] for n, one in zip(stiffness.images, other, strict=True)
+        one * wave ** n[0] + one.T * wave ** -n[0]
+        for n, one in zip(stiffness.images, other, strict=True)
     )
     values = np.linalg.eigvals(matrix)
     assert np.abs(values - (2 * np.pi * 6000) ** 2).min() < 1e-6 * np.abs(values).max()
@@ -215,7 +261,10 @@ def test_wrong_input(case, path, message):
 
 def test_floppy_modes_are_left_blank_where_allowed():
     found = band_structure(endless("square", [4, 4], ALL_ROUND), "G-X", allow_floppy=True)
-    assert np.isnan(found.bands.frequency[1:, 0]).all() and np.isfinite(found.bands.frequency[:, 1]).all()
+    assert (
+        np.isnan(found.bands.frequency[1:, 0]).all()
+        and np.isfinite(found.bands.frequency[:, 1]).all()
+    )
     assert "along" in found.note
 
 
@@ -225,18 +274,28 @@ def test_bcc_under_pressure_buckles():
     k along [110], moving along [1-10]: nothing but -F/d of the four contacts along [11z] remains.
     """
     state = cell_state(endless("bcc", [4, 4, 6], ALL_ROUND))
-    with pytest.raises(InputError, match=r"1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"):
+    with pytest.raises(
+        InputError, match=r"1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"
+    ):
         band_structure(state, "0,0,0; 100,100,0")
     springs = state.network.springs
     np.testing.assert_allclose(springs.force, 1e5 * 0.01**2 / np.sqrt(3), rtol=1e-3)
     bands = band_structure(state, "0,0,0; 100,100,0", points=3, allow_floppy=True).bands
     side = 0.01 * 2 / np.sqrt(3)
-    expected = -4 * springs.force[0] / springs.distance[0] / state.network.mass[0] * (1 - np.cos(100 * side))
+    expected = (
+        -4
+        * springs.force[0]
+        / springs.distance[0]
+        / state.network.mass[0]
+        * (1 - np.cos(100 * side))
+    )
     np.testing.assert_allclose(bands.square[-1, 0], expected, rtol=1e-6)
 
 
 def test_beads_that_roll_like_gears_are_named():
     """Neighbours that turn against each other slip nowhere, so that friction does not hold them."""
     case = endless("square", [4, 4], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
-    with pytest.raises(InputError, match=r"1 of 3 modes .* 100 % turning about z .like gears.* rotation = true"):
+    with pytest.raises(
+        InputError, match=r"1 of 3 modes .* 100 % turning about z .like gears.* rotation = true"
+    ):
         band_structure(case, "G-M")

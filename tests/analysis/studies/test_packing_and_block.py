@@ -1,4 +1,6 @@
-"""Granular and continuum models: comparison for a small suite that is run once, and behavior of suites."""
+"""Granular and continuum models: comparison for a small suite that is run once, and behavior of
+suites.
+"""
 
 from __future__ import annotations
 
@@ -69,11 +71,18 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def impacts(suite: Path) -> Impacts:
-    (found,) = select([read_run(run.label, run.directory, run.summary) for run in read_inputs([suite], suite).whole()])
+    (found,) = select(
+        [
+            read_run(run.label, run.directory, run.summary)
+            for run in read_inputs([suite], suite).whole()
+        ]
+    )
     return found
 
 
-def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path, monkeypatch) -> None:
+def test_refused_runs_are_left_out_of_the_comparison(
+    suite: Path, tmp_path: Path, monkeypatch
+) -> None:
     """Blocks too, which have no run.json."""
     monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())  # drawn elsewhere
     for point in sorted((suite / "continuum" / "points").iterdir())[:1]:
@@ -84,7 +93,9 @@ def test_refused_runs_are_left_out_of_the_comparison(suite: Path, tmp_path: Path
     inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
     assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
     section = comparison.comparison_section(inputs)
-    notes = [block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"]
+    notes = [
+        block.text for block in section.blocks if isinstance(block, Note) and block.tone == "bad"
+    ]
     assert notes == ["Left out here, as the energy balance did not close: bad (refused)."]
     assert "(refused)" not in str(section.blocks[:-1])
 
@@ -94,18 +105,28 @@ def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> N
     whole = list(read_inputs([suite], suite).whole())
     runs = [read_run(run.label, run.directory, run.summary) for run in whole]
     first = next(run for run in whole if run.kind == "run")
-    for name, old, new in (("rough", "friction = 0.0", "friction = 0.2"), ("other", 'kind = "fcc"', 'kind = "hcp"')):
+    for name, old, new in (
+        ("rough", "friction = 0.0", "friction = 0.2"),
+        ("other", 'kind = "fcc"', 'kind = "hcp"'),
+    ):
         shutil.copytree(first.directory, tmp_path / name)
         case = tmp_path / name / "case.toml"
         assert old in case.read_text()
         case.write_text(case.read_text().replace(old, new))
         runs.append(read_run(name, tmp_path / name, first.summary))
-    assert comparison._left_out(runs) == {"friction": ["rough"], "another packing than the reference's": ["other"]}
+    assert comparison._left_out(runs) == {
+        "friction": ["rough"],
+        "another packing than the reference's": ["other"],
+    }
 
 
 def rows(impacts: Impacts, caption: str) -> list[list]:
     """Rows of a table of the comparison: values, or texts where there are none."""
-    part = next(part for part in study.tables(impacts) if isinstance(part, Table) and part.caption.startswith(caption))
+    part = next(
+        part
+        for part in study.tables(impacts)
+        if isinstance(part, Table) and part.caption.startswith(caption)
+    )
     return [[cell.text if cell.value is None else cell.value for cell in row] for row in part.rows]
 
 
@@ -122,7 +143,9 @@ def test_both_kinds_are_collected(impacts: Impacts) -> None:
 def test_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
     ((name, n, largest),) = rows(impacts, "Granular scaling")
     assert (name, n) == ("modulus 230 GPa", 2)
-    assert largest < 5e-4  # the equations are the same; timesteps and the ratios of overlap to diameter differ
+    assert (
+        largest < 5e-4
+    )  # the equations are the same; timesteps and the ratios of overlap to diameter differ
     ((name, energy, fraction, volume),) = rows(impacts, "Continuum scaling")
     assert (name, energy) == ("modulus 230 GPa", pytest.approx(4.866, abs=1e-3))
     assert abs(fraction) < 0.01
@@ -131,8 +154,12 @@ def test_fractions_collapse_on_normalised_axes(impacts: Impacts) -> None:
 
 def test_masses_are_compared_at_equal_energy(impacts: Impacts) -> None:
     light, heavy = (groups.masses(impacts)[name] for name in ("m = 0.01 kg", "m = 0.1 kg"))
-    assert light.energy_normalised.iloc[0] == pytest.approx(heavy.energy_normalised.iloc[1], rel=1e-6)
-    assert light.dissipated_fraction.iloc[0] == pytest.approx(heavy.dissipated_fraction.iloc[1], rel=0.5)
+    assert light.energy_normalised.iloc[0] == pytest.approx(
+        heavy.energy_normalised.iloc[1], rel=1e-6
+    )
+    assert light.dissipated_fraction.iloc[0] == pytest.approx(
+        heavy.dissipated_fraction.iloc[1], rel=0.5
+    )
 
 
 def test_loading_area_is_compared_at_equal_energy(impacts: Impacts) -> None:
@@ -151,7 +178,9 @@ def test_quadratic_law_is_found_in_made_up_runs(impacts: Impacts) -> None:
         return Impacts(runs.assign(dissipated_fraction=lost / (0.5 * v**2)), impacts.continuum[:0])
 
     few = impacts.reference.velocity_normalised.to_numpy()
-    assert groups.quadratic_fit(made(few)) is None  # too few from a tenth of the largest velocity on
+    assert (
+        groups.quadratic_fit(made(few)) is None
+    )  # too few from a tenth of the largest velocity on
     fit = groups.quadratic_fit(made(np.append(few, np.linspace(60, 290, 8))))
     assert fit is not None
     np.testing.assert_allclose(fit.constants, constants, rtol=1e-8)
@@ -164,7 +193,9 @@ def test_involved_material_did_the_dissipation(impacts: Impacts) -> None:
         found = groups.involved(run)
         assert found is not None
         assert found.fraction[-1] == pytest.approx(run.dissipated_fraction, rel=1e-3)
-        assert np.all(np.diff(np.diff(found.fraction) / np.diff(found.volume)) <= 1e-6 * found.fraction[0])
+        assert np.all(
+            np.diff(np.diff(found.fraction) / np.diff(found.volume)) <= 1e-6 * found.fraction[0]
+        )
         fraction, volume = found.part(0.9)
         assert 0.9 <= fraction / run.dissipated_fraction <= 1.0
         assert volume < found.volume[-1]
@@ -194,11 +225,14 @@ def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
     assert velocities(of_packings) == [1, 2, 4, 8, 16, 32]
     assert len(of_blocks) == 3
     for one in (of_packings.iloc[-1], of_blocks.iloc[-1]):
-        summary, diameter = one.run.summary, 0.01
+        summary = one.run.summary
+        diameter = 0.01
         assert [one[f"depth_{share}"] for share in (50, 90, 99)] == [
             summary[f"zone_depth_{share}_m"] / diameter for share in (50, 90, 99)
         ]
-        assert one.volume_90 == pytest.approx(summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6))
+        assert one.volume_90 == pytest.approx(
+            summary["zone_volume_90_m3"] / (math.pi * diameter**3 / 6)
+        )
         assert one.energy == pytest.approx(one.energy_J / 2.630, rel=1e-3)  # J, of brass and 10 mm
     assert of_packings["mark"].iloc[-1] == zone.Mark.CUT
     assert not (of_blocks["mark"] == zone.Mark.CUT).any()
@@ -211,26 +245,58 @@ def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
 
 def test_suite_leaves_one_report_and_its_figures(suite: Path, tmp_path: Path, monkeypatch) -> None:
     page = (suite / "report.html").read_text(encoding="utf-8")
-    expected = ("Report: small", "Comparison", "Granular scaling", "Loading area", "modulus 230 GPa", "50, 90 and 99 %")
-    assert (suite / "granular" / "scan.csv").is_file() and [text for text in expected if text not in page] == []
+    expected = (
+        "Report: small",
+        "Comparison",
+        "Granular scaling",
+        "Loading area",
+        "modulus 230 GPa",
+        "50, 90 and 99 %",
+    )
+    assert (suite / "granular" / "scan.csv").is_file() and [
+        text for text in expected if text not in page
+    ] == []
     names = {path.stem for path in (suite / "figures").glob("*.png")}
     assert names >= {
         "dissipated_fraction", "plastic_volume", "plastic_zone", "granular_scaling", "loading_area", "continuum_mass",
     }  # fmt: skip
     with (suite / "figures" / "dissipated_fraction.csv").open(encoding="utf-8") as file:
-        assert {row["curve"] for row in csv.DictReader(file)} >= {"granular, D = 10 mm", "continuum, m = 0.1 kg"}
+        assert {row["curve"] for row in csv.DictReader(file)} >= {
+            "granular, D = 10 mm",
+            "continuum, m = 0.1 kg",
+        }
     monkeypatch.setattr(comparison, "pictures_of", lambda *_: ())
-    other = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(encoding="utf-8")
+    other = write_report([suite / "granular", suite / "continuum"], tmp_path / "b.md").read_text(
+        encoding="utf-8"
+    )
     assert other.startswith("# Report: granular, continuum\n") and "Comparison" in other
 
 
-def test_finished_scan_of_a_suite_is_not_computed_again(suite: Path, capfd: pytest.CaptureFixture[str]) -> None:
+def test_finished_scan_of_a_suite_is_not_computed_again(
+    suite: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
     before = {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
     assert main(["scan", str(suite.parent / "suite.toml"), "-o", str(suite)]) == 2
     assert "already holds results" in capfd.readouterr().err
-    assert main(["scan", str(suite.parent / "continuum.toml"), "-o", str(suite / "continuum"), "--resume"]) == 0
-    assert before == {path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")}
-    assert json.loads((suite / "suite.json").read_text(encoding="utf-8"))["scans"] == ["granular", "continuum"]
+    assert (
+        main(
+            [
+                "scan",
+                str(suite.parent / "continuum.toml"),
+                "-o",
+                str(suite / "continuum"),
+                "--resume",
+            ]
+        )
+        == 0
+    )
+    assert before == {
+        path: path.stat().st_mtime_ns for path in suite.glob("*/points/*/summary.json")
+    }
+    assert json.loads((suite / "suite.json").read_text(encoding="utf-8"))["scans"] == [
+        "granular",
+        "continuum",
+    ]
 
 
 def test_runs_that_cannot_be_compared_are_left_out(impacts: Impacts, tmp_path: Path) -> None:
@@ -261,7 +327,9 @@ def test_wrong_suites_are_refused(text: str, message: str, tmp_path: Path) -> No
 
 
 def test_a_suite_is_no_scan(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
-    assert main(["scan", "protection", "-o", str(tmp_path / "out"), "--set", "load.velocity=1"]) == 2
+    assert (
+        main(["scan", "protection", "-o", str(tmp_path / "out"), "--set", "load.velocity=1"]) == 2
+    )
     assert "is a suite of scans" in capfd.readouterr().err
 
 

@@ -1,4 +1,6 @@
-"""Protected targets: closed forms of single spheres and oscillators, transmitted momentum and energy, the studies."""
+"""Protected targets: closed forms of single spheres and oscillators, transmitted momentum and
+energy, the studies.
+"""
 
 from __future__ import annotations
 
@@ -48,14 +50,20 @@ def spheres(tmp_path_factory: pytest.TempPathFactory) -> Found:
     folder = tmp_path_factory.mktemp("spheres")
     ends = {"slow": 1.7e-3}
     return [
-        ran("protected-sphere", folder / name, **{"boundary.bottom": bottom, "run.end_time": ends.get(name, 1e-4)})
+        ran(
+            "protected-sphere",
+            folder / name,
+            **{"boundary.bottom": bottom, "run.end_time": ends.get(name, 1e-4)},
+        )
         for name, bottom in bottoms.items()
     ]
 
 
 @pytest.fixture(scope="module")
 def packings(tmp_path_factory: pytest.TempPathFactory) -> Found:
-    """Small packings of three heights on a rigid wall, the lowest one also on a plate and on concrete."""
+    """Small packings of three heights on a rigid wall, the lowest one also on a plate and on
+    concrete.
+    """
     folder = tmp_path_factory.mktemp("packings")
     bottoms = {"wall": "wall", "plate": PLATE, "concrete": {"half_space": {}, "material": CONCRETE}}
     wanted = [("wall", 2), ("wall", 3), ("wall", 4), ("plate", 2), ("concrete", 2)]
@@ -75,7 +83,9 @@ def work_on(run: TargetRun) -> np.ndarray:
     if not run.moves:
         return np.zeros_like(run.reached.time)
     with Result(run.directory) as result:
-        return cumulative_trapezoid(run.reached.force * result["walls/bottom/velocity"], run.reached.time, initial=0.0)
+        return cumulative_trapezoid(
+            run.reached.force * result["walls/bottom/velocity"], run.reached.time, initial=0.0
+        )
 
 
 def test_hertz_impact_is_consistent() -> None:
@@ -91,22 +101,34 @@ def test_hertz_impact_is_consistent() -> None:
 
 
 def test_oscillator_between_its_limits() -> None:
-    mass, spring, duration = 2.0, 3e6, 1e-5
+    mass = 2.0
+    spring = 3e6
+    duration = 1e-5
     time = np.linspace(0, 8e-3, 80001)
     force = np.where(time < duration, 100 * np.sin(np.pi * time / duration), 0.0)
     impulse = 200 * duration / np.pi
-    assert response(time, force, mass, spring).max() == pytest.approx(after_impulse(impulse, mass, spring), rel=1e-4)
+    assert response(time, force, mass, spring).max() == pytest.approx(
+        after_impulse(impulse, mass, spring), rel=1e-4
+    )
     step = np.full_like(time, 100.0)
-    assert response(time, step, mass, spring).max() == pytest.approx(2 * 100 / spring, rel=1e-6)  # twice the static one
+    assert response(time, step, mass, spring).max() == pytest.approx(
+        2 * 100 / spring, rel=1e-6
+    )  # twice the static one
     massless = response(time, step, 0.0, spring, 1e3)
-    np.testing.assert_allclose(massless, 100 / spring * (1 - np.exp(-spring / 1e3 * time)), rtol=1e-9, atol=1e-15)
+    np.testing.assert_allclose(
+        massless, 100 / spring * (1 - np.exp(-spring / 1e3 * time)), rtol=1e-9, atol=1e-15
+    )
 
 
 def test_single_spheres_obey_the_closed_forms(spheres: Found) -> None:
     (group,) = collect(spheres)
     (found,) = make_studies({"protected-checks": group})
-    assert len(found.rows) == 8 and found.title.endswith(": Brass sphere of 10 mm, elastic contacts, 1 m/s")
-    assert {row.where for row in found.rows} >= {"Hertz (1882)", "2 m v"} and not any(row.remark for row in found.rows)
+    assert len(found.rows) == 8 and found.title.endswith(
+        ": Brass sphere of 10 mm, elastic contacts, 1 m/s"
+    )
+    assert {row.where for row in found.rows} >= {"Hertz (1882)", "2 m v"} and not any(
+        row.remark for row in found.rows
+    )
     for row in found.rows:
         assert row.theory is not None
         assert row.ours == pytest.approx(row.theory, rel=1e-2), row.quantity
@@ -123,7 +145,9 @@ def test_momentum_and_energy_that_arrive(packings: Found) -> None:
         assert run.reached.impulse[-1] == pytest.approx(run.summary["wall_impulse_Ns"], rel=1e-6)
         time, energy = run.energy
         assert energy[-1] == run.summary["energy_target_J"]
-        work = np.interp(time, run.reached.time, work_on(run))  # force times velocity, as recorded at the wall
+        work = np.interp(
+            time, run.reached.time, work_on(run)
+        )  # force times velocity, as recorded at the wall
         np.testing.assert_allclose(energy, work, atol=3e-4 * energy.max())
         assert 0 < run.value("largest_of_one_N") < run.reached.peak_force
         assert run.summary["peak_reduction"] == pytest.approx(
@@ -133,8 +157,12 @@ def test_momentum_and_energy_that_arrive(packings: Found) -> None:
     assert plate.energy[1][-1] == pytest.approx(plate.summary["support_energy_J"], rel=1e-3)
     moved = response(plate.reached.time, plate.reached.force, 0.5, 2e9)
     np.testing.assert_allclose(plate.displacement, moved, atol=2e-4 * moved.max())
-    first, last = runs["wall2"].reached, runs["wall4"].reached
-    assert first.peak_force > last.peak_force and runs["concrete2"].reached.peak_force < first.peak_force
+    first = runs["wall2"].reached
+    last = runs["wall4"].reached
+    assert (
+        first.peak_force > last.peak_force
+        and runs["concrete2"].reached.peak_force < first.peak_force
+    )
 
 
 def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None:
@@ -145,25 +173,43 @@ def test_studies_of_bottoms_and_heights(packings: Found, tmp_path: Path) -> None
     found = {study.name: study for study in make_studies({name: group for name in STUDIES})}
     assert list(found) == ["protected-height", "protected-bottoms"]
     (table,) = found["protected-bottoms"].tables
-    assert [row[0].text for row in table.rows] == ["rigid wall", "plate of 0.5 kg, 99.3 µs", "concrete half-space"]
+    assert [row[0].text for row in table.rows] == [
+        "rigid wall",
+        "plate of 0.5 kg, 99.3 µs",
+        "concrete half-space",
+    ]
     assert found["protected-bottoms"].verdict[0].startswith("Peak reduction: from ")
     assert "as layers^" in found["protected-height"].verdict[0]
     drawn = draw_studies(list(found.values()), tmp_path)
     assert [path.stem for path in drawn] == ["protected_height", "protected_bottoms"]
-    header = (tmp_path / "figures" / "protected_bottoms.csv").read_text(encoding="utf-8").partition("\n")[0]
+    header = (
+        (tmp_path / "figures" / "protected_bottoms.csv")
+        .read_text(encoding="utf-8")
+        .partition("\n")[0]
+    )
     assert "rigid_wall_force_N" in header and "concrete_half_space_energy_J" in header
     titles = [study.title.partition(": ")[2] for study in found.values()]
-    assert titles[0] == "FCC packing of 6 x 6 brass spheres of 10 mm a layer, elasto-plastic contacts, 5 m/s"
-    assert titles[1] == "FCC packing of 6 x 6 x 2 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s"
+    assert (
+        titles[0]
+        == "FCC packing of 6 x 6 brass spheres of 10 mm a layer, elasto-plastic contacts, 5 m/s"
+    )
+    assert (
+        titles[1]
+        == "FCC packing of 6 x 6 x 2 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s"
+    )
 
 
 def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
-    """Heavy plates below three elastic spheres do not change the force and respond to it as oscillators."""
+    """Heavy plates below three elastic spheres do not change the force and respond to it as
+    oscillators.
+    """
     more = {"packing.size": 3, "packing.kind": "chain", "run.end_time": 1.2e-3}
     found = [ran("protected-sphere", tmp_path / "wall", **{"boundary.bottom": "wall"}, **more)]
     for n, stiffness in enumerate((2e13, 1e11, 5e9, 5e8)):
         bottom = {"plate": {"mass": 10.0, "stiffness": stiffness}}
-        found.append(ran("protected-sphere", tmp_path / str(n), **{"boundary.bottom": bottom}, **more))
+        found.append(
+            ran("protected-sphere", tmp_path / str(n), **{"boundary.bottom": bottom}, **more)
+        )
     (group,) = collect(found)
     (study,) = make_studies({"protected-spectrum": group})
     rows = study.rows
@@ -176,22 +222,36 @@ def test_spectrum_follows_the_oscillator(tmp_path: Path) -> None:
 def test_only_runs_that_compare_make_a_study(packings: Found, tmp_path: Path) -> None:
     by_name = {label: (label, path, summary) for label, path, summary in packings}
     assert collect([by_name["wall2"]]) == []
-    assert collect([by_name["wall2"], by_name["wall3"]]) == []  # a series needs more than two heights on a rigid wall
+    assert (
+        collect([by_name["wall2"], by_name["wall3"]]) == []
+    )  # a series needs more than two heights on a rigid wall
     assert len(collect([by_name["wall2"], by_name["plate2"]])) == 1
     _, path, summary = by_name["wall2"]
     shorter = dataclasses.replace(load_case(path / "case.toml"), run=Run(end_time=1e-4))
     (tmp_path / "case.toml").write_text(shorter.to_toml(), encoding="utf-8")
     (group,) = collect([("shorter", tmp_path, {**summary, "end_time_s": 1e-4}), *packings])
-    assert [run.label for run in group] == [label for label, _, _ in packings]  # the longest run of equal cases
-    refused = [(label, path, {**summary, "end_reason": BALANCE_REFUSED}) for label, path, summary in packings]
+    assert [run.label for run in group] == [
+        label for label, _, _ in packings
+    ]  # the longest run of equal cases
+    refused = [
+        (label, path, {**summary, "end_reason": BALANCE_REFUSED})
+        for label, path, summary in packings
+    ]
     assert collect(refused) == []
 
 
 def test_hertz_of_a_run(spheres: Found) -> None:
     runs = {run.label: run for run in collect(spheres)[0]}
     wall: TargetRun = runs["wall"]
-    assert HertzImpact.of(wall.case).force == pytest.approx(wall.summary["unprotected_peak_force_N"], rel=1e-6)
-    for name in ("slow", "fast", "ground", "bar"):  # no spheres in between: the run is the impact without a packing
+    assert HertzImpact.of(wall.case).force == pytest.approx(
+        wall.summary["unprotected_peak_force_N"], rel=1e-6
+    )
+    for name in (
+        "slow",
+        "fast",
+        "ground",
+        "bar",
+    ):  # no spheres in between: the run is the impact without a packing
         assert runs[name].summary["peak_reduction"] == pytest.approx(1, abs=1e-3)
 
 
@@ -204,5 +264,8 @@ def test_a_report_shows_them(packings: Found, granwave, tmp_path: Path) -> None:
 
 
 def test_builtin_scans_are_whole() -> None:
-    sizes = {name: len(load_scan(f"protected-{name}").points) for name in ("bottoms", "height", "spectrum", "sphere")}
+    sizes = {
+        name: len(load_scan(f"protected-{name}").points)
+        for name in ("bottoms", "height", "spectrum", "sphere")
+    }
     assert sizes == {"bottoms": 16, "height": 42, "spectrum": 21, "sphere": 10}

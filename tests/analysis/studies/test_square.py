@@ -35,7 +35,9 @@ def in_plane(tmp_path_factory: pytest.TempPathFactory) -> FinishedRun:
 
 
 def test_fits_of_length_are_exact_for_the_waves_of_the_theory() -> None:
-    time, diameter, speed = np.linspace(0, 1e-3, 401), 0.02, 500.0
+    time = np.linspace(0, 1e-3, 401)
+    diameter = 0.02
+    speed = 500.0
     length = pulses.LENGTH * diameter
     wave = []
     for sphere in range(9):
@@ -49,7 +51,8 @@ def test_fits_of_length_are_exact_for_the_waves_of_the_theory() -> None:
 def test_sensors_record_the_acceleration(in_plane: FinishedRun) -> None:
     assert in_plane.summary["sensor_2D_peak_acceleration_m_s2"] == 0.0
     with Result(in_plane.directory) as result:
-        time, force = result["probes/time"], result["probes/sphere_206_fx"]
+        time = result["probes/time"]
+        force = result["probes/sphere_206_fx"]
         mass = result["spheres/mass"][205]
         gained = np.sum((force[1:] + force[:-1]) / 2 * np.diff(time)) / mass
         assert gained == pytest.approx(result["probes/sphere_206_vx"][-1], abs=1e-5)
@@ -62,7 +65,12 @@ def test_sensors_record_the_acceleration(in_plane: FinishedRun) -> None:
 
 @pytest.mark.parametrize("kind", ["fcc", "hcp"])
 def test_directions_of_other_packings(kind: str, tmp_path: Path) -> None:
-    changes = {"packing.size": [12, 12, 6], "packing.kind": kind, "striker.1.touches": [54, 55, 66], "run.frames": 11}
+    changes = {
+        "packing.size": [12, 12, 6],
+        "packing.kind": kind,
+        "striker.1.touches": [54, 55, 66],
+        "run.frames": 11,
+    }
     places = {"striker.2.touches": 865, "contact.law": "elastoplastic", "run.end_time": 2e-4}
     one = run("fcc-striker", tmp_path / kind, **changes, **places)
     with Result(one.directory) as result:
@@ -78,10 +86,13 @@ def test_directions_of_other_packings(kind: str, tmp_path: Path) -> None:
         assert spread(result, np.zeros(result.n_spheres)) is None
         stored = result.frame(frame, "elastic_energy").sum()
         assert stored == pytest.approx(
-            np.interp(result.frame_times[frame], result["energy/time"], result["energy/elastic"]), rel=0.02
+            np.interp(result.frame_times[frame], result["energy/time"], result["energy/elastic"]),
+            rel=0.02,
         )
         assert energy_of_spheres(result, frame).sum() < result.energy_input
-    assert [path.stem for path in draw_figures(one.directory, names=("directions",))] == ["directions"]
+    assert [path.stem for path in draw_figures(one.directory, names=("directions",))] == [
+        "directions"
+    ]
 
 
 def square(**tables: Any) -> Case:
@@ -91,8 +102,12 @@ def square(**tables: Any) -> Case:
 
 def test_a_wall_cannot_cut_a_striker_of_a_chain() -> None:
     chain = {"kind": "chain", "size": 6, "diameter": 0.01905}
-    with pytest.raises(InputError, match=r"striker\.1: the wall at the bottom cuts through it, 0\.019"):
-        case_from_dict({"name": "chain", "material": STEEL, "packing": chain, "striker": [{"touches": 6}]})
+    with pytest.raises(
+        InputError, match=r"striker\.1: the wall at the bottom cuts through it, 0\.019"
+    ):
+        case_from_dict(
+            {"name": "chain", "material": STEEL, "packing": chain, "striker": [{"touches": 6}]}
+        )
 
 
 def test_width_of_the_wave_of_the_chain_itself() -> None:

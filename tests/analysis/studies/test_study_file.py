@@ -1,4 +1,6 @@
-"""Rows of studies and their tables, runs that belong together, descriptions of cases in titles, and studies of one's own."""
+"""Rows of studies and their tables, runs that belong together, descriptions of cases in titles, and
+studies of one's own.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,14 @@ from granwave.analysis.document.model import Table
 from granwave.analysis.reports.inputs import Point, Scan, read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.studies import studies_of, studies_section
-from granwave.analysis.studies.runs import all_but, bottom_label, impact_title, load_label, packing_title, time_label
+from granwave.analysis.studies.runs import (
+    all_but,
+    bottom_label,
+    impact_title,
+    load_label,
+    packing_title,
+    time_label,
+)
 from granwave.analysis.studies.study import Row, Study, write_rows
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
@@ -69,23 +78,36 @@ def test_a_report_makes_it_of_all_runs(tmp_path: Path, study: Path) -> None:
     assert "Peak force at 1 m/s" in text and "Peak force at 2 m/s" in text and "Forces" in text
 
 
-def test_a_scan_names_it_relative_to_its_own_file(tmp_path: Path, monkeypatch: pytest.MonkeyPatch, study: Path) -> None:
+def test_a_scan_names_it_relative_to_its_own_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, study: Path
+) -> None:
     """Rows, figure and data are in the directory of the scan, wherever it was started."""
     (tmp_path / "scan.toml").write_text(SCAN)
     monkeypatch.chdir("/")
     assert run_scan(load_scan(tmp_path / "scan.toml"), tmp_path / "out").complete
     with (tmp_path / "out" / "study_rows.csv").open() as file:
-        assert [row["quantity"] for row in csv.DictReader(file)] == ["Peak force at 1 m/s", "Peak force at 2 m/s"]
-    assert {"my_forces.png", "my_forces.csv"} <= {path.name for path in (tmp_path / "out" / "figures").iterdir()}
-    assert "Force against velocity" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
+        assert [row["quantity"] for row in csv.DictReader(file)] == [
+            "Peak force at 1 m/s",
+            "Peak force at 2 m/s",
+        ]
+    assert {"my_forces.png", "my_forces.csv"} <= {
+        path.name for path in (tmp_path / "out" / "figures").iterdir()
+    }
+    assert "Force against velocity" in (tmp_path / "out" / "report.html").read_text(
+        encoding="utf-8"
+    )
 
 
-def test_a_later_report_loads_no_code_unasked(tmp_path: Path, study: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_later_report_loads_no_code_unasked(
+    tmp_path: Path, study: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     """The path that a scan's directory holds is not enough: it may come from someone else."""
     scan = write_scan(tmp_path / "scan", grid(load__velocity=[1, 2]), study=[str(study)])
     assert studies_of(read_inputs([scan], tmp_path)) == []
     assert f"--study {study}" in caplog.text
-    assert [one.name for one in studies_of(read_inputs([scan], tmp_path, [str(study)]))] == ["study"]
+    assert [one.name for one in studies_of(read_inputs([scan], tmp_path, [str(study)]))] == [
+        "study"
+    ]
 
 
 @pytest.mark.parametrize(
@@ -97,7 +119,9 @@ def test_a_later_report_loads_no_code_unasked(tmp_path: Path, study: Path, caplo
         (None, "no such file, expected the Python file of a study"),
     ],
 )
-def test_a_file_that_is_no_study_is_refused_before_anything_runs(tmp_path: Path, text: str | None, says: str) -> None:
+def test_a_file_that_is_no_study_is_refused_before_anything_runs(
+    tmp_path: Path, text: str | None, says: str
+) -> None:
     """By scans, suites and reports alike."""
     if text is not None:
         (tmp_path / "study.py").write_text(text)
@@ -118,19 +142,29 @@ def test_studies_without_rows_stand_in_a_report(tmp_path: Path) -> None:
     """Two of the same text, of which the second has nothing to show."""
     paths = [tmp_path / "one.py", tmp_path / "two.py"]
     for path in paths:
-        path.write_text(f'"""Study {path.stem}.\n\nNothing was found."""\n\ndef rows(runs):\n    return []\n')
+        path.write_text(
+            f'"""Study {path.stem}.\n\nNothing was found."""\n\ndef rows(runs):\n    return []\n'
+        )
     run = write_run(tmp_path / "run")
-    text = write_report([run], tmp_path / "r.html", [str(path) for path in paths]).read_text(encoding="utf-8")
+    text = write_report([run], tmp_path / "r.html", [str(path) for path in paths]).read_text(
+        encoding="utf-8"
+    )
     assert "Study one" in text and "Study two" in text and text.count("Nothing was found.") == 2
 
 
 @pytest.mark.failing_figures
-def test_a_study_that_fails_costs_no_report(tmp_path: Path, caplog: pytest.LogCaptureFixture) -> None:
+def test_a_study_that_fails_costs_no_report(
+    tmp_path: Path, caplog: pytest.LogCaptureFixture
+) -> None:
     """It is named with the line of its fault."""
     (tmp_path / "bad.py").write_text('"""Bad."""\ndef rows(runs):\n    return [1 / 0]\n')
-    (tmp_path / "misspelt.py").write_text('"""Misspelt."""\ndef rows(runs):\n    yield runs[0]["peak_forc_N"]\n')
+    (tmp_path / "misspelt.py").write_text(
+        '"""Misspelt."""\ndef rows(runs):\n    yield runs[0]["peak_forc_N"]\n'
+    )
     run = write_run(tmp_path / "run", figures=False)
-    text = write_report([run], tmp_path / "r.md", [str(tmp_path / "bad.py"), str(tmp_path / "misspelt.py")])
+    text = write_report(
+        [run], tmp_path / "r.md", [str(tmp_path / "bad.py"), str(tmp_path / "misspelt.py")]
+    )
     fault = "rows of the study bad, from number 1 on, could not be made: ZeroDivisionError: division by zero (bad.py, line 3)"
     assert fault in text.read_text(encoding="utf-8") and fault in caplog.text
     assert "did you mean peak_force_N?" in caplog.text
@@ -146,7 +180,9 @@ SILENT = Row("printed formula", "m/s", 14.8, None, "thesis 2", theory=10.0)
 def test_kind_follows_from_what_a_row_compares() -> None:
     rows = (SOURCE, THEORY, TESTS, ALONE, SILENT)
     assert [row.kind for row in rows] == ["source", "theory", "verification", "alone", "source"]
-    assert [row.deviation for row in rows] == pytest.approx([0.5, -0.25, 0.0002, None, None], nan_ok=True)
+    assert [row.deviation for row in rows] == pytest.approx(
+        [0.5, -0.25, 0.0002, None, None], nan_ok=True
+    )
     assert dataclasses.replace(SOURCE, bound=True).deviation is None
 
 
@@ -157,7 +193,9 @@ def test_kind_follows_from_what_a_row_compares() -> None:
         (ALONE, {"ours": None}, "found no value"),
     ],
 )  # fmt: skip
-def test_a_row_has_the_values_of_its_kind(row: Row, missing: dict[str, float | None], says: str) -> None:
+def test_a_row_has_the_values_of_its_kind(
+    row: Row, missing: dict[str, float | None], says: str
+) -> None:
     with pytest.raises(ValueError, match=says):
         dataclasses.replace(row, **missing)
 
@@ -169,8 +207,12 @@ def test_numbers_of_numpy_can_be_stored() -> None:
 
 def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
     study = Study("s", "Chain", "text", rows=(SOURCE, TESTS, THEORY, ALONE, SILENT))
-    section = studies_section(read_inputs([write_run(tmp_path / "run", figures=False)], tmp_path), [study])
-    tables = {block.caption: block for block in section.blocks[0].blocks if isinstance(block, Table)}
+    section = studies_section(
+        read_inputs([write_run(tmp_path / "run", figures=False)], tmp_path), [study]
+    )
+    tables = {
+        block.caption: block for block in section.blocks[0].blocks if isinstance(block, Table)
+    }
     assert list(tables) == [
         "Chain: source against ours", "Chain: theory against ours", "Chain: verification of the code",
         "Chain: ours alone",
@@ -178,7 +220,9 @@ def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
     sourced = tables["Chain: source against ours"]
     assert [row[0].text for row in sourced.rows] == ["force (N)", "printed formula (m/s)"]
     assert sourced.rows[1][2].text == "–"  # noqa: RUF001
-    assert "Must be" in [column.heading for column in tables["Chain: verification of the code"].columns]
+    assert "Must be" in [
+        column.heading for column in tables["Chain: verification of the code"].columns
+    ]
 
 
 def test_rows_are_written_beside_the_report_of_a_scan(tmp_path: Path) -> None:
@@ -187,8 +231,17 @@ def test_rows_are_written_beside_the_report_of_a_scan(tmp_path: Path) -> None:
     assert path is not None
     with path.open(newline="", encoding="utf-8") as file:
         first, second = csv.DictReader(file)
-    assert (first["study"], first["kind"], first["source"], first["granwave"]) == ("chain", "source", "2.0", "3.0")
-    assert (second["kind"], second["source"], float(second["theory"])) == ("verification", "", 1 / 6)
+    assert (first["study"], first["kind"], first["source"], first["granwave"]) == (
+        "chain",
+        "source",
+        "2.0",
+        "3.0",
+    )
+    assert (second["kind"], second["source"], float(second["theory"])) == (
+        "verification",
+        "",
+        1 / 6,
+    )
     assert write_rows([], tmp_path) is None and not path.exists()
 
 
@@ -205,14 +258,22 @@ def test_twins_differ_in_what_is_named_alone() -> None:
     faster = load_case("settled-fcc", {"load.velocity": 10.0})
     of_case, of_other, of_faster = (all_but(one, "precompression") for one in (case, other, faster))
     assert of_case == of_other != of_faster
-    assert all_but(case, "load.velocity") == all_but(faster, "load.velocity") != all_but(other, "load.velocity")
-    assert all_but(case, "precompression", "load.velocity") == all_but(other, "precompression", "load.velocity")
+    assert (
+        all_but(case, "load.velocity")
+        == all_but(faster, "load.velocity")
+        != all_but(other, "load.velocity")
+    )
+    assert all_but(case, "precompression", "load.velocity") == all_but(
+        other, "precompression", "load.velocity"
+    )
 
 
 def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
     """Each of the runs that its scans share, and none of which a study takes nothing."""
     for name, text in (("all", ""), ("none", "def select(runs): return []\n")):
-        (tmp_path / f"{name}.py").write_text(f"def tables(runs): yield 'Count', {{'Runs': [len(runs)]}}\n{text}")
+        (tmp_path / f"{name}.py").write_text(
+            f"def tables(runs): yield 'Count', {{'Runs': [len(runs)]}}\n{text}"
+        )
     every, none = (str(tmp_path / name) for name in ("all.py", "none.py"))
     directories = [write_run(tmp_path / name, figures=False) for name in ("one", "two")]
     inputs = read_inputs(directories, tmp_path / "report.html", [every, none])
@@ -228,8 +289,14 @@ def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
     assert study.tables[0].rows[0][0].text == "2"
 
 
-def made(kind: str = "fcc", size: Any = (6, 5, 4), material: Any = "brass", **sections: Any) -> Case:
-    packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": 0.00952}
+def made(
+    kind: str = "fcc", size: Any = (6, 5, 4), material: Any = "brass", **sections: Any
+) -> Case:
+    packing = {
+        "kind": kind,
+        "size": list(size) if isinstance(size, tuple) else size,
+        "diameter": 0.00952,
+    }
     return case_from_dict({"name": "words", "packing": packing, "material": material, **sections})
 
 
@@ -252,7 +319,9 @@ def test_packings(kind: str, size: Any, words: str, of_any_height: str) -> None:
 def test_names_of_loads_and_of_a_material_without_one() -> None:
     own = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 8000, "yield_strength": 5e8}
     assert packing_title(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
-    assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(", elastic contacts, 2.5 m/s")
+    assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(
+        ", elastic contacts, 2.5 m/s"
+    )
     assert load_label(made(load={"velocity": 5, "angle": 30})) == "5 m/s"
     force = {"kind": "force", "shape": "half-sine", "amplitude": 100.0, "duration": 1e-5}
     assert load_label(made("chain", 3, load=force)) == "force on top"

@@ -20,7 +20,15 @@ from granwave.analysis.statistics import estimate
 from granwave.analysis.studies.bands import scattered_line, without_scatter
 from granwave.analysis.studies.runs import SphereContactRun, finished_runs
 from granwave.analysis.studies.study import Study, make_studies
-from granwave.analysis.studies.tolerance import AXES, DISSIPATED, FORCE, IDEAL, Packing, Setting, select
+from granwave.analysis.studies.tolerance import (
+    AXES,
+    DISSIPATED,
+    FORCE,
+    IDEAL,
+    Packing,
+    Setting,
+    select,
+)
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -30,16 +38,18 @@ from tests.helpers.synthetic_contact import write_contact
 from tests.helpers.synthetic_report import build, notes, table
 from tests.helpers.synthetic_scan import case_of, grid, write_json, write_scan
 
-FORCE_IDEAL, SHARE_IDEAL = 1332.0, 0.88
+FORCE_IDEAL = 1332.0
+SHARE_IDEAL = 0.88
 TABLE = "Mean and 95 % confidence interval"
-KEPT = (
-    "How large each imperfection may be for 90 % of the ideal packing's performance or more: a force of at most 111 %"
-)
+KEPT = "How large each imperfection may be for 90 % of the ideal packing's performance or more: a force of at most 111 %"
 
 
 def summary_of(case: Case, **others: Any) -> dict[str, Any]:
-    """Summary in which force halves with every 2 um, dissipation decreases by 2 % per um, and friction reduces both."""
-    scatter, friction = 1e6 * case.packing.diameter_scatter, case.contact.friction
+    """Summary in which force halves with every 2 um, dissipation decreases by 2 % per um, and
+    friction reduces both.
+    """
+    scatter = 1e6 * case.packing.diameter_scatter
+    friction = case.contact.friction
     rng = np.random.default_rng([case.packing.seed or 1, round(scatter * 10)])
     noise = 1 + 0.05 * rng.standard_normal() if is_random(case) else 1.0
     share = SHARE_IDEAL * (1 - 0.02 * scatter)
@@ -83,7 +93,12 @@ def settings(
 ) -> list[dict]:
     """Every combination, ideal ones once; scatters in um."""
     return [
-        {"packing.diameter_scatter": 1e-6 * scatter, "contact.friction": friction, "packing.seed": seed, **others}
+        {
+            "packing.diameter_scatter": 1e-6 * scatter,
+            "contact.friction": friction,
+            "packing.seed": seed,
+            **others,
+        }
         for friction in frictions
         for scatter in scatters
         for seed in range(1, (seeds if scatter else 1) + 1)
@@ -103,22 +118,33 @@ def test_runs_are_put_together_by_what_is_hit(tmp_path: Path) -> None:
     paths = write(tmp_path / "a", settings([0, 1], seeds=2))
     paths += write(tmp_path / "b", settings([0, 1], seeds=2, material="steel"))
     paths += write(tmp_path / "c", [{"load.velocity": 10}])  # alone
-    paths += write(tmp_path / "d", settings([1], seeds=1, **{"run.end_time": 2e-3}), end_time_s=2e-3)
+    paths += write(
+        tmp_path / "d", settings([1], seeds=1, **{"run.end_time": 2e-3}), end_time_s=2e-3
+    )
     brass, steel = packings_in(paths, tmp_path)
     assert list(brass.runs) == list(steel.runs) == [IDEAL, Setting(scatter=1e-6)]
     assert [run.case.packing.seed for run in brass.runs[Setting(1e-6)]] == [1, 2]
     longer, other = brass.runs[Setting(1e-6)]
-    assert longer.directory.parent.name == "d" and other.directory.parent.name == "a"  # the longest of equal ones
+    assert (
+        longer.directory.parent.name == "d" and other.directory.parent.name == "a"
+    )  # the longest of equal ones
     assert steel.case.material.name == "steel"
 
 
-def test_many_packings_with_friction_and_without_are_a_study_where_it_is_named(tmp_path: Path) -> None:
+def test_many_packings_with_friction_and_without_are_a_study_where_it_is_named(
+    tmp_path: Path,
+) -> None:
     materials = ["brass", "steel", "aluminium", "stainless-steel-316"]
     paths = [write(tmp_path / m, settings([0], frictions=(0, 0.3), material=m)) for m in materials]
     assert studies_of(read_inputs(list(itertools.chain(*paths)), tmp_path)) == []
     found = packings_in(itertools.chain(*paths), tmp_path)
     assert [packing.case.material.name for packing in found] == materials
-    assert [packing.name for packing in found] == ["tolerances", "tolerances-2", "tolerances-3", "tolerances-4"]
+    assert [packing.name for packing in found] == [
+        "tolerances",
+        "tolerances-2",
+        "tolerances-3",
+        "tolerances-4",
+    ]
     assert found[1].label == "FCC packing of 24 x 24 x 12 steel spheres of 10 mm"
 
 
@@ -133,7 +159,9 @@ def test_a_scan_names_the_study(tmp_path: Path) -> None:
 
 def test_neither_one_setting_nor_other_loads_are_a_study(tmp_path: Path) -> None:
     assert packings_in(write(tmp_path / "a", settings([1], seeds=5)), tmp_path) == []
-    assert packings_in(write(tmp_path / "b", [{"load.velocity": v} for v in (1, 2)]), tmp_path) == []
+    assert (
+        packings_in(write(tmp_path / "b", [{"load.velocity": v} for v in (1, 2)]), tmp_path) == []
+    )
 
 
 def test_means_and_what_is_left(tmp_path: Path) -> None:
@@ -144,7 +172,9 @@ def test_means_and_what_is_left(tmp_path: Path) -> None:
     assert means[five] == estimate(forces) and len(forces) == 6
     assert means[IDEAL].exact and means[Setting(friction=0.2)].exact
     assert packing.left(DISSIPATED)[five].mean == pytest.approx(0.9)
-    assert packing.left(FORCE)[five].mean == pytest.approx(FORCE_IDEAL / np.mean(forces))  # less force is better
+    assert packing.left(FORCE)[five].mean == pytest.approx(
+        FORCE_IDEAL / np.mean(forces)
+    )  # less force is better
     assert [axis.name for axis in AXES if packing.along(axis)] == ["scatter", "friction"]
 
 
@@ -152,22 +182,42 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     paths = write(tmp_path, settings([0, 0.01, 2, 10], [0, 0.2]))
     report = build(paths, tmp_path, "tolerance")
     assert [section.slug for section in report.sections][:2] == ["short", "verdict"]
-    first, *_ = (part.text for part in report.sections[0].blocks if isinstance(part, Note) and part.tone == "lead")
+    first, *_ = (
+        part.text
+        for part in report.sections[0].blocks
+        if isinstance(part, Note) and part.tone == "lead"
+    )
     said = [first, *(note.text for note in notes(report, "verdict"))]
     assert said[0].startswith("Peak force on the bottom, 1330 N in the ideal packing: from ")
     assert said[0].endswith(" (diameter scatter 0.01 µm).")
     assert said[1] == (
         "Dissipated share of the energy, 0.88 in the ideal packing: from 0.704 (diameter scatter 10 µm) to 0.88 (ideal)."
     )
-    alike = table(report, "studies", "Neighbouring settings whose means may be equal, with the seeds there are")
-    texts = [[cell.text for cell in row.values()] for row in alike if row["Quantity"].text.startswith("Peak")]
+    alike = table(
+        report,
+        "studies",
+        "Neighbouring settings whose means may be equal, with the seeds there are",
+    )
+    texts = [
+        [cell.text for cell in row.values()]
+        for row in alike
+        if row["Quantity"].text.startswith("Peak")
+    ]
     assert texts == [
         ["Diameter scatter", "Peak force on the bottom", "0 µm", "0.01 µm", at]
         for at in ("", "friction coefficient 0.2")
     ]
     rows = table(report, "studies", TABLE)
-    assert len(rows) == 8 and [row["Seeds"].text for row in rows[:4]] == ["not random", "not random", "6", "6"]
-    assert rows[0]["Peak force on the bottom"].text == "1330" and " ± " in rows[2]["Peak force on the bottom"].text
+    assert len(rows) == 8 and [row["Seeds"].text for row in rows[:4]] == [
+        "not random",
+        "not random",
+        "6",
+        "6",
+    ]
+    assert (
+        rows[0]["Peak force on the bottom"].text == "1330"
+        and " ± " in rows[2]["Peak force on the bottom"].text
+    )
     against = table(report, "studies", "Against the ideal packing")
     assert "not to be told from it" in against[1]["Peak force on the bottom"].text
     needed = [row["Seeds for the force to ± 10 %"].value for row in rows]
@@ -176,7 +226,14 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     texts = [[cell.text for cell in row.values()] for row in kept]
     assert texts[0][:4] == ["Diameter scatter", "Peak force on the bottom", "1330 N", "10 µm"]
     assert texts[0][4].startswith("41") and texts[0][7] == "every value tried"  # 1332/32 N
-    assert texts[1][2:] == ["0.88", "10 µm", "0.704", "80 %", "6", "about 5 µm (between 2 and 10 µm)"]
+    assert texts[1][2:] == [
+        "0.88",
+        "10 µm",
+        "0.704",
+        "80 %",
+        "6",
+        "about 5 µm (between 2 and 10 µm)",
+    ]
     (study,) = found_in(paths, tmp_path)
     assert [picture.name for picture in study.pictures] == [
         "tolerances_scatter", "tolerances_friction", "tolerances_scatter_friction", "tolerances_seeds",
@@ -184,7 +241,9 @@ def test_the_report_says_what_is_left(tmp_path: Path) -> None:
     columns = study.pictures[0].drawing.columns
     assert set(columns["quantity"]) >= {"wall_peak_force_N", "friction_fraction", "base_arrival_s"}
     chosen = (columns["quantity"] == "wall_peak_force_N") & (columns["diameter_scatter_m"] > 0)
-    assert np.all(columns["n"][chosen] == 6) and np.all(columns["low_95"][chosen] < columns["mean"][chosen])
+    assert np.all(columns["n"][chosen] == 6) and np.all(
+        columns["low_95"][chosen] < columns["mean"][chosen]
+    )
 
 
 def test_a_damaged_result_is_left_out(tmp_path: Path) -> None:
@@ -204,7 +263,10 @@ def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path)
         ("ideal", {"failed": {1: "it broke"}}, 0.0, 1), ("missing", {"missing": [1]}, 0.0, 1),
         ("other", {"failed": {2: "it broke"}}, 5e-6, 0), ("scattered", {"failed": {1: "it broke"}}, 5e-6, 0),
     ):  # fmt: skip
-        points = [point | ({"packing.diameter_scatter": scatter} if scatter else {}) for point in frictions]
+        points = [
+            point | ({"packing.diameter_scatter": scatter} if scatter else {})
+            for point in frictions
+        ]
         scan = write_scan(tmp_path / name, points, **undone)
         index = json.loads((scan / "scan.json").read_text())
         index["varied"] = ["contact.friction"]  # the scatter is set for all points
@@ -212,19 +274,32 @@ def test_the_ideal_packing_is_missed_only_where_it_was_asked_for(tmp_path: Path)
             entry["labels"].pop("packing.diameter_scatter", None)
         write_json(scan / "scan.json", index)
         (study,) = found_in([scan], tmp_path)
-        said = [text for text in study.verdict if "ideal packing (no scatter, no friction) has not finished" in text]
+        said = [
+            text
+            for text in study.verdict
+            if "ideal packing (no scatter, no friction) has not finished" in text
+        ]
         assert len(said) == n_said, name
 
 
 def test_real_packings(tmp_path: Path) -> None:
     """Gaps delay the wave; the table is that of the runs."""
     size = {"packing.size": [6, 6, 4], "run.end_time": 2e-4}
-    for name, scatter, seed in (("ideal", 0.0, 1), ("a", 2e-6, 1), ("b", 2e-6, 2), ("c", 1e-5, 1), ("d", 1e-5, 2)):
+    for name, scatter, seed in (
+        ("ideal", 0.0, 1),
+        ("a", 2e-6, 1),
+        ("b", 2e-6, 2),
+        ("c", 1e-5, 1),
+        ("d", 1e-5, 2),
+    ):
         changes = size | {"packing.diameter_scatter": scatter, "packing.seed": seed}
         run_case(load_case("fcc-small", changes), tmp_path / name, figures=False)
     inputs = read_inputs([tmp_path / name for name in ("d", "b", "ideal", "a", "c")], tmp_path)
     (study,) = studies_of(inputs, ["tolerance"])
-    assert "FCC packing of 6 x 6 x 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall" in study.title
+    assert (
+        "FCC packing of 6 x 6 x 4 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s, rigid wall"
+        in study.title
+    )
     (found,) = [part for part in study.tables if part.caption == TABLE]
     heads = [column.heading for column in found.columns]
     rows = [dict(zip(heads, row, strict=True)) for row in found.rows]
@@ -237,9 +312,13 @@ def test_real_packings(tmp_path: Path) -> None:
 
 
 def test_the_line_of_a_hardly_scattered_packing_is_the_band():
-    case = load_case("precompressed-fcc", {"packing.size": [3, 4, 12], "packing.diameter_scatter": 1e-12})
+    case = load_case(
+        "precompressed-fcc", {"packing.size": [3, 4, 12], "packing.diameter_scatter": 1e-12}
+    )
     k = 0.4 * math.pi / (math.sqrt(2 / 3) * 0.01)
-    bands = band_structure(without_scatter(case), f"0,0,0; 0,0,{k!r}", points=3, allow_floppy=True).bands
+    bands = band_structure(
+        without_scatter(case), f"0,0,0; 0,0,{k!r}", points=3, allow_floppy=True
+    ).bands
     assert scattered_line(case, k) == pytest.approx(float(np.nanmax(bands.frequency[-1])), rel=1e-4)
 
 
@@ -253,17 +332,29 @@ def differences(study: Study) -> dict[str, dict[str, Any]]:
     """Values of the table of a study, by the name of the spheres and the heading."""
     (one,) = study.tables
     heads = [column.heading for column in one.columns[1:]]
-    return {row[0].text: dict(zip(heads, [cell.value for cell in row[1:]], strict=True)) for row in one.rows}
+    return {
+        row[0].text: dict(zip(heads, [cell.value for cell in row[1:]], strict=True))
+        for row in one.rows
+    }
 
 
 def test_differences_are_finite_elements_over_the_law(tmp_path: Path) -> None:
-    runs = contact(tmp_path / "alike"), contact(tmp_path / "unlike", difference=-0.09, partner=9.52e-3)
+    runs = (
+        contact(tmp_path / "alike"),
+        contact(tmp_path / "unlike", difference=-0.09, partner=9.52e-3),
+    )
     (study,) = make_studies({"sphere-contact": runs})
     found = differences(study)
     assert list(found) == ["brass, like radii", "brass, radii 2 to 1"]
     alike, unlike = found.values()
-    assert (alike["At 3 alpha_y"], alike["Most, 1 to 10 alpha_y"]) == (pytest.approx(0.15), pytest.approx(0.15))
-    assert (alike["Least, beyond"], unlike["Least, beyond"]) == (pytest.approx(-0.05), pytest.approx(-0.14))
+    assert (alike["At 3 alpha_y"], alike["Most, 1 to 10 alpha_y"]) == (
+        pytest.approx(0.15),
+        pytest.approx(0.15),
+    )
+    assert (alike["Least, beyond"], unlike["Least, beyond"]) == (
+        pytest.approx(-0.05),
+        pytest.approx(-0.14),
+    )
     assert alike["Smallest unloading exponent"] == 1.33
     assert alike["Energy of yielding in the softer sphere"] is None
     assert len(study.pictures) == 1 and not study.failed
@@ -278,4 +369,6 @@ def test_the_softer_sphere_takes_what_its_strain_and_strength_say(tmp_path: Path
 
 def test_other_runs_are_left_out(tmp_path: Path) -> None:
     run = contact(tmp_path / "elastic")
-    assert make_studies({"sphere-contact": [SphereContactRun("e", run.directory, run.case, {})]}) == []
+    assert (
+        make_studies({"sphere-contact": [SphereContactRun("e", run.directory, run.case, {})]}) == []
+    )

@@ -1,4 +1,6 @@
-"""Page of a run: what is on it, that it asks the network for nothing, and its controls in a browser."""
+"""Page of a run: what is on it, that it asks the network for nothing, and its controls in a
+browser.
+"""
 
 from __future__ import annotations
 
@@ -25,7 +27,9 @@ from granwave.workflows.run.driver import run_case
 from tests.helpers import synthetic
 from tests.helpers.chromium import Browser
 
-CHROMIUM = shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+CHROMIUM = (
+    shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
+)
 SOFTWARE_GL = ("--use-gl=angle", "--use-angle=swiftshader", "--enable-unsafe-swiftshader")
 
 
@@ -36,11 +40,16 @@ def run(tmp_path_factory):
     directory = synthetic.write_run(tmp_path_factory.mktemp("run"), case)
     for wall in ("xlo", "xhi", "ylo", "yhi"):
         synthetic.write_custom(
-            directory / "dumps" / f"wall_{wall}.dump", synthetic.WALL_COLUMNS, np.empty((0, 9)), synthetic.STEPS
+            directory / "dumps" / f"wall_{wall}.dump",
+            synthetic.WALL_COLUMNS,
+            np.empty((0, 9)),
+            synthetic.STEPS,
         )
     time = np.arange(0, synthetic.STEPS + 1, 5)
     rows = np.column_stack([time, time * synthetic.TIMESTEP, *np.ones((5, len(time)))])
-    synthetic.write_table(directory / "dumps" / "walls.txt", "step time bottom xlo xhi ylo yhi", rows)
+    synthetic.write_table(
+        directory / "dumps" / "walls.txt", "step time bottom xlo xhi ylo yhi", rows
+    )
     write_result(directory)
     return directory
 
@@ -67,7 +76,9 @@ def test_values_on_the_page(run, tmp_path):
     assert [one["visible"] for one in spheres.values()].count(True) == 1
     with Result(run) as result:
         (force,) = [
-            one for one in fields(result, instants_of(result).at(range(4)), np.arange(144)) if one.name == "peak force"
+            one
+            for one in fields(result, instants_of(result).at(range(4)), np.arange(144))
+            if one.name == "peak force"
         ]
         shown = arrays(spheres["peak force"]["attribute"])
         assert list(shown) == pytest.approx(1e6 * result.frame_times)
@@ -76,7 +87,9 @@ def test_values_on_the_page(run, tmp_path):
         above = true > force.low
         found = force.low * (force.high / force.low) ** level
         step = (force.high / force.low) ** (1 / LEVELS)
-        assert np.all((found[above] >= true[above] / 1.001) & (found[above] <= 1.001 * step * true[above]))
+        assert np.all(
+            (found[above] >= true[above] / 1.001) & (found[above] <= 1.001 * step * true[above])
+        )
         assert not level[~above].any()
         place = arrays({"0": spheres["speed"]["positions"]})[0.0].reshape(-1, 3)
         assert np.allclose(place, 1e3 * (result["spheres/position"] - result.origin), atol=1e-3)
@@ -88,7 +101,9 @@ def test_walls_cuts_and_texts(run, tmp_path):
     names = {one["name"] for one in plot["objects"]}
     assert {"bottom", "wall xlo", "wall yhi", "clock", "title", "colour bar of speed"} <= names
     given = plot["plot"]["customData"]
-    assert {"across x", "across y", "at a depth", "principal plane", "orthogonal plane"} == set(given["cuts"])
+    assert {"across x", "across y", "at a depth", "principal plane", "orthogonal plane"} == set(
+        given["cuts"]
+    )
     assert given["cut"] == "orthogonal plane" and given["fields"][0] == "contact force"
     for low, high, start in (cut[3:] for cut in given["cuts"].values()):
         assert low <= start < high
@@ -109,13 +124,18 @@ def test_other_packings(tmp_path, kind, size):
 
 def test_a_chain_has_its_history():
     """Forces of the beads are the largest of their contacts, at the instants of the record."""
-    time, force = np.linspace(0, 1, 11), np.zeros((11, 3))
+    time = np.linspace(0, 1, 11)
+    force = np.zeros((11, 3))
     force[:, 0], force[:, 1] = time, 2 * time[::-1]
     beads = {"chain/velocity": np.ones((11, 3)), "chain/displacement": np.zeros((11, 3))}
-    ends = {"chain/contact_i": np.array([1, 2, 3]), "chain/contact_j": np.array([2, 3, 9])}  # 9: the face of a bar
+    ends = {
+        "chain/contact_i": np.array([1, 2, 3]),
+        "chain/contact_j": np.array([2, 3, 9]),
+    }  # 9: the face of a bar
 
     class Record(dict):
-        n_frames, n_spheres = 2, 3
+        n_frames = 2
+        n_spheres = 3
 
         def rows(self, ids):
             return np.asarray(ids) - 1
@@ -138,7 +158,11 @@ def test_fewer_spheres_and_snapshots(run, tmp_path, monkeypatch):
     with Result(run) as result:
         distances = 1e3 * np.linalg.norm(result["spheres/position"] - result.origin, axis=1)
     assert np.allclose(np.sort(away), np.sort(distances)[:20], atol=1e-3)
-    assert any(made.note in one.get("text", "") for one in plot_in(made.path)["objects"] if one["name"] == "title")
+    assert any(
+        made.note in one.get("text", "")
+        for one in plot_in(made.path)["objects"]
+        if one["name"] == "title"
+    )
     monkeypatch.setattr(page, "MOST_VALUES", 1)
     monkeypatch.setattr(page, "_FEWEST_FRAMES", 2)
     assert page.write_view(run, tmp_path / "a.html").n_frames == 2
@@ -150,7 +174,9 @@ def test_colours_and_limits_of_the_case(run):
         force, *_ = fields(result, instants_of(result).at([0, 3]), np.arange(144))
         unit = result.law.yield_force
         assert (force.map, force.low, force.high) == ("cividis", 0.5 * unit, 50.0 * unit)
-        assert force.colours.shape[1] == 4 and force.colours[0, 0] == 0 and force.colours[-1, 0] == 1
+        assert (
+            force.colours.shape[1] == 4 and force.colours[0, 0] == 0 and force.colours[-1, 0] == 1
+        )
 
 
 def test_only_data_is_loaded(run, tmp_path):
@@ -180,13 +206,17 @@ def test_wrong_files(run, tmp_path, name, message):
     assert (tmp_path / "mine.html").read_text() == "<!doctype html>mine"
 
 
-@pytest.mark.skipif(CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)")
+@pytest.mark.skipif(
+    CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)"
+)
 def test_in_a_browser(run, tmp_path):
     """No requests and no errors; field, time and cut change the picture."""
     path = page.write_view(run, tmp_path / "a.html").path
     with Browser(CHROMIUM, tmp_path / "profile", timeout=120, flags=SOFTWARE_GL) as browser:
         browser.open(path.as_uri(), 800, 600)
-        wait_for(browser, "Boolean(window.K3DInstance)")  # set by a script that may end after the page's load event
+        wait_for(
+            browser, "Boolean(window.K3DInstance)"
+        )  # set by a script that may end after the page's load event
         browser.evaluate("K3DInstance.then((plot) => (window.plot = plot)); 0")
         panel = "window.plot?.gui.folders.find((one) => one._title === 'View')"
         wait_for(browser, f"Boolean({panel}?.controllers.length === 6)")
@@ -195,7 +225,10 @@ def test_in_a_browser(run, tmp_path):
         wait_for(browser, "plot.parameters.clippingPlanes.length === 1")
         pictures = [picture(browser, tmp_path)]
         for change, done in (
-            ("controllers[1].setValue(1e9)", "plot.parameters.time === Math.max(...plot.parameters.customData.times)"),
+            (
+                "controllers[1].setValue(1e9)",
+                "plot.parameters.time === Math.max(...plot.parameters.customData.times)",
+            ),
             ("controllers[0].setValue('speed')", "document.body.innerHTML.includes('Speed (m/s)')"),
             ("controllers[3].setValue('none')", "plot.parameters.clippingPlanes.length === 0"),
             ("controllers[3].setValue('at a depth')", "plot.parameters.clippingPlanes[0][2] === 1"),

@@ -1,7 +1,9 @@
-"""Independent solver of chains of spheres between walls or elastic bars, in numpy: for tests and comparison only.
+"""Independent solver of chains of spheres between walls or elastic bars, in numpy: for tests and
+comparison only.
 
-A chain is a row of nodes connected by links: beads by contacts, the nodes of a bar by linear elements of lumped mass.
-Displacements point away from the loaded end, overlap of link i is ``u[i] - u[i + 1] - gap[i]``, compression is positive.
+A chain is a row of nodes connected by links: beads by contacts, the nodes of a bar by linear
+elements of lumped mass. Displacements point away from the loaded end, overlap of link i is ``u[i] -
+u[i + 1] - gap[i]``, compression is positive.
 """
 
 from __future__ import annotations
@@ -20,7 +22,9 @@ Impulse = Callable[[float], float]  # impulse up to a time, N s
 
 @dataclass(frozen=True)
 class Solid:
-    """Properties of one body of a contact, SI units; ``strength`` None is elastic, ``radius`` None is a plane."""
+    """Properties of one body of a contact, SI units; ``strength`` None is elastic, ``radius`` None
+    is a plane.
+    """
 
     modulus: float = 115e9
     ratio: float = 0.3
@@ -64,7 +68,9 @@ FIXED = "fixed"
 
 def half_sine(peak: float, duration: float) -> Impulse:
     """Half-sine force P sin(pi t / T)."""
-    return lambda t: peak * duration / np.pi * (1 - np.cos(np.pi * min(max(t / duration, 0.0), 1.0)))
+    return lambda t: (
+        peak * duration / np.pi * (1 - np.cos(np.pi * min(max(t / duration, 0.0), 1.0)))
+    )
 
 
 def rectangle(force: float, duration: float) -> Impulse:
@@ -74,7 +80,8 @@ def rectangle(force: float, duration: float) -> Impulse:
 
 def table(times: Sequence[float], forces: Sequence[float]) -> Impulse:
     """Force given at times (linear interpolation, zero outside)."""
-    t, f = np.asarray(times, float), np.asarray(forces, float)
+    t = np.asarray(times, float)
+    f = np.asarray(forces, float)
     total = np.concatenate([[0.0], np.cumsum(np.diff(t) * (f[1:] + f[:-1]) / 2)])
 
     def impulse(time: float) -> float:
@@ -89,7 +96,9 @@ def table(times: Sequence[float], forces: Sequence[float]) -> Impulse:
 class Hertz:
     """Elastic spheres."""
 
-    def __init__(self, stiffness: np.ndarray, radius: np.ndarray, modulus: np.ndarray, strength: np.ndarray) -> None:
+    def __init__(
+        self, stiffness: np.ndarray, radius: np.ndarray, modulus: np.ndarray, strength: np.ndarray
+    ) -> None:
         self.k = stiffness
         self.peak = np.zeros(len(stiffness))
 
@@ -111,8 +120,11 @@ class Hertz:
 class Bilinear:
     """Bilinear law of Walton and Braun; ``beta`` is residual over largest overlap."""
 
-    def __init__(self, stiffness, radius, modulus, strength, beta: float = 0.8, slope: float = 18.5) -> None:
-        self.k, self.beta = slope * strength * radius, beta
+    def __init__(
+        self, stiffness, radius, modulus, strength, beta: float = 0.8, slope: float = 18.5
+    ) -> None:
+        self.k = slope * strength * radius
+        self.beta = beta
         self.unloading = self.k / (1 - beta)
         self.peak = np.zeros(len(self.k))
 
@@ -133,7 +145,9 @@ class Bilinear:
 class Elastoplastic(Hertz):
     """Hysteretic law, for all contacts at once, with the constants of ``LawTwin``."""
 
-    def __init__(self, stiffness, radius, modulus, strength, variant: str = "continuous", factor: float = 1.6) -> None:
+    def __init__(
+        self, stiffness, radius, modulus, strength, variant: str = "continuous", factor: float = 1.6
+    ) -> None:
         super().__init__(stiffness, radius, modulus, strength)
         self.law = LawTwin(variant, factor)
         self.yield_overlap = np.pi**2 / 4 * (factor * strength / modulus) ** 2 * radius
@@ -149,7 +163,9 @@ class Elastoplastic(Hertz):
         return law.K * (law.c1 - (law.c1 - law.cy) * np.exp(-law.c2 * (a - 1))) * area
 
     def work(self, a: np.ndarray) -> np.ndarray:
-        """Normalized work of loading, a >= 1, by Gauss quadrature up to and beyond the junction of the branches."""
+        """Normalized work of loading, a >= 1, by Gauss quadrature up to and beyond the junction of
+        the branches.
+        """
         middle = np.minimum(a, self.law.joint)
         total = np.full(len(a), 0.4)
         for low, high in ((np.ones(len(a)), middle), (middle, a)):
@@ -175,7 +191,8 @@ class Elastoplastic(Hertz):
         if len(k):
             a = overlap[k] / self.yield_overlap[k]
             new = a > self.highest[k]
-            pushed, back = k[new], k[~new]
+            pushed = k[new]
+            back = k[~new]
             if len(pushed):
                 force[pushed] = self.loading(a[new])
                 self._remember(pushed, a[new], force[pushed])
@@ -200,7 +217,9 @@ class Elastoplastic(Hertz):
         energy = np.zeros(len(self.k))
         (k,) = np.nonzero(self.highest)
         back = self.top[k] * (self.highest[k] - self.rest[k]) / (self.exponent[k] + 1)
-        energy[k] = self.yield_force[k] * self.yield_overlap[k] * (self.work(self.highest[k]) - back)
+        energy[k] = (
+            self.yield_force[k] * self.yield_overlap[k] * (self.work(self.highest[k]) - back)
+        )
         return energy
 
 
@@ -209,7 +228,9 @@ LAWS = {"hertz": Hertz, "bilinear": Bilinear, "elastoplastic": Elastoplastic}
 
 @dataclass
 class Record:
-    """Results of a run with ``n`` samples, SI units. Arrays of contacts are ordered along the chain."""
+    """Results of a run with ``n`` samples, SI units. Arrays of contacts are ordered along the
+    chain.
+    """
 
     times: np.ndarray  # (n,)
     velocities: np.ndarray  # (n, beads)
@@ -247,9 +268,14 @@ class Chain:
         (contacts,) or number, m: initial gaps.
     """
 
-    def __init__(self, beads: Sequence[Bead], law="hertz", left=None, right=None, gap=0.0, **constants) -> None:
+    def __init__(
+        self, beads: Sequence[Bead], law="hertz", left=None, right=None, gap=0.0, **constants
+    ) -> None:
         bars = [end if isinstance(end, Bar) else None for end in (left, right)]
-        self.walls = [end if isinstance(end, Solid) and not isinstance(end, Bar) else None for end in (left, right)]
+        self.walls = [
+            end if isinstance(end, Solid) and not isinstance(end, Bar) else None
+            for end in (left, right)
+        ]
         sides = [self.walls[0] or bars[0], *beads, self.walls[1] or bars[1]]
         solids = [s for s in sides if s is not None]
         counts = [bar.elements if bar else 0 for bar in bars]
@@ -259,12 +285,18 @@ class Chain:
         ]
         masses = []
         for bar, wall in zip(bars, self.walls, strict=True):
-            lump = np.full(bar.elements + 1, bar.density * bar.area * bar.length / bar.elements) if bar else np.empty(0)
+            lump = (
+                np.full(bar.elements + 1, bar.density * bar.area * bar.length / bar.elements)
+                if bar
+                else np.empty(0)
+            )
             lump[:1] /= 2
             lump[-1:] /= 2
             masses.append(np.array([np.inf]) if wall else lump)
         bead_mass = np.array([b.mass for b in beads])
-        bead_mass[[k for k, end in ((0, left), (-1, right)) if isinstance(end, str) and end == FIXED]] = np.inf
+        bead_mass[
+            [k for k, end in ((0, left), (-1, right)) if isinstance(end, str) and end == FIXED]
+        ] = np.inf
         self.mass = np.concatenate([masses[0], bead_mass, masses[1]])
         self.beads = slice(len(masses[0]), len(masses[0]) + len(beads))
         self.contacts = slice(counts[0], counts[0] + len(solids) - 1)
@@ -276,7 +308,9 @@ class Chain:
         modulus = np.array([1 / (p.compliance + q.compliance) for p, q in pairs])
         radius = np.array([1 / sum(1 / s.radius for s in pair if s.radius) for pair in pairs])
         strength = np.array([min(s.strength or np.inf for s in pair) for pair in pairs])
-        self.law = LAWS[law](4 / 3 * modulus * np.sqrt(radius), radius, modulus, strength, **constants)
+        self.law = LAWS[law](
+            4 / 3 * modulus * np.sqrt(radius), radius, modulus, strength, **constants
+        )
 
     def _forces(self, u: np.ndarray) -> np.ndarray:
         stretch = u[:-1] - u[1:]
@@ -293,14 +327,16 @@ class Chain:
         every: int | None = None,
         node: int | None = None,
     ) -> Record:
-        """Integrate from rest (kick, drift, kick; the load acts with its exact impulse in every step).
+        """Integrate from rest (kick, drift, kick; the load acts with its exact impulse in every
+        step).
 
         Parameters
         ----------
         time, dt
             Duration, s (round(time / dt) steps), and timestep, s.
         load
-            Force on ``node`` (by default the first node: the first bead, or the free end of the left bar).
+            Force on ``node`` (by default the first node: the first bead, or the free end of the
+            left bar).
         velocity
             Initial velocity by bead, m/s.
         every
@@ -313,16 +349,20 @@ class Chain:
         for bead, speed in (velocity or {}).items():
             v[self.beads.start + bead] = speed
         half = dt / 2 / self.mass
-        work = 0.5 * float((self.mass[np.isfinite(self.mass)] * v[np.isfinite(self.mass)] ** 2).sum())
+        work = 0.5 * float(
+            (self.mass[np.isfinite(self.mass)] * v[np.isfinite(self.mass)] ** 2).sum()
+        )
         force = self._forces(u)
-        peak, peak_time = force.copy(), np.zeros(len(force))
+        peak = force.copy()
+        peak_time = np.zeros(len(force))
         push = np.zeros(len(self.mass))
         samples: list[tuple] = [self._sample(0.0, u, v, force, work)]
         given = load(0.0) if load else 0.0
         for step in range(1, steps + 1):
             outer = 0.0
             if load:
-                outer, given = (load(step * dt) - given) / dt, load(step * dt)
+                outer = (load(step * dt) - given) / dt
+                given = load(step * dt)
             push[0], push[-1] = -force[0], force[-1]
             np.subtract(force[:-1], force[1:], out=push[1:-1])
             push[node] += outer
@@ -342,7 +382,19 @@ class Chain:
             if step % every == 0 or step == steps:
                 samples.append(self._sample(step * dt, u, v, force, work))
         columns = [np.array(column) for column in zip(*samples, strict=True)]
-        times, velocities, displacements, forces, kinetic, stored, lost, works, bar_energy, left, right = columns
+        (
+            times,
+            velocities,
+            displacements,
+            forces,
+            kinetic,
+            stored,
+            lost,
+            works,
+            bar_energy,
+            left,
+            right,
+        ) = columns
         return Record(
             times=times, velocities=velocities, forces=forces, displacements=displacements,
             peak_force=peak[self.contacts], peak_time=peak_time[self.contacts], dissipated=self.law.dissipated(),

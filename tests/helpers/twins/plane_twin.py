@@ -1,8 +1,10 @@
-"""An independent solver of crystals of discs in the plane: numpy alone, no code shared with the package or the plugin.
+"""An independent solver of crystals of discs in the plane: numpy alone, no code shared with the
+package or the plugin.
 
-Per metre of the cylinders: line contacts in plane strain (Johnson, 1985, eq. 5.57), a loss time, Coulomb friction with a
-tangential spring, plane motion with rotation, rigid walls left, right and below, and a rigid plate on the top that moves
-along z. z points down, as in the package. Fixed steps of velocity Verlet.
+Per metre of the cylinders: line contacts in plane strain (Johnson, 1985, eq. 5.57), a loss time,
+Coulomb friction with a tangential spring, plane motion with rotation, rigid walls left, right and
+below, and a rigid plate on the top that moves along z. z points down, as in the package. Fixed
+steps of velocity Verlet.
 """
 
 from __future__ import annotations
@@ -11,13 +13,17 @@ import dataclasses
 
 import numpy as np
 
-# Stiffness over E* at P = 0.01 E* R, of two grains and on a plane: that of a tangential spring that stays the same.
-_TYPICAL, _TYPICAL_ON_PLANE = 0.539, 1.078
+# Stiffness over E* at P = 0.01 E* R, of two grains and on a plane: that of a tangential spring that
+# stays the same.
+_TYPICAL = 0.539
+_TYPICAL_ON_PLANE = 1.078
 
 
 def crystal(kind: str, n: int, layers: int, short_first: bool) -> np.ndarray:
     """Centres in diameters, row by row from the top: (n_grains, 2)."""
-    across, down = (np.sqrt(2), 1 / np.sqrt(2)) if kind == "centred-square" else (1.0, np.sqrt(3) / 2)
+    across, down = (
+        (np.sqrt(2), 1 / np.sqrt(2)) if kind == "centred-square" else (1.0, np.sqrt(3) / 2)
+    )
     rows = []
     for k in range(layers):
         short = (k % 2 == 0) == short_first
@@ -82,34 +88,50 @@ class Discs:
 
     def __post_init__(self) -> None:
         """Find contacts and laws."""
-        r, n = self.radius, len(self.centres)
+        r = self.radius
+        n = len(self.centres)
         self.x = self.centres * 2 * r
         plain = self.youngs_modulus / (1 - self.poisson_ratio**2)
         pairs = LineLaw(plain / 2, 8 * np.pi * plain / 2 * r)
         planes = LineLaw(plain, 4 * np.pi * plain * r)
         apart = np.linalg.norm(self.x[:, None] - self.x[None], axis=2)
         i, j = np.nonzero(np.triu(apart < self.reach * r, 1))
-        self.i, self.j = i, j
+        self.i = i
+        self.j = j
         every = np.arange(n)
         # left, right, bottom, plate
-        self.planes = [np.array([1.0, 0.0]), np.array([-1.0, 0.0]), np.array([0.0, -1.0]), np.array([0.0, 1.0])]
-        low, high = self.x.min(axis=0) - r, self.x.max(axis=0) + r
+        self.planes = [
+            np.array([1.0, 0.0]),
+            np.array([-1.0, 0.0]),
+            np.array([0.0, -1.0]),
+            np.array([0.0, 1.0]),
+        ]
+        low = self.x.min(axis=0) - r
+        high = self.x.max(axis=0) + r
         self.places = [low[0], -high[0], -high[1], low[1]]
         self.used = [0, 1, 2, 3] if self.walls else [2, 3]
         self.grain = np.concatenate([np.concatenate([i]), *[every for _ in self.used]]).astype(int)
-        self.n_pairs, self.n = len(i), n
+        self.n_pairs = len(i)
+        self.n = n
         self.mass, self.inertia = self.density * np.pi * r**2, 0.5 * self.density * np.pi * r**4
         self.laws = (pairs, planes)
         count = self.n_pairs + n * len(self.used)
-        self.p, self.spring, self.k_before = np.zeros(count), np.zeros(count), np.zeros(count)
-        self.v, self.omega = np.zeros((n, 2)), np.zeros(n)
+        self.p = np.zeros(count)
+        self.spring = np.zeros(count)
+        self.k_before = np.zeros(count)
+        self.v = np.zeros((n, 2))
+        self.omega = np.zeros(n)
         self.u, self.speed = 0.0, self.plate_velocity  # of the plate, down
         self.viscous = self.rubbed = 0.0
         self.dt = 0.02 / np.sqrt(8 * 1.2 * plain / 2 / self.mass)
 
     def forces(self, dt: float) -> tuple[np.ndarray, np.ndarray, float]:
-        """Return forces, torques and the force on the plate; with ``dt`` springs advance and losses are counted."""
-        r, n, used = self.radius, self.n, self.used
+        """Return forces, torques and the force on the plate; with ``dt`` springs advance and losses
+        are counted.
+        """
+        r = self.radius
+        n = self.n
+        used = self.used
         delta = self.x[self.i] - self.x[self.j]
         distance = np.linalg.norm(delta, axis=1)
         normal = [delta / distance[:, None]]
@@ -126,11 +148,14 @@ class Discs:
             overlap.append(depth)
             relative.append(self.v - moving)
             spin.append((r - depth) * self.omega)
-        normal, overlap = np.concatenate(normal), np.concatenate(overlap)
-        relative, spin = np.concatenate(relative), np.concatenate(spin)
+        normal = np.concatenate(normal)
+        overlap = np.concatenate(overlap)
+        relative = np.concatenate(relative)
+        spin = np.concatenate(spin)
         touch = overlap > 1e-15
         pair = np.arange(len(overlap)) < self.n_pairs
-        p, k = np.zeros(len(overlap)), np.zeros(len(overlap))
+        p = np.zeros(len(overlap))
+        k = np.zeros(len(overlap))
         for law, where in ((self.laws[0], touch & pair), (self.laws[1], touch & ~pair)):
             if where.any():
                 p[where] = law.force(overlap[where], self.p[where])
@@ -138,7 +163,9 @@ class Discs:
         rate = -np.einsum("ij,ij->i", relative, normal)
         total = np.where(touch, np.maximum(p + self.loss_time * k * rate, 0.0), 0.0)
         tangent = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-        slip = np.einsum("ij,ij->i", relative, tangent) - spin  # n x w in the plane, with the lever arms
+        slip = (
+            np.einsum("ij,ij->i", relative, tangent) - spin
+        )  # n x w in the plane, with the lever arms
         ratio = 2 * (1 - self.poisson_ratio) / (2 - self.poisson_ratio)
         if self.constant_spring:
             k_t = ratio * np.where(pair, _TYPICAL, _TYPICAL_ON_PLANE) * self.laws[0].modulus
@@ -153,11 +180,15 @@ class Discs:
             new = np.where(touch, old - k_t * slip * dt, 0.0)
             limit = self.friction * total
             new = np.clip(new, -limit, limit)
-            self.spring, self.k_before = new, np.where(touch, k_t, 0.0)
+            self.spring = new
+            self.k_before = np.where(touch, k_t, 0.0)
         self.p = p
         force = total[:, None] * normal + self.spring[:, None] * tangent
-        self.contact_forces, self.normals, self.touching = force, normal, touch
-        f, torque = np.zeros((n, 2)), np.zeros(n)
+        self.contact_forces = force
+        self.normals = normal
+        self.touching = touch
+        f = np.zeros((n, 2))
+        torque = np.zeros(n)
         np.add.at(f, self.i, force[pair])
         np.add.at(f, self.j, -force[pair])
         arm = r - np.where(pair, overlap / 2, overlap)  # up to a plane itself
@@ -176,7 +207,8 @@ class Discs:
     def run(self, end: float, every: int = 4) -> tuple[np.ndarray, np.ndarray]:
         """Advance to a time; return times (n_times,) and velocities (n_times, n, 2)."""
         f, torque, on_plate = self.forces(0.0)
-        times, speeds = [0.0], [self.v.copy()]
+        times = [0.0]
+        speeds = [self.v.copy()]
         for step in range(1, round(end / self.dt) + 1):
             self.v += 0.5 * self.dt * f / self.mass
             self.omega += 0.5 * self.dt * torque / self.inertia

@@ -1,4 +1,6 @@
-"""Independent solver of elastic spheres and planes without friction, by scipy in three dimensions: for tests only."""
+"""Independent solver of elastic spheres and planes without friction, by scipy in three dimensions:
+for tests only.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ Array = NDArray[np.float64]
 
 @dataclasses.dataclass(frozen=True)
 class Plane:
-    """A plane: axis of its normal, coordinate, and the side of it on which the spheres are (+1: above)."""
+    """A plane: axis of its normal, coordinate, and the side of it on which the spheres are (+1:
+    above).
+    """
 
     axis: int
     coordinate: float
@@ -52,7 +56,9 @@ class Spheres:
             height = plane.side * (place[inside, plane.axis] - plane.coordinate)
             depth = np.clip(self.radius[inside] - height, 0, None)
             stiff = 1 / (1 / self.modulus + 1 / plane.modulus)
-            force[inside, plane.axis] += plane.side * 4 / 3 * stiff * np.sqrt(self.radius[inside]) * depth**1.5
+            force[inside, plane.axis] += (
+                plane.side * 4 / 3 * stiff * np.sqrt(self.radius[inside]) * depth**1.5
+            )
         return np.asarray(force / self.mass[:, None])
 
     def run(self, times: Array) -> tuple[Array, Array]:
@@ -65,6 +71,8 @@ class Spheres:
         start = np.concatenate([self.place.ravel(), self.velocity.ravel()])
         # tolerances: overlaps are some micrometres, velocities some 0.1 m/s
         limits = np.concatenate([np.full(n, 1e-12), np.full(n, 1e-6)])
-        found = solve_ivp(rate, (0.0, times[-1]), start, "DOP853", times, rtol=1e-7, atol=limits, max_step=4e-6)
+        found = solve_ivp(
+            rate, (0.0, times[-1]), start, "DOP853", times, rtol=1e-7, atol=limits, max_step=4e-6
+        )
         velocity = found.y[n:].T.reshape(len(times), -1, 3)
         return velocity, np.stack([self.acceleration(one[:n].reshape(-1, 3)) for one in found.y.T])

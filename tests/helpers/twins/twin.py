@@ -1,4 +1,6 @@
-"""Second, independent implementation of the contact law and of a network of spheres, in numpy: for tests only."""
+"""Second, independent implementation of the contact law and of a network of spheres, in numpy: for
+tests only.
+"""
 
 from __future__ import annotations
 
@@ -20,15 +22,23 @@ OTHER = {
 
 
 class LawTwin:
-    """Elastoplastic law in normalized units, implemented from the equations (thesis 2.8 to 2.17), not from the header."""
+    """Elastoplastic law in normalized units, implemented from the equations (thesis 2.8 to 2.17),
+    not from the header.
+    """
 
-    def __init__(self, variant: str = "continuous", factor: float = 1.6, **constants: float) -> None:
+    def __init__(
+        self, variant: str = "continuous", factor: float = 1.6, **constants: float
+    ) -> None:
         self.K = 1.5 / factor
         self.continuous = variant == "continuous"
         self.c = dict(zip(CONSTANTS, PRINTED, strict=True)) | constants
-        self.c1, self.c2, self.joint, self.c4, self.c5, self.c6, self.c7, self.c8, self.n = self.c.values()
+        self.c1, self.c2, self.joint, self.c4, self.c5, self.c6, self.c7, self.c8, self.n = (
+            self.c.values()
+        )
         self.cy = 2 * factor / 3 if self.continuous else 1.07
-        self.c3 = np.log(self.c4 * self.joint - self.c5) / np.log(self.joint) if self.continuous else 1.14
+        self.c3 = (
+            np.log(self.c4 * self.joint - self.c5) / np.log(self.joint) if self.continuous else 1.14
+        )
 
     def loading(self, a: float) -> float:
         if a <= 0:
@@ -40,10 +50,17 @@ class LawTwin:
 
     def work(self, a: float) -> float:
         parts = [0.0, *(x for x in (1.0, self.joint) if x < a), a]
-        return sum(quad(self.loading, lo, hi, epsabs=0, epsrel=1e-12, limit=200)[0] for lo, hi in pairwise(parts))
+        return sum(
+            quad(self.loading, lo, hi, epsabs=0, epsrel=1e-12, limit=200)[0]
+            for lo, hi in pairwise(parts)
+        )
 
     def residual(self, peak: float) -> float:
-        return 0.0 if peak <= 1 else self.c6 * peak - self.c7 + (self.c7 - self.c6) * np.exp(-self.c8 * (peak - 1))
+        return (
+            0.0
+            if peak <= 1
+            else self.c6 * peak - self.c7 + (self.c7 - self.c6) * np.exp(-self.c8 * (peak - 1))
+        )
 
     def exponent(self, peak: float) -> float:
         if peak <= 1:
@@ -56,17 +73,30 @@ class LawTwin:
         if a >= peak:
             return self.loading(a)
         rest = self.residual(peak)
-        return 0.0 if a <= rest else self.loading(peak) * ((a - rest) / (peak - rest)) ** self.exponent(peak)
+        return (
+            0.0
+            if a <= rest
+            else self.loading(peak) * ((a - rest) / (peak - rest)) ** self.exponent(peak)
+        )
 
     def dissipated(self, peak: float) -> float:
         if peak <= 1:
             return 0.0
-        return self.work(peak) - self.loading(peak) * (peak - self.residual(peak)) / (self.exponent(peak) + 1)
+        return self.work(peak) - self.loading(peak) * (peak - self.residual(peak)) / (
+            self.exponent(peak) + 1
+        )
 
 
-def scales(radius: float, modulus: float = 115e9, ratio: float = 0.3, strength: float = 550e6, factor: float = 1.6):
+def scales(
+    radius: float,
+    modulus: float = 115e9,
+    ratio: float = 0.3,
+    strength: float = 550e6,
+    factor: float = 1.6,
+):
     """alpha_y and F_y of two equal spheres."""
-    e_star, r_star = modulus / (2 * (1 - ratio**2)), radius / 2
+    e_star = modulus / (2 * (1 - ratio**2))
+    r_star = radius / 2
     overlap = np.pi**2 / 4 * (factor * strength / e_star) ** 2 * r_star
     return overlap, 4 / 3 * e_star * np.sqrt(r_star) * overlap**1.5
 
@@ -82,14 +112,27 @@ class Network:
         (n_pairs, 2), indices from 0.
     """
 
-    def __init__(self, positions, pairs, radius, density=8500.0, floor=None, fixed_normals=False, law=None, **material):
-        self.x, self.pairs, self.radius = np.array(positions, float), np.asarray(pairs), radius
+    def __init__(
+        self,
+        positions,
+        pairs,
+        radius,
+        density=8500.0,
+        floor=None,
+        fixed_normals=False,
+        law=None,
+        **material,
+    ):
+        self.x = np.array(positions, float)
+        self.pairs = np.asarray(pairs)
+        self.radius = radius
         self.v = np.zeros_like(self.x)
         self.mass = density * 4 / 3 * np.pi * radius**3
         self.law = law or LawTwin()
         self.alpha_y, self.force_y = scales(radius, **material)
         self.peak = np.zeros(len(self.pairs))
-        self.start, self.fixed = self.x.copy(), fixed_normals
+        self.start = self.x.copy()
+        self.fixed = fixed_normals
         gap = self.x[self.pairs[:, 0]] - self.x[self.pairs[:, 1]]
         self.normals = gap / np.linalg.norm(gap, axis=1)[:, None]
         self._cache: dict[int, tuple[float, float, float, float]] = {}

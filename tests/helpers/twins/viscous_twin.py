@@ -1,4 +1,6 @@
-"""Chains of elastic spheres with viscous losses by a solver of ordinary differential equations of scipy."""
+"""Chains of elastic spheres with viscous losses by a solver of ordinary differential equations of
+scipy.
+"""
 
 from __future__ import annotations
 
@@ -22,8 +24,12 @@ def power(constant: float, exponent: float) -> Law:
     return lambda a: (constant * a**exponent, exponent * constant * a ** (exponent - 1))
 
 
-def forces(overlap: NDArray, rate: NDArray, law: Law, mass: float, time: float = 0.0, dashpot: float = 0.0) -> NDArray:
-    """Forces with a loss time, or with the factor of a dashpot; ``mass`` is that of one of two equal spheres."""
+def forces(
+    overlap: NDArray, rate: NDArray, law: Law, mass: float, time: float = 0.0, dashpot: float = 0.0
+) -> NDArray:
+    """Forces with a loss time, or with the factor of a dashpot; ``mass`` is that of one of two
+    equal spheres.
+    """
     pressed = np.maximum(overlap, 0.0)
     force, slope = law(pressed)
     coefficient = time * slope + dashpot * np.sqrt(2 / 3 * mass / 2 * slope)
@@ -36,13 +42,16 @@ def collision(law: Law, mass: float, speed: float, **loss: float) -> float:
     return float(found["velocity"][1, -1] - found["velocity"][0, -1]) / speed
 
 
-def chain(law: Law, mass: float, n: int, speed: float, end: float | None, **loss: float) -> dict[str, NDArray]:
+def chain(
+    law: Law, mass: float, n: int, speed: float, end: float | None, **loss: float
+) -> dict[str, NDArray]:
     """Row of ``n`` bodies that just touch, of which the first has a speed.
 
     Returns
     -------
     dict
-        ``velocity`` (n, n_times), m/s; ``force`` of the contacts (n - 1, n_times), N; ``time`` (n_times,), s.
+        ``velocity`` (n, n_times), m/s; ``force`` of the contacts (n - 1, n_times), N; ``time``
+        (n_times,), s.
     """
 
     def rates(_: float, state: NDArray) -> NDArray:
@@ -56,7 +65,9 @@ def chain(law: Law, mass: float, n: int, speed: float, end: float | None, **loss
     def parted(_: float, state: NDArray) -> float:
         return state[1] - state[0] - (1e-15 if end is None else -1.0)
 
-    parted.terminal, parted.direction = True, 1.0  # type: ignore[attr-defined]
+    # type: ignore[attr-defined]
+    parted.terminal = True
+    parted.direction = 1.0
     start = np.zeros(2 * n)
     start[n] = speed
     found = solve_ivp(

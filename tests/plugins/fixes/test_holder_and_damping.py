@@ -1,4 +1,6 @@
-"""Further fixes: friction of the holder of a chain, damping layers and ends, elastic bars with a load and their flat faces."""
+"""Further fixes: friction of the holder of a chain, damping layers and ends, elastic bars with a
+load and their flat faces.
+"""
 
 from __future__ import annotations
 
@@ -9,13 +11,17 @@ from granwave._contact_laws import ContactLaw
 from tests.conftest import printed, script_of
 from tests.helpers.two_spheres import BOX, MASS, R, value
 
-MU, G, DENSITY = 0.3, 9.81, 8500.0
+MU = 0.3
+G = 9.81
+DENSITY = 8500.0
 LAW = "hertz 115e9 0.3"
 HOLDER = f"fix holder all gran/holder z {MU} {G}"
 
 
 def beads(lammps, n=1, speed=0.0, extra=HOLDER, dt=1e-6, gap=0.0):
-    """Beads in a row, the first with a speed; the energy is that of the contacts, of motion and of the holder."""
+    """Beads in a row, the first with a speed; the energy is that of the contacts, of motion and of
+    the holder.
+    """
     lmp = lammps()
     places = [(0, 0, k * (0.01 + gap)) for k in range(n)]
     speeds = [(0, 0, speed)] + [(0, 0, 0)] * (n - 1)
@@ -26,23 +32,30 @@ def beads(lammps, n=1, speed=0.0, extra=HOLDER, dt=1e-6, gap=0.0):
 
 @pytest.mark.parametrize("dt", [1e-6, 7e-6, 1e-4])
 def test_a_sliding_bead_stops_where_it_must(lammps, dt):
-    """While it slides, the holder took what the motion lost; path v^2/(2 mu g), all kinetic energy is taken; it then rests, exactly."""
+    """While it slides, the holder took what the motion lost; path v^2/(2 mu g), all kinetic energy
+    is taken; it then rests, exactly.
+    """
     speed = 0.05
     lmp = beads(lammps, speed=speed, dt=dt)
     sliding = round(0.01 / dt)
     lmp.command(f"run {sliding} post no")
-    mass, left = value(lmp, "mass[1]"), speed - MU * G * sliding * dt
+    mass = value(lmp, "mass[1]")
+    left = speed - MU * G * sliding * dt
     assert value(lmp, "vz[1]") == pytest.approx(left, rel=1e-12)
     assert value(lmp, "f_holder") == pytest.approx(0.5 * mass * (speed**2 - left**2), rel=1e-11)
     lmp.command(f"run {round(1.2 * speed / (MU * G) / dt) - sliding} post no")
-    assert value(lmp, "z[1]") == pytest.approx(speed**2 / (2 * MU * G), rel=2 * (dt * MU * G / speed) ** 2 + 1e-12)
+    assert value(lmp, "z[1]") == pytest.approx(
+        speed**2 / (2 * MU * G), rel=2 * (dt * MU * G / speed) ** 2 + 1e-12
+    )
     assert value(lmp, "vz[1]") == 0.0
     assert value(lmp, "f_holder") == pytest.approx(0.5 * mass * speed**2, rel=(dt * MU * G / speed))
 
 
 @pytest.mark.parametrize("share", [0.0, 0.5, 0.999, 1.5])
 def test_a_pulled_bead_is_held_or_slides(lammps, share):
-    """Below the limit it stays exactly where it is and nothing is lost; above, it is accelerated by the difference."""
+    """Below the limit it stays exactly where it is and nothing is lost; above, it is accelerated by
+    the difference.
+    """
     pull = "variable pull equal {share}*{MU}*{G}*mass(all)\nfix pull all addforce 0 0 v_pull\n"
     lmp = beads(lammps, extra=pull.format(share=share, MU=MU, G=G) + HOLDER)
     lmp.command("run 5000 post no")
@@ -54,7 +67,9 @@ def test_a_pulled_bead_is_held_or_slides(lammps, share):
 
 
 def test_the_energy_of_a_collision_closes(lammps):
-    """Three beads, one of which hits the others after a flight: kinetic + stored + taken by the holder is the input."""
+    """Three beads, one of which hits the others after a flight: kinetic + stored + taken by the
+    holder is the input.
+    """
     lmp = beads(lammps, 3, speed=0.2, dt=1e-7, gap=1e-5)
     lmp.command("run 0 post no")
     for _ in range(20):
@@ -111,8 +126,12 @@ def test_any_rate_is_stable(lammps):
 
 def bar(n, *, beads=0, load="half-sine 1000 60e-6", courant=0.05) -> tuple[str, float]:
     """Input script of a steel bar of n nodes, behind a few beads of brass, and its wave speed."""
-    modulus, density, area, h = 200e9, 7850.0, 1e-4, 5e-3
-    mass, speed = density * area * h, np.sqrt(modulus / density)
+    modulus = 200e9
+    density = 7850.0
+    area = 1e-4
+    h = 5e-3
+    mass = density * area * h
+    speed = np.sqrt(modulus / density)
     top = n * h + 0.02  # the subdomains of two processors meet between beads and bar
     lines = [
         "units si\natom_style hybrid sphere bond\natom_modify map yes\nnewton off\nboundary f f f",
@@ -145,18 +164,23 @@ def test_bar_carries_the_pulse_at_its_speed_and_keeps_the_energy(lammps):
     for steps in (2400, 2400):
         lmp.command(f"run {steps}")
         order = np.argsort(lmp.numpy.extract_atom("id")[:300])
-        v, z = lmp.numpy.extract_atom("v")[order, 2], lmp.numpy.extract_atom("x")[order, 2]
+        v = lmp.numpy.extract_atom("v")[order, 2]
+        z = lmp.numpy.extract_atom("x")[order, 2]
         centres.append(np.sum(v**2 * z) / np.sum(v**2))
         assert value(lmp, "(c_ke+ebond)/f_push") == pytest.approx(1, rel=2e-6)
     assert (centres[1] - centres[0]) / (2400 * dt) == pytest.approx(speed, rel=0.01)
     impedance = np.sqrt(200e9 * 7850) * 1e-4
     assert v.max() == pytest.approx(1000 / impedance, rel=0.01)
-    assert value(lmp, "f_push") == pytest.approx(1000**2 * 60e-6 / 2 / impedance, rel=0.01)  # integral of F^2/Z
+    assert value(lmp, "f_push") == pytest.approx(
+        1000**2 * 60e-6 / 2 / impedance, rel=0.01
+    )  # integral of F^2/Z
 
 
 def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
     """Bonds, dents, work and impulse are written by one processor during the pulse and read by two."""
-    script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace("timestep", "timestep 2.4e-8\n# was")
+    script = bar(60, beads=5, load="half-sine 5000 4e-5")[0].replace(
+        "timestep", "timestep 2.4e-8\n# was"
+    )
     script += "run 800\nwrite_restart r\nrun 1000\nwrite_dump all custom all.dump id x y z vx vy vz modify format float %.17g sort id\n"
     goes_on = (
         "newton off\natom_modify map yes\nprocessors 1 1 2\nread_restart r\ncomm_modify cutoff 0.02\n"
@@ -173,13 +197,17 @@ def test_bar_goes_on_from_a_restart_on_other_processors(log_of, tmp_path):
     assert found[1][1] == pytest.approx(found[0][1], rel=1e-13)
 
 
-def on_a_face(lmp, face_mass=1e12, law="elastoplastic 115e9 0.3 550e6 210e9 0.3 INF", speed=2.0, steps=20000):
+def on_a_face(
+    lmp, face_mass=1e12, law="elastoplastic 115e9 0.3 550e6 210e9 0.3 INF", speed=2.0, steps=20000
+):
     """A sphere thrown at a particle of radius 0."""
     laws = ["pair_coeff 1 1 hertz 1e9 0.3", "pair_coeff 2 2 hertz 1e9 0.3", f"pair_coeff 1 2 {law}"]
     extra = f"set atom 2 density {face_mass}\ncompute end all gran/hysteretic/contact 1 2\ncompute atoms all gran/hysteretic/atom\n"
     extra += "thermo_style custom step c_ke pe c_ep[1] c_ep[2] c_ep[4] c_end[3]\n"
     spheres = {"radius": [R, 0.0], "types": [1, 2], "velocities": [(0, 0, speed)]}
-    lmp.commands_string(script_of([(0, 0, 0), (0, 0, R)], **spheres, coefficients=laws, box=BOX, extra=extra))
+    lmp.commands_string(
+        script_of([(0, 0, 0), (0, 0, R)], **spheres, coefficients=laws, box=BOX, extra=extra)
+    )
     lmp.command(f"run {steps}")
     return lmp
 
@@ -190,12 +218,17 @@ def test_face_and_wall_are_the_plane_of_the_law(lammps, law, strengths):
     """Heavy face of radius 0, wall of the same material and closed form for R2 = infinity agree."""
     first, second = ("INF" if np.isinf(s) else f"{s}" for s in strengths)
     words = f"{law} 115e9 0.3 {first} 210e9 0.3 {second}"
-    face, wall = on_a_face(lammps(), law=words), lammps()
+    face = on_a_face(lammps(), law=words)
+    wall = lammps()
     fix = f"fix floor all wall/gran/hysteretic zplane NULL {R} {words}\nthermo_style custom step f_floor[5] c_ke\n"
     wall.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=BOX, extra=fix))
     wall.command("run 20000")
     closed = ContactLaw(
-        law, youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=strengths, radius=(R, np.inf)
+        law,
+        youngs_modulus=(115e9, 210e9),
+        poisson_ratio=(0.3, 0.3),
+        yield_strength=strengths,
+        radius=(R, np.inf),
     )
     peak = wall.numpy.extract_fix("floor", 1, 2)[0, 2]
     assert closed.loading_work(peak) == pytest.approx(0.5 * MASS * 4, rel=1e-5)
@@ -218,7 +251,12 @@ def test_forgotten_dent_in_a_face_stays_in_the_account(lammps):
 
 
 def test_faces_never_touch_and_fall_through_no_wall(lammps):
-    bodies = {"radius": [0.0, 0.0, R], "types": [1, 1, 2], "velocities": [(0, 0, 50.0), (0, 0, -50.0)], "box": BOX}
+    bodies = {
+        "radius": [0.0, 0.0, R],
+        "types": [1, 1, 2],
+        "velocities": [(0, 0, 50.0), (0, 0, -50.0)],
+        "box": BOX,
+    }
     floor = "fix floor all wall/gran/hysteretic zplane -1e-6 NULL hertz 1e9 0.3"
     lmp = lammps(script_of([(0, 0, 0), (0, 0, 1e-4), (0, 0, 0.02)], **bodies, extra=floor))
     lmp.command("run 2000")

@@ -27,7 +27,13 @@ variable taken equal f_step[3]
 
 
 def setup(
-    lmp, options: str = "32 3e-6 v_given first 4", *, style: str = BRASS, every: int = 32, extra: str = "", speed=5.0
+    lmp,
+    options: str = "32 3e-6 v_given first 4",
+    *,
+    style: str = BRASS,
+    every: int = 32,
+    extra: str = "",
+    speed=5.0,
 ):
     """A line of spheres, the first of which flies into the others, with a ledger."""
     mass = 8500 * 4 / 3 * np.pi * R**3
@@ -54,7 +60,12 @@ def _here(tmp_path, monkeypatch):
 def test_the_balance_keeps_the_tolerance(lammps, style, tolerance):
     lmp = lammps()
     first = 2 ** round(np.log2(4 * np.sqrt(tolerance / 3e-6)))
-    setup(lmp, f"64 {tolerance} v_given first {max(1, first)} balance v_error 64", style=style, every=64)
+    setup(
+        lmp,
+        f"64 {tolerance} v_given first {max(1, first)} balance v_error 64",
+        style=style,
+        every=64,
+    )
     lmp.command("run 16000")
     rows = ledger()
     assert np.abs(rows[:, 1]).max() < tolerance
@@ -68,7 +79,9 @@ def test_a_looser_tolerance_takes_fewer_steps(lammps):
         setup(lmp, f"64 {tolerance} v_given first 4", every=64)
         lmp.command("run 16000")
         taken.append(value(lmp, "f_step[3]"))
-    assert taken[0] <= taken[1] < taken[2] < 16000  # one sphere has all of the energy for most of the time
+    assert (
+        taken[0] <= taken[1] < taken[2] < 16000
+    )  # one sphere has all of the energy for most of the time
 
 
 @pytest.mark.parametrize("style", [HERTZ, BRASS])
@@ -80,7 +93,9 @@ def test_the_error_is_what_the_shadow_energy_tells(lammps, style):
     rows = ledger()
     rows = rows[4:]  # the first step is cut short, as energies are tallied on it
     assert (rows[:, 2] == 8 * TICK).all()
-    found = 0.5 * (rows[:-2, 1] + rows[1:-1, 1])  # the expected one is that of the middle of the step before
+    found = 0.5 * (
+        rows[:-2, 1] + rows[1:-1, 1]
+    )  # the expected one is that of the middle of the step before
     assert np.abs(found).max() > 3e-7
     assert np.abs(found - rows[2:, 3]).max() < 0.1 * np.abs(found).max()
 
@@ -91,7 +106,9 @@ def test_it_is_short_in_the_collision_and_long_before_and_after(lammps):
     lmp.command("run 64000")
     rows = ledger()
     hit = int(np.argmax(np.abs(rows[:, 1]) > 1e-9))
-    assert rows[:hit, 2].max() == 4 * TICK  # the first has all of the energy, and may hit at any time
+    assert (
+        rows[:hit, 2].max() == 4 * TICK
+    )  # the first has all of the energy, and may hit at any time
     assert rows[hit, 2] == 4 * TICK < rows[-1, 2]
 
 
@@ -122,7 +139,9 @@ def test_energies_that_are_tallied_on_the_first_step_of_a_run(lammps):
 @pytest.mark.parametrize("options", ["32 3e-6 v_given first 4", "32 1e-3 v_given first 8"])
 def test_the_impulse_of_a_pulse_stays_exact(lammps, options):
     lmp = lammps()
-    setup(lmp, options, extra="group hit id 6\nfix push hit gran/load z force half-sine 100 2.003e-5")
+    setup(
+        lmp, options, extra="group hit id 6\nfix push hit gran/load z force half-sine 100 2.003e-5"
+    )
     lmp.command("run 16000")
     assert value(lmp, "f_step[5]") > value(lmp, "f_step[4]")
     assert value(lmp, "f_push[2]") == pytest.approx(2 * 100 * 2.003e-5 / np.pi, rel=1e-12)

@@ -1,4 +1,6 @@
-"""Cohesion after JKR and DMT: closed forms, an independent curve, rebound, LAMMPS's own style, energy, processors, walls."""
+"""Cohesion after JKR and DMT: closed forms, an independent curve, rebound, LAMMPS's own style,
+energy, processors, walls.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ from tests.helpers.two_spheres import value
 W = 100.0  # J/m^2: large, so that it counts in impacts of spheres of 10 mm
 WHOLE = f"{TOTAL}+c_en[9]+c_en[10]+c_en[11]+c_en[12]+c_en[8]+c_en[13]"
 MASS = 8500 * 4 / 3 * np.pi * R**3
-JKR, DMT = f"{HERTZ} cohesion jkr {W}", f"{HERTZ} cohesion dmt {W}"
+JKR = f"{HERTZ} cohesion jkr {W}"
+DMT = f"{HERTZ} cohesion dmt {W}"
 LAWS = ("hertz", "elastoplastic", "elastoplastic-fe", "bilinear", "thornton")
 
 
@@ -26,15 +29,25 @@ def law(name="hertz", kind="jkr", radius=(R, R), energy=W, **others) -> ContactL
 
 
 def jkr_twin(contact: ContactLaw, overlap: float) -> tuple[float, float]:
-    """Force and radius of the contact circle on the stable branch, by bisection of the overlap over the radius."""
-    radius, modulus = contact.effective_radius, contact.effective_modulus
+    """Force and radius of the contact circle on the stable branch, by bisection of the overlap over
+    the radius.
+    """
+    radius = contact.effective_radius
+    modulus = contact.effective_modulus
     least = (np.pi * W * radius**2 / (8 * modulus)) ** (1 / 3)
-    a = brentq(lambda a: a**2 / radius - np.sqrt(2 * np.pi * W * a / modulus) - overlap, least, radius, xtol=1e-18)
+    a = brentq(
+        lambda a: a**2 / radius - np.sqrt(2 * np.pi * W * a / modulus) - overlap,
+        least,
+        radius,
+        xtol=1e-18,
+    )
     return 4 * modulus * a**3 / (3 * radius) - np.sqrt(8 * np.pi * W * modulus) * a**1.5, a
 
 
 def lost_in_a_cycle(contact: ContactLaw) -> float:
-    """Energy lost where surfaces meet and part, after Thornton and Ning: 7.09 (w^5 R*^4/E*^2)^(1/3)."""
+    """Energy lost where surfaces meet and part, after Thornton and Ning: 7.09 (w^5
+    R*^4/E*^2)^(1/3).
+    """
     factor = (4.8 * 4 ** (4 / 3) + 3.2) * (np.pi / 8) ** (5 / 3)
     return factor * (W**5 * contact.effective_radius**4 / contact.effective_modulus**2) ** (1 / 3)
 
@@ -42,12 +55,15 @@ def lost_in_a_cycle(contact: ContactLaw) -> float:
 @pytest.mark.parametrize("radius", [(R, R), (R, 0.3 * R), (R, np.inf)])
 def test_pull_off_balance_and_curve_of_jkr(radius):
     contact = law(radius=radius)
-    rs, es = contact.effective_radius, contact.effective_modulus
+    rs = contact.effective_radius
+    es = contact.effective_modulus
     circle = (9 * np.pi * W * rs**2 / (2 * es)) ** (1 / 3)  # without force
     least = (np.pi * W * rs**2 / (8 * es)) ** (1 / 3)
     assert contact.pull_off_force == pytest.approx(1.5 * np.pi * W * rs)
     assert contact.balanced_overlap == pytest.approx(circle**2 / (3 * rs), rel=1e-12)
-    assert contact.contact_radius(contact.balanced_overlap, 1e-6) == pytest.approx(circle, rel=1e-12)
+    assert contact.contact_radius(contact.balanced_overlap, 1e-6) == pytest.approx(
+        circle, rel=1e-12
+    )
     assert contact.neck_length == pytest.approx(3 * least**2 / rs, rel=1e-12)
     overlap = np.linspace(-0.999999 * contact.neck_length, 4 * contact.balanced_overlap, 301)
     expected = np.array([jkr_twin(contact, one) for one in overlap])
@@ -62,14 +78,21 @@ def test_pull_off_balance_and_curve_of_jkr(radius):
     step = 1e-6 * contact.balanced_overlap
     inside = overlap[1:]
     energy = [contact.elastic_energy(inside + sign * step, 1e-6) for sign in (-1, 1)]
-    assert (energy[1] - energy[0]) / (2 * step) == pytest.approx(force[1:], abs=2e-3 * contact.pull_off_force)
-    slope = (contact.force(overlap[60:] + step, 1e-5) - contact.force(overlap[60:] - step, 1e-5)) / (2 * step)
-    assert contact.tangent_stiffness(overlap[60:], 1e-5) == pytest.approx(slope, rel=1e-5, abs=1e-5 * abs(slope).max())
+    assert (energy[1] - energy[0]) / (2 * step) == pytest.approx(
+        force[1:], abs=2e-3 * contact.pull_off_force
+    )
+    slope = (
+        contact.force(overlap[60:] + step, 1e-5) - contact.force(overlap[60:] - step, 1e-5)
+    ) / (2 * step)
+    assert contact.tangent_stiffness(overlap[60:], 1e-5) == pytest.approx(
+        slope, rel=1e-5, abs=1e-5 * abs(slope).max()
+    )
 
 
 @pytest.mark.parametrize("name", LAWS)
 def test_pull_off_and_balance_of_dmt(name):
-    contact, bare = law(name, "dmt"), law(name, "dmt", energy=0.0)
+    contact = law(name, "dmt")
+    bare = law(name, "dmt", energy=0.0)
     pull = 2 * np.pi * W * contact.effective_radius
     assert contact.pull_off_force == pytest.approx(pull)
     small = 0.5 * min(contact.balanced_overlap, contact.yield_overlap)
@@ -85,23 +108,29 @@ def test_pull_off_and_balance_of_dmt(name):
 @pytest.mark.parametrize("name", LAWS)
 def test_the_pull_of_a_dent_is_that_of_its_radius(name):
     """Below the peak the pull is 2 pi w R_p, R_p = a^2 over the elastic part of the overlap."""
-    contact, bare = law(name, "dmt"), law(name, "dmt", energy=0.0)
+    contact = law(name, "dmt")
+    bare = law(name, "dmt", energy=0.0)
     peak = 30 * contact.yield_overlap
     residual = float(bare.residual_overlap(peak))
     overlap = residual + (peak - residual) * np.array([0.01, 0.3, 0.99])
     radius = float(bare.contact_radius(peak, peak)) ** 2 / (peak - residual)
-    assert bare.force(overlap, peak) - contact.force(overlap, peak) == pytest.approx(2 * np.pi * W * radius, rel=1e-9)
+    assert bare.force(overlap, peak) - contact.force(overlap, peak) == pytest.approx(
+        2 * np.pi * W * radius, rel=1e-9
+    )
     assert contact.force(0.999 * residual, peak) == 0.0
 
 
 @pytest.mark.parametrize(("name", "kind"), [(name, "dmt") for name in LAWS] + [("hertz", "jkr")])
 def test_no_cycle_gives_energy(name, kind):
     """On random paths work less stored energy is what the law loses, with JKR also what jumps lose."""
-    contact, bare = law(name, kind), law(name, "dmt", energy=0.0)
+    contact = law(name, kind)
+    bare = law(name, "dmt", energy=0.0)
     rng = np.random.default_rng(5)
     largest = 8 * (contact.yield_overlap if kind == "dmt" else contact.balanced_overlap)
     turns = np.concatenate([[0.0], rng.uniform(0.05 * (kind == "dmt"), 1, 12) * largest, [0.0]])
-    peak, work, lost = 0.0, 0.0, 0.0
+    peak = 0.0
+    work = 0.0
+    lost = 0.0
     for first, last in itertools.pairwise(turns):
         path = first + (last - first) * np.linspace(0, 1, 4001)
         peaks = np.maximum(np.maximum.accumulate(path), peak)
@@ -119,11 +148,20 @@ def test_no_cycle_gives_energy(name, kind):
 
 
 def head_on(lammps, text: str, speed: float, step=1e-8, gap=1e-7, time=2e-4):
-    """Two spheres that fly at each other; returns LAMMPS and the largest error of the ledger over the input."""
-    lmp = lammps(rubbing([(0, 0, -gap), (0, 0, 2 * R + gap)], text, velocities=[(0, 0, speed / 2), (0, 0, -speed / 2)]))
+    """Two spheres that fly at each other; returns LAMMPS and the largest error of the ledger over
+    the input.
+    """
+    lmp = lammps(
+        rubbing(
+            [(0, 0, -gap), (0, 0, 2 * R + gap)],
+            text,
+            velocities=[(0, 0, speed / 2), (0, 0, -speed / 2)],
+        )
+    )
     lmp.command(f"timestep {step}")
     lmp.command("run 0 post no")
-    start, worst = value(lmp, WHOLE), 0.0
+    start = value(lmp, WHOLE)
+    worst = 0.0
     for _ in range(10):
         lmp.command(f"run {round(time / 10 / step)} post no")
         worst = max(worst, abs(value(lmp, WHOLE) / start - 1))
@@ -162,7 +200,9 @@ def test_dmt_gives_all_back(lammps):
 
 
 def test_the_jumps_are_of_second_order(lammps):
-    """A tenth of the timestep: a hundredth of the error of the ledger, and of the loss where surfaces meet and part."""
+    """A tenth of the timestep: a hundredth of the error of the ledger, and of the loss where
+    surfaces meet and part.
+    """
     for text in (JKR, DMT):
         coarse, fine = (head_on(lammps, text, 0.03, step=step)[1] for step in (1e-7, 1e-8))
         assert fine < 0.04 * coarse
@@ -172,10 +212,14 @@ def test_the_jumps_are_of_second_order(lammps):
     ("words", "name"), [("dmt", "elastoplastic"), ("dmt", "elastoplastic-fe"), ("dmt", "thornton")]
 )
 def test_yielding_spheres_lose_what_their_law_loses(lammps, words, name):
-    lmp, worst = head_on(lammps, f"{name} {E} {NU} 550e6 cohesion {words} 1.0", 2.0, step=5e-9, time=8e-5)
+    lmp, worst = head_on(
+        lammps, f"{name} {E} {NU} 550e6 cohesion {words} 1.0", 2.0, step=5e-9, time=8e-5
+    )
     assert worst < 1e-6
     contact = law(name, "dmt", energy=1.0)
-    assert rebound(lmp) / 2.0 == pytest.approx(contact.collide(MASS / 2, 2.0)["restitution"], abs=1e-3)
+    assert rebound(lmp) / 2.0 == pytest.approx(
+        contact.collide(MASS / 2, 2.0)["restitution"], abs=1e-3
+    )
     assert rebound(lmp) / 2.0 == pytest.approx(
         law(name, "dmt", energy=0.0).collide(MASS / 2, 2.0)["restitution"], abs=0.01
     )
@@ -183,7 +227,9 @@ def test_yielding_spheres_lose_what_their_law_loses(lammps, words, name):
 
 @pytest.mark.parametrize("kind", ["jkr", "dmt"])
 def test_as_the_style_of_lammps(lammps, kind):
-    """Same input, same path; its coefficient is the energy of one surface. Its necks of JKR break at the largest pull."""
+    """Same input, same path; its coefficient is the energy of one surface. Its necks of JKR break
+    at the largest pull.
+    """
     own = f"pair_style granular\npair_coeff * * {kind} {E} 0.0 {NU} {W / 2} tangential mindlin_rescale NULL 0.0 {MU} damping velocity"
     text = f"{HERTZ} cohesion {kind} {W} friction {MU}"
     options = {"normal": 0.05, "spins": [(0, 300.0, 0), (0, 0, 0)]}
@@ -236,8 +282,11 @@ def test_walls(lammps, kind):
 
 
 def test_a_wall_is_a_sphere_of_large_radius(lammps):
-    """A frozen sphere of 200 R and the same material as a wall: the rebound to the ratio of the effective radii."""
-    big, speed = 200 * R, 0.04
+    """A frozen sphere of 200 R and the same material as a wall: the rebound to the ratio of the
+    effective radii.
+    """
+    big = 200 * R
+    speed = 0.04
     pair = lammps(
         rubbing([(0, 0, -1e-7), (0, 0, R + big)], JKR, radius=[R, big], velocities=[(0, 0, speed), (0, 0, 0)],
                 extra="group big id 2\ngroup small id 1\nunfix motion\nfix motion small nve\n", box=[-2.2, 2.2] * 3)

@@ -1,4 +1,6 @@
-"""Compiled contact laws against check values, closed forms, and a second implementation; their powers and batches."""
+"""Compiled contact laws against check values, closed forms, and a second implementation; their
+powers and batches.
+"""
 
 from __future__ import annotations
 
@@ -16,8 +18,13 @@ from tests.conftest import script_of
 from tests.helpers.rubbing import state
 from tests.helpers.twins.twin import LawTwin, scales
 
-BRASS = {"youngs_modulus": (115e9, 115e9), "poisson_ratio": (0.3, 0.3), "yield_strength": (550e6, 550e6)}
-# a_max: f, a_R, W, dissipated; default variant, in units of F_y and alpha_y (derived from thesis 2.8 to 2.17)
+BRASS = {
+    "youngs_modulus": (115e9, 115e9),
+    "poisson_ratio": (0.3, 0.3),
+    "yield_strength": (550e6, 550e6),
+}
+# a_max: f, a_R, W, dissipated; default variant, in units of F_y and alpha_y (derived from thesis
+# 2.8 to 2.17)
 CHECK = {
     1.05: (1.0639, 0.0288, 0.4516, 0.0),
     2: (2.4711, 0.5779, 2.1026, 0.6072),
@@ -42,7 +49,8 @@ def test_yield_point_of_the_reference():
 @pytest.mark.parametrize("peak", CHECK)
 def test_check_values(peak):
     law = brass()
-    length, force = law.yield_overlap, law.yield_force
+    length = law.yield_overlap
+    force = law.yield_force
     found = (
         law.loading_force(peak * length) / force,
         law.residual_overlap(peak * length) / length,
@@ -55,36 +63,49 @@ def test_check_values(peak):
 @pytest.mark.parametrize("variant", ["continuous", "published"])
 @pytest.mark.parametrize("peak", [0.5, 1.0001, 1.04, 1.2, 3.0, 30.0, 177.0, 178.0, 350.0])
 def test_against_the_second_implementation(variant, peak):
-    law, twin = brass(variant=variant), LawTwin(variant)
-    length, force = law.yield_overlap, law.yield_force
+    law = brass(variant=variant)
+    twin = LawTwin(variant)
+    length = law.yield_overlap
+    force = law.yield_force
     a = np.linspace(0, 1.2 * peak, 50)
     expected = [twin.force(x, max(x, peak)) for x in a]
-    assert law.force(a * length, np.full(50, peak * length)) / force == pytest.approx(expected, rel=1e-10, abs=1e-12)
-    assert law.loading_work(peak * length) / (force * length) == pytest.approx(twin.work(peak), rel=1e-10)
+    assert law.force(a * length, np.full(50, peak * length)) / force == pytest.approx(
+        expected, rel=1e-10, abs=1e-12
+    )
+    assert law.loading_work(peak * length) / (force * length) == pytest.approx(
+        twin.work(peak), rel=1e-10
+    )
     if peak > 1.1 or variant == "published":
         assert law.dissipated_energy(peak * length) / (force * length) == pytest.approx(
             twin.dissipated(peak), rel=1e-9, abs=1e-10
         )
 
 
-@pytest.mark.parametrize("law_name", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"])
+@pytest.mark.parametrize(
+    "law_name", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"]
+)
 @pytest.mark.parametrize("peak", [0.7, 1.05, 5.0, 60.0, 250.0])
 def test_force_is_the_slope_of_the_energy(law_name, peak):
     law = brass(law_name)
     length = law.yield_overlap
     residual = law.residual_overlap(peak * length)
-    for overlap in np.linspace(residual + 0.05 * (peak * length - residual), 0.98 * peak * length, 9):
+    for overlap in np.linspace(
+        residual + 0.05 * (peak * length - residual), 0.98 * peak * length, 9
+    ):
         h = 1e-5 * (peak * length - residual)
-        slope = (law.elastic_energy(overlap + h, peak * length) - law.elastic_energy(overlap - h, peak * length)) / (
-            2 * h
-        )
+        slope = (
+            law.elastic_energy(overlap + h, peak * length)
+            - law.elastic_energy(overlap - h, peak * length)
+        ) / (2 * h)
         assert slope == pytest.approx(law.force(overlap, peak * length), rel=1e-6)
     h = 1e-6 * peak * length
     slope = (law.loading_work(peak * length + h) - law.loading_work(peak * length - h)) / (2 * h)
     assert slope == pytest.approx(law.loading_force(peak * length), rel=1e-6)
 
 
-@pytest.mark.parametrize("law_name", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"])
+@pytest.mark.parametrize(
+    "law_name", ["elastoplastic", "elastoplastic-fe", "hertz", "bilinear", "thornton"]
+)
 def test_work_is_stored_or_dissipated_at_the_peak(law_name):
     law = brass(law_name)
     peak = np.geomspace(1e-3, 400, 300) * law.yield_overlap
@@ -94,7 +115,9 @@ def test_work_is_stored_or_dissipated_at_the_peak(law_name):
 
 
 def test_the_fitted_law_is_near_its_finite_elements():
-    """The table of finite elements, those held out of the fit too; largest errors are those that the manual says."""
+    """The table of finite elements, those held out of the fit too; largest errors are those that
+    the manual says.
+    """
     found = errors(measured())
     assert found["within_3"].min() > 97 and found[["1-10", "10-100", "100-inf"]].max().max() < 4.2
     assert found["unloading"].max() < 5
@@ -102,7 +125,8 @@ def test_the_fitted_law_is_near_its_finite_elements():
 
 @pytest.mark.parametrize("nu", [0.0, 0.3, 0.45])
 @pytest.mark.parametrize(
-    ("radius", "strength", "hardening"), [(1, 1, 0), (math.inf, 1, 0.01), (0.2, math.inf, 0), (3, 2, 0.1)]
+    ("radius", "strength", "hardening"),
+    [(1, 1, 0), (math.inf, 1, 0.01), (0.2, math.inf, 0), (3, 2, 0.1)],
 )
 def test_the_fitted_law_is_passive_and_begins_at_first_yield(nu, radius, strength, hardening):
     for ratio in (30, 200, 2000):
@@ -111,11 +135,19 @@ def test_the_fitted_law_is_passive_and_begins_at_first_yield(nu, radius, strengt
             "radius": (1.0, radius), "hardening": (hardening, hardening),
         }  # fmt: skip
         law = ContactLaw("elastoplastic-fe", **bodies)
-        pressure = min(hertz_von_mises_yield_factor(nu), strength * hertz_von_mises_yield_factor(0.3)) / ratio
+        pressure = (
+            min(hertz_von_mises_yield_factor(nu), strength * hertz_von_mises_yield_factor(0.3))
+            / ratio
+        )
         first = (math.pi * pressure / (2 * law.effective_modulus)) ** 2 * law.effective_radius
         assert law.yield_overlap == pytest.approx(first, rel=1e-6)
         peak = (
-            np.concatenate([1 + np.geomspace(1e-3, 1, 30), np.geomspace(2.1, 0.5 * law.effective_radius / first, 100)])
+            np.concatenate(
+                [
+                    1 + np.geomspace(1e-3, 1, 30),
+                    np.geomspace(2.1, 0.5 * law.effective_radius / first, 100),
+                ]
+            )
             * first
         )
         work = law.loading_work(peak)
@@ -123,7 +155,9 @@ def test_the_fitted_law_is_passive_and_begins_at_first_yield(nu, radius, strengt
             np.diff(law.residual_overlap(peak)) >= -1e-12 * first
         )
         assert np.all(np.diff(law.dissipated_energy(peak)) >= -1e-9 * work[1:])
-        swapped = ContactLaw("elastoplastic-fe", **{name: both[::-1] for name, both in bodies.items()})
+        swapped = ContactLaw(
+            "elastoplastic-fe", **{name: both[::-1] for name, both in bodies.items()}
+        )
         assert np.array_equal(swapped.loading_force(peak), law.loading_force(peak))
 
 
@@ -131,7 +165,8 @@ def test_the_default_law_is_continuous_and_passive():
     law = brass()
     length = law.yield_overlap
     for joint in (1.0, 177.6):
-        below, above = law.loading_force(joint * length * (1 - 1e-12)), law.loading_force(joint * length * (1 + 1e-12))
+        below = law.loading_force(joint * length * (1 - 1e-12))
+        above = law.loading_force(joint * length * (1 + 1e-12))
         assert below == pytest.approx(above, rel=1e-9)
     peak = np.linspace(1, 1.5, 20001) * length
     assert law.dissipated_energy(peak).min() >= 0
@@ -147,7 +182,11 @@ def test_the_printed_law_jumps_and_gives_back_more_than_it_took():
     length = law.yield_overlap
     jump = law.loading_force(length * (1 + 1e-12)) / law.loading_force(length) - 1
     assert jump == pytest.approx(0.003, abs=3e-4)
-    second = law.loading_force(177.6 * length * (1 + 1e-12)) / law.loading_force(177.6 * length * (1 - 1e-12)) - 1
+    second = (
+        law.loading_force(177.6 * length * (1 + 1e-12))
+        / law.loading_force(177.6 * length * (1 - 1e-12))
+        - 1
+    )
     assert second == pytest.approx(-0.016, abs=1e-3)
     peak = np.linspace(1.0001, 1.2, 4000)
     lost = law.dissipated_energy(peak * length) / law.loading_work(peak * length)
@@ -161,10 +200,15 @@ def test_the_printed_law_jumps_and_gives_back_more_than_it_took():
     st.sampled_from(["elastoplastic", "elastoplastic-fe", "bilinear", "thornton", "hertz"]),
 )
 def test_no_history_gives_back_more_than_it_took(turns, name):
-    """Work over any path of overlaps = stored + dissipated energy, and the stored energy never exceeds the work."""
+    """Work over any path of overlaps = stored + dissipated energy, and the stored energy never
+    exceeds the work.
+    """
     law = brass(name)
-    length, unit = law.yield_overlap, law.yield_overlap * law.yield_force
-    work, peak, here = 0.0, 0.0, 0.0
+    length = law.yield_overlap
+    unit = law.yield_overlap * law.yield_force
+    work = 0.0
+    peak = 0.0
+    here = 0.0
     for turn in turns:
         there = turn * length
         if there > peak:  # along the elastic branch to the peak, then loading
@@ -176,13 +220,18 @@ def test_no_history_gives_back_more_than_it_took(turns, name):
             work += np.trapezoid(law.force(path, np.full_like(path, peak)), path)
         here = there
         balance = work - law.elastic_energy(here, peak) - law.dissipated_energy(peak)
-        assert abs(balance) <= 2e-4 * max(abs(work), law.loading_work(peak), 1e-3 * unit) * len(turns)
+        assert abs(balance) <= 2e-4 * max(abs(work), law.loading_work(peak), 1e-3 * unit) * len(
+            turns
+        )
         assert law.dissipated_energy(peak) >= -1e-12 * unit
 
 
 def test_unlike_spheres():
     law = ContactLaw(
-        youngs_modulus=(115e9, 210e9), poisson_ratio=(0.3, 0.3), yield_strength=(550e6, 700e6), radius=(0.004, 0.008)
+        youngs_modulus=(115e9, 210e9),
+        poisson_ratio=(0.3, 0.3),
+        yield_strength=(550e6, 700e6),
+        radius=(0.004, 0.008),
     )
     assert law.effective_radius == pytest.approx(0.004 * 0.008 / 0.012)
     assert law.effective_modulus == pytest.approx(1 / (0.91 / 115e9 + 0.91 / 210e9))
@@ -192,11 +241,15 @@ def test_unlike_spheres():
 
 def test_thornton_against_its_equations():
     law = brass("thornton")
-    overlap_y, force_y, r_star = law.yield_overlap, law.yield_force, law.effective_radius
+    overlap_y = law.yield_overlap
+    force_y = law.yield_force
+    r_star = law.effective_radius
     peak = 40 * overlap_y
     top = force_y + np.pi * 550e6 * r_star * (peak - overlap_y)  # thesis 2.4
     assert law.loading_force(peak) == pytest.approx(top, rel=1e-12)
-    flattened = 4 * law.effective_modulus / (3 * top) * ((2 * top + force_y) / (2 * np.pi * 550e6)) ** 1.5  # thesis 2.6
+    flattened = (
+        4 * law.effective_modulus / (3 * top) * ((2 * top + force_y) / (2 * np.pi * 550e6)) ** 1.5
+    )  # thesis 2.6
     residual = peak - (top / (4 / 3 * law.effective_modulus * np.sqrt(flattened))) ** (2 / 3)
     assert law.residual_overlap(peak) == pytest.approx(residual, rel=1e-10)
     x = 0.5 * (peak + residual)
@@ -213,7 +266,9 @@ def test_bilinear_against_its_equations():
     assert law.residual_overlap(peak) == pytest.approx(0.8 * peak, rel=1e-12)
     assert law.unloading_stiffness(peak) == pytest.approx(slope / 0.2, rel=1e-12)
     top = slope * peak
-    assert law.dissipated_energy(peak) == pytest.approx(top**2 / 2 * (1 / slope - 0.2 / slope), rel=1e-12)
+    assert law.dissipated_energy(peak) == pytest.approx(
+        top**2 / 2 * (1 / slope - 0.2 / slope), rel=1e-12
+    )
 
 
 @pytest.mark.parametrize(
@@ -265,30 +320,53 @@ def test_exponentials_are_exact_to_a_unit(reach):
 
 
 def test_ends_of_the_range():
-    assert np.all(power(1.0, RNG.uniform(-5, 5, 100)) == 1.0), "a contact at its peak has the peak's force"
+    assert np.all(power(1.0, RNG.uniform(-5, 5, 100)) == 1.0), (
+        "a contact at its peak has the peak's force"
+    )
     assert exponential(0.0) == 1.0 and 0.0 < exponential(-1e6) < 1e-300
     assert power(1e-300, 3.0) < 1e-300
 
 
 @pytest.mark.parametrize(
     "law",
-    ["elastoplastic", "elastoplastic-fe", "elastoplastic variant published", "bilinear", "thornton", "hertz", "mixed"],
+    [
+        "elastoplastic",
+        "elastoplastic-fe",
+        "elastoplastic variant published",
+        "bilinear",
+        "thornton",
+        "hertz",
+        "mixed",
+    ],
 )
 def test_contacts_of_a_batch_have_the_forces_of_the_law(lammps, law):
-    """Pairs of spheres at many overlaps, first on the way in and then on the way out, more than fill a batch."""
-    n, names = 150, {1: "thornton", 2: "elastoplastic"} if law == "mixed" else {1: law, 2: law}
-    deep, out = 10 ** RNG.uniform(-8, -3.8, n), RNG.uniform(0.1, 1.0, n)
+    """Pairs of spheres at many overlaps, first on the way in and then on the way out, more than
+    fill a batch.
+    """
+    n = 150
+    names = {1: "thornton", 2: "elastoplastic"} if law == "mixed" else {1: law, 2: law}
+    deep = 10 ** RNG.uniform(-8, -3.8, n)
+    out = RNG.uniform(0.1, 1.0, n)
     places = [(0.02 * k, 0.0, z) for k in range(n) for z in (0.0, 2 * R - deep[k])]
-    words, laws = {}, {}
+    words = {}
+    laws = {}
     for kind, text in names.items():
         name, *options = text.split()
         strength = {"hertz": ""}.get(name, "550e6")
         words[kind] = " ".join([name, "115e9 0.3", strength, *options])
         given = dict(zip(options[::2], options[1::2], strict=True))
-        laws[kind] = ContactLaw(name, yield_strength=(float(strength or "inf"),) * 2, **ALIKE, **given)
+        laws[kind] = ContactLaw(
+            name, yield_strength=(float(strength or "inf"),) * 2, **ALIKE, **given
+        )
     types = [1 + k % 2 for k in range(n) for _ in range(2)]
-    coefficients = [f"pair_coeff 1 1 {words[1]}", f"pair_coeff 2 2 {words[2]}", f"pair_coeff 1 2 {words[1]}"]
-    lmp = lammps(script_of(places, types=types, coefficients=coefficients, box=[-1, 4, -1, 1, -1, 1]))
+    coefficients = [
+        f"pair_coeff 1 1 {words[1]}",
+        f"pair_coeff 2 2 {words[2]}",
+        f"pair_coeff 1 2 {words[1]}",
+    ]
+    lmp = lammps(
+        script_of(places, types=types, coefficients=coefficients, box=[-1, 4, -1, 1, -1, 1])
+    )
 
     def agree(peaks: np.ndarray | None, rtol: float) -> np.ndarray:
         """Assert that the forces are those of the law at the present overlaps, which are returned."""

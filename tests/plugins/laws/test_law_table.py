@@ -1,4 +1,6 @@
-"""Table of contact laws, with their names and options everywhere; batches with the same bits on all processors."""
+"""Table of contact laws, with their names and options everywhere; batches with the same bits on all
+processors.
+"""
 
 from __future__ import annotations
 
@@ -22,12 +24,22 @@ from tests.helpers.two_spheres import R, collide, value
 LAWS_FOLDER = Path(__file__).resolve().parents[3] / "plugins" / "laws"
 MANUAL = LAWS_FOLDER.parent / "doc" / "pair_gran_hysteretic.md"
 SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material": "brass"}
-OPTIONS = {"variant": "published", "yield_factor": 1.8, "beta": 0.6, "constant": 2e7, "exponent": 1.2}
+OPTIONS = {
+    "variant": "published",
+    "yield_factor": 1.8,
+    "beta": 0.6,
+    "constant": 2e7,
+    "exponent": 1.2,
+}
 TOUCHING = [law for law in LAWS if law != "none"]
 
 
 def case(law: str, **contact):
-    needed = {name: OPTIONS[name] for name in ("constant", "exponent") if law in LAWS and name in LAWS[law].options}
+    needed = {
+        name: OPTIONS[name]
+        for name in ("constant", "exponent")
+        if law in LAWS and name in LAWS[law].options
+    }
     return case_from_dict({**SPHERES, "contact": {"law": law, **needed, **contact}}, "case")
 
 
@@ -43,7 +55,12 @@ def test_every_law_of_the_table_serves_everywhere(lammps, tmp_path, law):
     contact = sphere_contact(made)
     lost = value(lmp, "c_ep[1]")
     mass = 8500 * 4 / 3 * np.pi * R**3
-    peak = brentq(lambda overlap: float(contact.loading_work(overlap)) - 0.5 * (mass / 2) * 4, 0, 2e-4, xtol=1e-15)
+    peak = brentq(
+        lambda overlap: float(contact.loading_work(overlap)) - 0.5 * (mass / 2) * 4,
+        0,
+        2e-4,
+        xtol=1e-15,
+    )
     assert lost == pytest.approx(float(contact.dissipated_energy(peak)), rel=1e-5, abs=1e-12)
     assert (lost > 0) == LAWS[law].yields
     if not LAWS[law].is_power:
@@ -69,10 +86,22 @@ def test_unknown_laws_are_refused_with_the_names_of_the_table():
     with pytest.raises(InputError, match=", ".join(f'"{name}"' for name in LAWS)):
         case("rubber")
     with pytest.raises(ValueError, match=", ".join(LAWS)):
-        ContactLaw("rubber", youngs_modulus=(1, 1), poisson_ratio=(0, 0), yield_strength=(1, 1), radius=(1, 1))
+        ContactLaw(
+            "rubber",
+            youngs_modulus=(1, 1),
+            poisson_ratio=(0, 0),
+            yield_strength=(1, 1),
+            radius=(1, 1),
+        )
 
 
-FLAGS = ["-std=c++17", "-O3", "-fno-math-errno", "-fno-trapping-math", "-ffp-contract=off"]  # of plugins/CMakeLists.txt
+FLAGS = [
+    "-std=c++17",
+    "-O3",
+    "-fno-math-errno",
+    "-fno-trapping-math",
+    "-ffp-contract=off",
+]  # of plugins/CMakeLists.txt
 PROGRAM = r"""
 #include "contact_batch.h"
 #include <cstdio>
@@ -145,14 +174,26 @@ int main()
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
 def test_the_same_bits_with_and_without_further_instructions(tmp_path):
-    """As of this processor, and with those only that all have; batches of any size, some pairs without friction."""
+    """As of this processor, and with those only that all have; batches of any size, some pairs
+    without friction.
+    """
     source = tmp_path / "batches.cpp"
     source.write_text(PROGRAM)
     printed = []
     for definitions in ([], ["-DGRANWAVE_ONE_PROCESSOR"]):
         program = tmp_path / f"batches{len(definitions)}"
         files = [source, LAWS_FOLDER / "contact_batch.cpp"]
-        command = ["c++", *FLAGS, *definitions, "-Wno-psabi", "-I", LAWS_FOLDER, *files, "-o", program]
+        command = [
+            "c++",
+            *FLAGS,
+            *definitions,
+            "-Wno-psabi",
+            "-I",
+            LAWS_FOLDER,
+            *files,
+            "-o",
+            program,
+        ]
         subprocess.run(command, check=True, timeout=120)
         done = subprocess.run([program], capture_output=True, text=True, check=True)
         printed.append(done.stdout)

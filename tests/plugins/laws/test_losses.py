@@ -1,4 +1,6 @@
-"""Viscous losses of contacts: restitution against closed forms and independent solvers, energy, restarts, wrong words."""
+"""Viscous losses of contacts: restitution against closed forms and independent solvers, energy,
+restarts, wrong words.
+"""
 
 from __future__ import annotations
 
@@ -10,7 +12,10 @@ from tests.conftest import script_of
 from tests.helpers.twins import viscous_twin
 from tests.helpers.two_spheres import BOX, PAIR, R, restitution, value
 
-E, NU, STRENGTH, DENSITY = 115e9, 0.3, 550e6, 8500.0
+E = 115e9
+NU = 0.3
+STRENGTH = 550e6
+DENSITY = 8500.0
 MASS = DENSITY * 4 / 3 * np.pi * R**3
 LAWS = {
     "hertz": f"hertz {E} {NU}",
@@ -24,7 +29,11 @@ ENERGY = "c_ke+c_en+c_en[1]+c_en[8]"
 
 
 def law_of(name: str, **options) -> ContactLaw:
-    two = {"youngs_modulus": (E, E), "poisson_ratio": (NU, NU), "yield_strength": (STRENGTH, STRENGTH)}
+    two = {
+        "youngs_modulus": (E, E),
+        "poisson_ratio": (NU, NU),
+        "yield_strength": (STRENGTH, STRENGTH),
+    }
     options |= {"constant": 5e9, "exponent": 1.4} if name == "power" else {}
     return ContactLaw(name, radius=(R, R), **two, **options)
 
@@ -57,7 +66,9 @@ def test_every_law_collides_as_the_binding_does(lammps, law, loss):
     assert value(lmp, "c_pair[8]") == value(lmp, "c_en[8]") > 0
 
 
-@pytest.mark.parametrize(("loss", "size"), [("time", 2e-7), ("time", 5e-6), ("dashpot", 0.05), ("dashpot", 1.0)])
+@pytest.mark.parametrize(
+    ("loss", "size"), [("time", 2e-7), ("time", 5e-6), ("dashpot", 0.05), ("dashpot", 1.0)]
+)
 def test_hertz_against_another_solver(loss, size):
     """The binding's collision is that of scipy's solver with formulas of the tests."""
     expected = viscous_twin.collision(viscous_twin.hertz(E, NU, R), MASS, 2.0, **{loss: size})
@@ -67,7 +78,9 @@ def test_hertz_against_another_solver(loss, size):
 
 @pytest.mark.parametrize("speed", [0.1, 1.0, 10.0])
 def test_series_of_viscoelastic_spheres(speed):
-    """e = 1 - 1.1534 b + 0.7983 b^2 + 0.2667 b^2.5, b = 3/2 A (K/m*)^(2/5) v^(1/5) (Schwager, Poeschel 2008)."""
+    """e = 1 - 1.1534 b + 0.7983 b^2 + 0.2667 b^2.5, b = 3/2 A (K/m*)^(2/5) v^(1/5) (Schwager,
+    Poeschel 2008).
+    """
     constant = 4 / 3 * E / (2 * (1 - NU**2)) * np.sqrt(R / 2)
     for time in (2e-8, 2e-7):
         b = 1.5 * time * (constant / (MASS / 2)) ** 0.4 * speed**0.2
@@ -78,34 +91,54 @@ def test_series_of_viscoelastic_spheres(speed):
 
 @pytest.mark.parametrize("time", [1e-7, 1e-6, 3e-6])
 def test_linear_spring_with_a_damper(time):
-    """Without a dent the bilinear law is linear: e = exp(-(b/w)(pi - atan(2 b w/(w^2 - b^2)))), b = A w0^2/2."""
+    """Without a dent the bilinear law is linear: e = exp(-(b/w)(pi - atan(2 b w/(w^2 - b^2)))), b =
+    A w0^2/2.
+    """
     k = 18.5 * STRENGTH * R / 2
     b = time * k / MASS  # c/(2 m*) with c = A k
     w = np.sqrt(k / (MASS / 2) - b**2)
     closed = np.exp(-b / w * (np.pi - np.arctan2(2 * b * w, w**2 - b**2)))
     for speed in (0.5, 5.0):
-        found = law_of("bilinear", beta=0.0).collide(MASS / 2, speed, loss_time=time, steps=20000)["restitution"]
+        found = law_of("bilinear", beta=0.0).collide(MASS / 2, speed, loss_time=time, steps=20000)[
+            "restitution"
+        ]
         assert found == pytest.approx(closed, abs=1e-5)
 
 
 def test_a_dashpot_has_one_restitution():
-    """The restitution of Tsuji's dashpot does not depend on speed or mass; where it may pull it is known in closed form."""
+    """The restitution of Tsuji's dashpot does not depend on speed or mass; where it may pull it is
+    known in closed form.
+    """
     found = [
         law_of("hertz").collide(mass, speed, loss_dashpot=0.1, steps=2000)["restitution"]
         for mass in (MASS / 2, 10 * MASS)
         for speed in (0.01, 1.0, 100.0)
     ]
     assert np.ptp(found) < 1e-9
-    share = 0.1 / np.sqrt(5)  # Antypov, Elliott 2011, from which leaving out what pulls differs to the second order
-    assert found[0] == pytest.approx(np.exp(-np.pi * share / np.sqrt(1 - share**2)), abs=share**2 * 2)
+    share = 0.1 / np.sqrt(
+        5
+    )  # Antypov, Elliott 2011, from which leaving out what pulls differs to the second order
+    assert found[0] == pytest.approx(
+        np.exp(-np.pi * share / np.sqrt(1 - share**2)), abs=share**2 * 2
+    )
     assert found[0] > np.exp(-np.pi * share / np.sqrt(1 - share**2))
 
 
 @pytest.mark.parametrize(("speed", "expected"), [(1.0, 0.7468), (6.0, 0.7141)])
 def test_discs_of_polyurethane(lammps, speed, expected):
-    """Restitutions of a trial program for two cylinders with a loss time of 12 us, of LAMMPS and of the binding."""
-    modulus, ratio, radius, density, length = 70e6, 0.48, 6.35e-3, 1130.0, 0.0254
-    two = {"youngs_modulus": (modulus, modulus), "poisson_ratio": (ratio, ratio), "radius": (radius, radius)}
+    """Restitutions of a trial program for two cylinders with a loss time of 12 us, of LAMMPS and of
+    the binding.
+    """
+    modulus = 70e6
+    ratio = 0.48
+    radius = 6.35e-3
+    density = 1130.0
+    length = 0.0254
+    two = {
+        "youngs_modulus": (modulus, modulus),
+        "poisson_ratio": (ratio, ratio),
+        "radius": (radius, radius),
+    }
     line = LineContact.plane_strain(**two, length=length)
     mass = density * np.pi * radius**2 * length
     law = ContactLaw("hertz", yield_strength=(np.inf, np.inf), line=line, **two)
@@ -128,8 +161,11 @@ def test_the_ledger_closes_to_the_second_order(lammps, law, loss):
     errors = []
     for steps in (500, 1000):  # of 8e-5 s
         place = [(0, 0, 0), (0, 0, 2 * R + 3.3e-7)]
-        lmp = spheres(lammps, f"{LAWS[law]} loss {loss} {LOSSES[loss]}", dt=8e-5 / steps, places=place)
-        start, worst = value(lmp, ENERGY), 0.0
+        lmp = spheres(
+            lammps, f"{LAWS[law]} loss {loss} {LOSSES[loss]}", dt=8e-5 / steps, places=place
+        )
+        start = value(lmp, ENERGY)
+        worst = 0.0
         for _ in range(100):
             lmp.command(f"run {steps // 100} pre no post no")
             worst = max(worst, abs(value(lmp, ENERGY) / start - 1))
@@ -142,11 +178,16 @@ def test_the_ledger_closes_to_the_second_order(lammps, law, loss):
 
 def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
     """Largest forces along a chain, with a loss that takes a third of them over the first contacts."""
-    n, loss = 12, 5e-7
+    n = 12
+    loss = 5e-7
     places = [(0, 0, 2 * R * k) for k in range(n)]
-    expected = viscous_twin.chain(viscous_twin.hertz(E, NU, R), MASS, n, 1.0, 2.5e-4, time=loss)["force"].max(axis=1)
+    expected = viscous_twin.chain(viscous_twin.hertz(E, NU, R), MASS, n, 1.0, 2.5e-4, time=loss)[
+        "force"
+    ].max(axis=1)
     lmp = spheres(lammps, f"{LAWS['hertz']} loss time {loss}", 0.0, dt=2e-8, places=places)
-    lmp.commands_string("set atom 1 vz 1.0\ncompute all_pairs all gran/hysteretic/local\nrun 12500 post no")
+    lmp.commands_string(
+        "set atom 1 vz 1.0\ncompute all_pairs all gran/hysteretic/local\nrun 12500 post no"
+    )
     rows = lmp.numpy.extract_compute("all_pairs", 2, 2)
     found = rows[np.argsort(rows[:, 0]), 5]
     assert len(found) >= 8  # ahead of a wave there is no contact
@@ -156,7 +197,9 @@ def test_the_wave_of_a_chain_decays_as_in_another_solver(lammps):
 
 @pytest.mark.parametrize("law", ["hertz", "elastoplastic"])
 def test_a_wall_loses_as_a_heavy_sphere(lammps, law):
-    """A sphere returns from a rigid wall as the binding says, and the column of the wall has the loss."""
+    """A sphere returns from a rigid wall as the binding says, and the column of the wall has the
+    loss.
+    """
     lmp = lammps()
     text = script_of([(0, 0, 0)], velocities=[(0, 0, 2.0)], box=BOX)
     lmp.commands_string(
@@ -166,8 +209,14 @@ def test_a_wall_loses_as_a_heavy_sphere(lammps, law):
     energy = "c_ke+f_wall+f_wall[5]+f_wall[16]"
     start = value(lmp, energy)
     lmp.command("run 10000 post no")
-    two = {"youngs_modulus": (E, np.inf), "poisson_ratio": (NU, 0), "yield_strength": (STRENGTH, np.inf)}
-    expected = ContactLaw(law, radius=(R, np.inf), **two).collide(MASS, 2.0, loss_time=1e-6, steps=4000)["restitution"]
+    two = {
+        "youngs_modulus": (E, np.inf),
+        "poisson_ratio": (NU, 0),
+        "yield_strength": (STRENGTH, np.inf),
+    }
+    expected = ContactLaw(law, radius=(R, np.inf), **two).collide(
+        MASS, 2.0, loss_time=1e-6, steps=4000
+    )["restitution"]
     assert -value(lmp, "vz[1]") / 2 == pytest.approx(expected, abs=2e-5)
     assert value(lmp, energy) == pytest.approx(start, rel=1e-5)
     assert value(lmp, "f_wall[16]") > 0
@@ -195,13 +244,18 @@ def test_friction_goes_with_the_whole_normal_force(lammps):
     ],
 )
 def test_a_dashpot_knows_what_is_frozen_and_what_is_rigid(lammps, fixes, mass):
-    """A frozen sphere is immovable, and two that are one body have its mass, as in pair style granular of LAMMPS."""
+    """A frozen sphere is immovable, and two that are one body have its mass, as in pair style
+    granular of LAMMPS.
+    """
     lmp = lammps()
     if fixes.endswith("molecule"):
         fixes = fixes.replace("rigid/small molecule", "rigid/small custom i_body")
         fixes = f"fix names all property/atom i_body\nset group other i_body 1\n{fixes}"
     text = script_of(
-        [*PAIR, (0, 0, 4.1 * R)], style=f"{LAWS['hertz']} loss dashpot 0.3", velocities=[(0, 0, 1.0)], box=BOX
+        [*PAIR, (0, 0, 4.1 * R)],
+        style=f"{LAWS['hertz']} loss dashpot 0.3",
+        velocities=[(0, 0, 1.0)],
+        box=BOX,
     ).replace("newton off", "newton off\ncomm_modify vel yes")
     lmp.commands_string(f"{text}\ngroup first id 1\ngroup other id 2 3\n{fixes}\nrun 12000 post no")
     expected = law_of("hertz").collide(mass, 1.0, loss_dashpot=0.3, steps=4000)
@@ -216,6 +270,12 @@ def test_a_wall_knows_rigid_bodies(lammps):
         f"{text}\nfix wall all wall/gran/hysteretic zplane NULL {R:.17g} {LAWS['hertz']} loss dashpot 0.3\n"
         "unfix motion\nfix body all rigid single\nrun 12000 post no"
     )
-    two = {"youngs_modulus": (E, np.inf), "poisson_ratio": (NU, 0), "yield_strength": (np.inf, np.inf)}
-    expected = ContactLaw("hertz", radius=(R, np.inf), **two).collide(2 * MASS, 1.0, loss_dashpot=0.3, steps=4000)
+    two = {
+        "youngs_modulus": (E, np.inf),
+        "poisson_ratio": (NU, 0),
+        "yield_strength": (np.inf, np.inf),
+    }
+    expected = ContactLaw("hertz", radius=(R, np.inf), **two).collide(
+        2 * MASS, 1.0, loss_dashpot=0.3, steps=4000
+    )
     assert -value(lmp, "vz[1]") == pytest.approx(expected["restitution"], abs=1e-4)

@@ -1,4 +1,6 @@
-"""Partial slip: Mindlin's curve and loops, Mindlin and Deresiewicz's loading, energy, impacts against an independent twin."""
+"""Partial slip: Mindlin's curve and loops, Mindlin and Deresiewicz's loading, energy, impacts
+against an independent twin.
+"""
 
 from __future__ import annotations
 
@@ -11,14 +13,28 @@ from tests.helpers.twins.slip_twin import forces, rebound
 from tests.helpers.two_spheres import value
 
 LAW = ContactLaw(
-    "hertz", youngs_modulus=(E, np.inf), poisson_ratio=(NU, 0), yield_strength=(np.inf,) * 2, radius=(R, np.inf)
+    "hertz",
+    youngs_modulus=(E, np.inf),
+    poisson_ratio=(NU, 0),
+    yield_strength=(np.inf,) * 2,
+    radius=(R, np.inf),
 )
 PARTIAL = f"friction {MU} tangential partial_slip"
-OVERLAPS = [1e-7, 3.3e-7, 1e-6, 2.1e-6, 4.5e-6, 1e-5, 1e-4]  # circles fill their reach to different parts
+OVERLAPS = [
+    1e-7,
+    3.3e-7,
+    1e-6,
+    2.1e-6,
+    4.5e-6,
+    1e-5,
+    1e-4,
+]  # circles fill their reach to different parts
 
 
 def path(overlap, slip, friction=MU, **options):
-    """Force, stored energy and loss along a path, in the tangent plane; slips of one component are along its first axis."""
+    """Force, stored energy and loss along a path, in the tangent plane; slips of one component are
+    along its first axis.
+    """
     slip = np.asarray(slip)
     slip = np.column_stack([slip, 0 * slip]) if slip.ndim == 1 else slip
     overlap = np.broadcast_to(overlap, len(slip))
@@ -27,18 +43,23 @@ def path(overlap, slip, friction=MU, **options):
 
 def constants(overlap):
     """Largest tangential force, stiffness without slip, and displacement at which all slips."""
-    limit, stiffness = MU * LAW.loading_force(overlap), LAW.tangential_stiffness(overlap, overlap)
+    limit = MU * LAW.loading_force(overlap)
+    stiffness = LAW.tangential_stiffness(overlap, overlap)
     return limit, stiffness, 1.5 * limit / stiffness
 
 
 @pytest.mark.parametrize("overlap", OVERLAPS)
 def test_mindlins_curve(overlap):
-    """T = mu N (1 - (1 - d/d_max)^(3/2)), with the slope 8 G* a at first, to 0.35 % of mu N; and sliding."""
+    """T = mu N (1 - (1 - d/d_max)^(3/2)), with the slope 8 G* a at first, to 0.35 % of mu N; and
+    sliding.
+    """
     limit, stiffness, whole = constants(overlap)
     moved = np.linspace(0, 1.2 * whole, 1200)[1:]
     found = -path(overlap, np.full(len(moved), moved[0]))["force"][:, 0]
     exact = limit * (1 - np.maximum(1 - moved / whole, 0) ** 1.5)
-    assert found[0] == pytest.approx(stiffness * moved[0], rel=1e-3)  # the outermost cell may slip already
+    assert found[0] == pytest.approx(
+        stiffness * moved[0], rel=1e-3
+    )  # the outermost cell may slip already
     assert found[-1] == pytest.approx(limit, rel=1e-12)
     assert np.abs(found - exact).max() < 3.5e-3 * limit
 
@@ -49,7 +70,8 @@ def test_more_cells_follow_the_curve_better():
     moved = np.linspace(0, whole, 4000)[1:]
     exact = limit * (1 - np.maximum(1 - moved / whole, 0) ** 1.5)
     errors = [
-        np.abs(-path(1e-6, np.full(len(moved), moved[0]), cells=n)["force"][:, 0] - exact).max() for n in (8, 16, 32)
+        np.abs(-path(1e-6, np.full(len(moved), moved[0]), cells=n)["force"][:, 0] - exact).max()
+        for n in (8, 16, 32)
     ]
     assert errors[0] / errors[1] == pytest.approx(4, abs=1)
     assert errors[1] / errors[2] == pytest.approx(4, abs=1)
@@ -57,7 +79,9 @@ def test_more_cells_follow_the_curve_better():
 
 @pytest.mark.parametrize(("part", "margin"), [(0.2, 0.4), (0.4, 0.08), (0.6, 0.04), (0.8, 0.01)])
 def test_loss_of_a_cycle(part, margin):
-    """Mindlin and Deresiewicz's loop between -T and T at a constant normal force; for small T it is 2/9 T^3/(mu N k)."""
+    """Mindlin and Deresiewicz's loop between -T and T at a constant normal force; for small T it is
+    2/9 T^3/(mu N k).
+    """
     for overlap in OVERLAPS:
         assert cycle(part, overlap) == pytest.approx(1, abs=margin)
 
@@ -70,26 +94,43 @@ def cycle(part, overlap):
     moves = np.concatenate([np.full(300, step), np.tile(np.repeat([-step, step], 600), 2)])
     found = path(overlap, moves)
     loss = found["loss"][-1] - found["loss"][-1201]
-    assert found["force"][-1] == pytest.approx(found["force"][-1201], abs=1e-9 * limit)  # the loop closes
-    return loss / (4 * whole * limit * (1.2 * (1 - (1 - part) ** (5 / 3)) - part - part * (1 - part) ** (2 / 3)))
+    assert found["force"][-1] == pytest.approx(
+        found["force"][-1201], abs=1e-9 * limit
+    )  # the loop closes
+    return loss / (
+        4
+        * whole
+        * limit
+        * (1.2 * (1 - (1 - part) ** (5 / 3)) - part - part * (1 - part) ** (2 / 3))
+    )
 
 
 @pytest.mark.parametrize("part", [0.3, 0.9])
 def test_in_proportion_to_the_normal_force_nothing_slips(part):
-    """T/N constant below mu: elastic, T = (2/3) k d on the way up and down, as Mindlin and Deresiewicz derived."""
+    """T/N constant below mu: elastic, T = (2/3) k d on the way up and down, as Mindlin and
+    Deresiewicz derived.
+    """
     up = np.linspace(0, 1e-5, 2001)[1:]
     overlap = np.concatenate([up, up[::-1][1:]])
-    per_overlap = part * MU * 2 * LAW.effective_modulus / (8 * LAW.shear_modulus)  # slip over overlap
+    per_overlap = (
+        part * MU * 2 * LAW.effective_modulus / (8 * LAW.shear_modulus)
+    )  # slip over overlap
     found = path(overlap, np.diff(overlap, prepend=0.0) * per_overlap)
-    force, exact = -found["force"][:, 0], part * MU * LAW.loading_force(overlap)
+    force = -found["force"][:, 0]
+    exact = part * MU * LAW.loading_force(overlap)
     assert np.abs(force - exact).max() < 5e-3 * exact.max()
     assert found["loss"][-1] < 5e-3 * found["stored_energy"].max()
-    assert found["stored_energy"].max() == pytest.approx(0.4 * exact.max() * up[-1] * per_overlap, rel=5e-3)
+    assert found["stored_energy"].max() == pytest.approx(
+        0.4 * exact.max() * up[-1] * per_overlap, rel=5e-3
+    )
 
 
 def test_beyond_the_coefficient_all_slips():
     overlap = np.linspace(0, 1e-5, 2001)[1:]
-    found = path(overlap, np.full(2000, 1.5 * MU * 2 * LAW.effective_modulus / (8 * LAW.shear_modulus) * overlap[0]))
+    found = path(
+        overlap,
+        np.full(2000, 1.5 * MU * 2 * LAW.effective_modulus / (8 * LAW.shear_modulus) * overlap[0]),
+    )
     assert -found["force"][:, 0] == pytest.approx(MU * LAW.loading_force(overlap), rel=1e-6)
 
 
@@ -106,7 +147,9 @@ def test_random_cycles_are_passive(law, seed):
         youngs_modulus=(E, np.inf), poisson_ratio=(NU, 0), yield_strength=(550e6, np.inf), radius=(R, np.inf)
     )  # fmt: skip
     found = contact.friction_path(overlap, slip, friction=MU, tangential="partial_slip")
-    force, loss, stored = found["force"], found["loss"], found["stored_energy"]
+    force = found["force"]
+    loss = found["loss"]
+    stored = found["stored_energy"]
     peak = np.maximum.accumulate(overlap)
     normal = contact.force(np.maximum(overlap, 0), np.maximum(peak, 1e-12)) * (overlap > 0)
     assert np.all(np.linalg.norm(force, axis=1) <= MU * normal * (1 + 1e-12) + 1e-12)
@@ -120,13 +163,22 @@ def test_random_cycles_are_passive(law, seed):
 
 @pytest.mark.parametrize("seed", range(4))
 def test_any_path_is_that_of_many_springs(seed):
-    """Both forces vary, and slips turn in the plane; in steps that are small, so that those of both agree."""
+    """Both forces vary, and slips turn in the plane; in steps that are small, so that those of both
+    agree.
+    """
     rng = np.random.default_rng(seed)
     steps = np.repeat(rng.normal(size=(40, 3)), 100, axis=0)
     overlap = 2e-6 + 2.5e-6 * np.sin(np.cumsum(steps[:, 2]) / 80)
     slip = steps[:, :2] * constants(2e-6)[2] / 60
     ours = path(overlap, slip)["force"]
-    theirs = forces(overlap, slip, modulus=LAW.effective_modulus, shear=4 * LAW.shear_modulus, radius=R, friction=MU)
+    theirs = forces(
+        overlap,
+        slip,
+        modulus=LAW.effective_modulus,
+        shear=4 * LAW.shear_modulus,
+        radius=R,
+        friction=MU,
+    )
     size = MU * LAW.loading_force(overlap.max())
     assert np.abs(ours - theirs).max() < 0.015 * size
     assert np.sqrt(np.mean((ours - theirs) ** 2)) < 0.003 * size
@@ -137,12 +189,19 @@ def test_any_path_is_that_of_many_springs(seed):
 
 
 def impact(lammps, degrees, law=f"{HERTZ} {PARTIAL}", speed=1.0, wall=True, steps=3000):
-    """Spin and angle of rebound of the surface, of a sphere that hits a rigid wall, or one of two equal ones their mirror."""
-    normal, across = speed * np.cos(np.radians(degrees)), speed * np.sin(np.radians(degrees))
+    """Spin and angle of rebound of the surface, of a sphere that hits a rigid wall, or one of two
+    equal ones their mirror.
+    """
+    normal = speed * np.cos(np.radians(degrees))
+    across = speed * np.sin(np.radians(degrees))
     floor = f"fix floor all wall/gran/hysteretic zplane NULL {R:.17g} {law}\n" if wall else ""
-    places, velocities = [(0, 0, 0), (0, 0, 2 * R)], [(across, 0, normal), (-across, 0, -normal)]
-    box, n = [-0.1, 0.1] * 3, 2 - wall
-    lmp = lammps(rubbing(places[:n], law, velocities=velocities[:n], box=box, extra=floor + "timestep 2e-8"))
+    places = [(0, 0, 0), (0, 0, 2 * R)]
+    velocities = [(across, 0, normal), (-across, 0, -normal)]
+    box = [-0.1, 0.1] * 3
+    n = 2 - wall
+    lmp = lammps(
+        rubbing(places[:n], law, velocities=velocities[:n], box=box, extra=floor + "timestep 2e-8")
+    )
     lmp.command(f"run {steps} post no")
     after = state(lmp, "v", "omega")
     (vx, _, vz), spin = after["v"][0], after["omega"][0, 1]
@@ -150,7 +209,8 @@ def impact(lammps, degrees, law=f"{HERTZ} {PARTIAL}", speed=1.0, wall=True, step
 
 
 def twin(degrees, speed=1.0):
-    normal, across = speed * np.cos(np.radians(degrees)), speed * np.sin(np.radians(degrees))
+    normal = speed * np.cos(np.radians(degrees))
+    across = speed * np.sin(np.radians(degrees))
     normal, across, spin = rebound(
         modulus=E, poisson=NU, density=8500.0, radius=R, friction=MU, normal=normal, across=across
     )
@@ -159,22 +219,31 @@ def twin(degrees, speed=1.0):
 
 @pytest.mark.parametrize("degrees", [2, 5, 10, 20, 30, 40, 50, 60])
 def test_oblique_impacts(lammps, degrees):
-    """Spin and angle of rebound from a wall and between equal spheres as Maw, Barber and Fawcett's theory has them."""
+    """Spin and angle of rebound from a wall and between equal spheres as Maw, Barber and Fawcett's
+    theory has them.
+    """
     for speed, wall in ((1.0, True), (0.1, True), (0.1, False)):
-        spin, angle = impact(lammps, degrees, speed=speed, wall=wall, steps=3000 if speed == 1 else 5000)
+        spin, angle = impact(
+            lammps, degrees, speed=speed, wall=wall, steps=3000 if speed == 1 else 5000
+        )
         expected, rebounds_at = twin(degrees, speed)
         assert spin == pytest.approx(expected, rel=0.012)
-        assert angle == pytest.approx(rebounds_at, abs=0.12 if wall else 0.25)  # equal spheres also pass each other
+        assert angle == pytest.approx(
+            rebounds_at, abs=0.12 if wall else 0.25
+        )  # equal spheres also pass each other
 
 
 def test_all_directions_are_alike(lammps):
     """Impacts on walls across x, y and z, sideways at an angle between the axes: the same spin."""
     found = []
     for axis in range(3):
-        velocity, at = np.roll([0.1, 0.1, 1.0], axis + 1), "xyz"[axis]
+        velocity = np.roll([0.1, 0.1, 1.0], axis + 1)
+        at = "xyz"[axis]
         law = f"{HERTZ} {PARTIAL}"
         floor = f"fix floor all wall/gran/hysteretic {at}plane NULL {R:.17g} {law}\ntimestep 2e-8"
-        lmp = lammps(rubbing([(0, 0, 0)], law, velocities=[velocity], box=[-0.1, 0.1] * 3, extra=floor))
+        lmp = lammps(
+            rubbing([(0, 0, 0)], law, velocities=[velocity], box=[-0.1, 0.1] * 3, extra=floor)
+        )
         lmp.command("run 3000 post no")
         found.append(np.roll(state(lmp, "omega")["omega"][0], -axis - 1))
     assert found[1] == pytest.approx(found[0], rel=1e-9, abs=1e-9)
@@ -185,7 +254,9 @@ def test_all_directions_are_alike(lammps):
 
 
 def test_a_single_spring_turns_half_as_much(lammps):
-    """At 5 degrees: partial slip and its twin agree, and Mindlin's spring without it has 59 % of their spin."""
+    """At 5 degrees: partial slip and its twin agree, and Mindlin's spring without it has 59 % of
+    their spin.
+    """
     single = impact(lammps, 5, f"{HERTZ} friction {MU}")[0]
     assert single / twin(5)[0] == pytest.approx(0.589, abs=0.005)
 
@@ -199,14 +270,18 @@ def test_energy_of_an_oblique_impact(lammps, law, tangential):
 
 
 def test_pairs_of_either_model_in_one_run(lammps):
-    """Two collisions far from each other, of types with partial slip and without it: each as if alone."""
-    places, speeds = [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)], [(0.2, 0, 1), (0, 0, 0)] * 2
+    """Two collisions far from each other, of types with partial slip and without it: each as if
+    alone.
+    """
+    places = [(0, 0, 0), (0, 0, 2 * R), (0.05, 0, 0), (0.05, 0, 2 * R)]
+    speeds = [(0.2, 0, 1), (0, 0, 0)] * 2
     single = f"{HERTZ} friction {MU}"
     found = []
     for laws in ((f"{HERTZ} {PARTIAL}", single), (single, single), (f"{HERTZ} {PARTIAL}",) * 2):
         text = rubbing(places, laws[0], velocities=speeds, types=[1, 1, 2, 2], box=[-0.1, 0.1] * 3)
         text = text.replace(
-            f"pair_coeff * * {laws[0]}", f"pair_coeff 1 1 {laws[0]}\npair_coeff 2 2 {laws[1]}\npair_coeff 1 2 {single}"
+            f"pair_coeff * * {laws[0]}",
+            f"pair_coeff 1 1 {laws[0]}\npair_coeff 2 2 {laws[1]}\npair_coeff 1 2 {single}",
         )
         assert "pair_coeff 2 2" in text
         lmp = lammps(text)

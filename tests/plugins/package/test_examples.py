@@ -1,4 +1,6 @@
-"""Examples for LAMMPS, `plugins/examples`: each runs with plain ``lmp`` and gives the number that its page says."""
+"""Examples for LAMMPS, `plugins/examples`: each runs with plain ``lmp`` and gives the number that
+its page says.
+"""
 
 from __future__ import annotations
 
@@ -17,7 +19,9 @@ ROOT = PAGES.parents[1]
 SCRIPTS = ROOT / "plugins" / "examples"
 SITE = ROOT / "docs" / "lammps"
 NAMES = sorted(path.name.removeprefix("in.") for path in SCRIPTS.glob("in.*"))
-_specification = importlib.util.spec_from_file_location("lammps_figures", ROOT / "docs" / "_ext" / "lammps_figures.py")
+_specification = importlib.util.spec_from_file_location(
+    "lammps_figures", ROOT / "docs" / "_ext" / "lammps_figures.py"
+)
 figures = importlib.util.module_from_spec(_specification)
 _specification.loader.exec_module(figures)
 
@@ -26,7 +30,11 @@ def variants(**short: object) -> pytest.MarkDecorator:
     """Run a test with these variables, and, as a validation, with those of the script."""
     options = tuple(str(word) for name, value in short.items() for word in ("-var", name, value))
     return pytest.mark.parametrize(
-        "options", [pytest.param(options, id="short"), pytest.param((), id="whole", marks=pytest.mark.validation)]
+        "options",
+        [
+            pytest.param(options, id="short"),
+            pytest.param((), id="whole", marks=pytest.mark.validation),
+        ],
     )
 
 
@@ -38,9 +46,13 @@ def example(lmp, tmp_path):
         shutil.copytree(SCRIPTS, tmp_path, dirs_exist_ok=True)
         done = lmp(tmp_path / f"in.{name}", *options, ranks=ranks)
         log = tmp_path / "log.lammps"
-        assert done.returncode == 0, done.stdout + done.stderr + log.read_text(encoding="utf-8")[-1000:]
+        assert done.returncode == 0, (
+            done.stdout + done.stderr + log.read_text(encoding="utf-8")[-1000:]
+        )
         log = Log(log)
-        assert "WARNING" not in log.text.replace("WARNING: Restart file used different # of processors", "")
+        assert "WARNING" not in log.text.replace(
+            "WARNING: Restart file used different # of processors", ""
+        )
         return log
 
     return run
@@ -50,11 +62,16 @@ def test_every_script_has_its_page_and_figure():
     assert set(NAMES) == set(figures.FIGURES)
     digests = dict(line.split() for line in figures.DIGESTS.read_text().splitlines())
     stale = [name for name in NAMES if digests.get(name) != figures.digest(name)]
-    assert not stale, f"figures of earlier scripts: run .venv/bin/python docs/_ext/lammps_figures.py {' '.join(stale)}"
+    assert not stale, (
+        f"figures of earlier scripts: run .venv/bin/python docs/_ext/lammps_figures.py {' '.join(stale)}"
+    )
     listed = (SITE / "index.md").read_text(encoding="utf-8")
     for name in NAMES:
         page = (SITE / f"{name}.md").read_text(encoding="utf-8")
-        assert f"{{literalinclude}} ../../plugins/examples/in.{name}\n" in page and f"{name}.webp" in page
+        assert (
+            f"{{literalinclude}} ../../plugins/examples/in.{name}\n" in page
+            and f"{name}.webp" in page
+        )
         assert re.search(rf"^{name}$", listed, re.MULTILINE) and f"({name}.md)" in listed
         assert "plugin" not in (SCRIPTS / f"in.{name}").read_text(
             encoding="utf-8"
@@ -73,11 +90,15 @@ def volume_between(spheres: dict[str, np.ndarray], low: float, high: float) -> f
 
 @variants(n=60, wide=0.02, steps=40000)
 def test_pour(example, tmp_path, options):
-    """Walls carry the weight, nothing of the energy is lost without account, and the packing is between loose and dense."""
+    """Walls carry the weight, nothing of the energy is lost without account, and the packing is
+    between loose and dense.
+    """
     log = example("pour", *options)
     assert log.runs[1]["Atoms"][0] == (60 if options else 200)
     assert abs(log.printed("change of the account since all were in, of what was lost")) < 1e-4
-    assert log.printed("carried by the walls over weight") == pytest.approx(1.0, abs=2e-3 if options else 2e-5)
+    assert log.printed("carried by the walls over weight") == pytest.approx(
+        1.0, abs=2e-3 if options else 2e-5
+    )
     (end,) = figures.frames(tmp_path / "pour.dump")
     across = 2 * np.abs(end["x"]).max() + 0.01  # walls, to the overlap of spheres with them
     fraction = volume_between(end, 0.005, 0.03) / (0.025 * across**2)
@@ -94,7 +115,8 @@ def test_restitution(example, tmp_path):
 
 def test_chain(example):
     log = example("chain")
-    speed, force = log.printed("speed of the wave, m/s"), log.printed("largest force, N")
+    speed = log.printed("speed of the wave, m/s")
+    force = log.printed("largest force, N")
     nesterenko = 0.6802 * (2 * 210e9 / (0.01 * 7800**1.5 * 0.91)) ** (1 / 3) * force ** (1 / 6)
     assert speed == pytest.approx(gw.theory.discrete_speed() * nesterenko, rel=1e-3)
     assert log.printed("momentum over that given") == pytest.approx(1.0, abs=1e-12)
@@ -103,11 +125,14 @@ def test_chain(example):
 
 @variants(cells=3, steps=10000)
 def test_block(example, tmp_path, options):
-    """The floor's impulse is the momentum that is lacking, and the forces have the four-fold symmetry of the block."""
+    """The floor's impulse is the momentum that is lacking, and the forces have the four-fold
+    symmetry of the block.
+    """
     log = example("block", *options)
     assert np.abs(log.runs[0]["v_balance"]).max() < 1e-7
     step, _, floor = np.loadtxt(tmp_path / "block.txt").T
-    given, now = log.printed("momentum at first, kg m/s"), log.printed("momentum now, kg m/s")
+    given = log.printed("momentum at first, kg m/s")
+    now = log.printed("momentum now, kg m/s")
     assert -floor[1:].sum() * (step[1] - step[0]) * 2e-8 == pytest.approx(
         now - given, rel=1e-4 if options else 1e-10
     )  # it pushes at the end of the short run
@@ -125,23 +150,34 @@ def test_block(example, tmp_path, options):
 
 @variants(target=6e6, steps=2500)
 def test_crystal(example, tmp_path, options):
-    """Pressure is that of twelve contacts a sphere, force that of the law, and the loop is what was lost."""
+    """Pressure is that of twelve contacts a sphere, force that of the law, and the loop is what was
+    lost.
+    """
     log = example("crystal", *options)
-    _, spacing, volume, pressure, overlap, peak, force, stored, lost = np.loadtxt(tmp_path / "crystal.txt").T
+    _, spacing, volume, pressure, overlap, peak, force, stored, lost = np.loadtxt(
+        tmp_path / "crystal.txt"
+    ).T
     assert pressure == pytest.approx(2 * np.sqrt(2) * force / spacing**2, rel=1e-9, abs=1e-3)
     ball = {"shape": "sphere", "diameter": 0.01, "material": {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "yield_strength": 550e6, "density": 8500.0}}  # fmt: skip
-    law = gw.contact_force("elastoplastic", [ball, ball], np.maximum(overlap, 0), peak_overlap=np.maximum(peak, 0))
+    law = gw.contact_force(
+        "elastoplastic", [ball, ball], np.maximum(overlap, 0), peak_overlap=np.maximum(peak, 0)
+    )
     assert force == pytest.approx(law, rel=1e-6, abs=1e-3 * force.max())
     work = -np.cumsum((pressure[1:] + pressure[:-1]) / 2 * np.diff(volume))
     assert work == pytest.approx((stored + lost)[1:], abs=2e-3 * work.max())
-    assert abs(log.printed("lost in the second cycle, of the first")) < 1e-9 and lost[-1] > 0.5 * work[-1]
+    assert (
+        abs(log.printed("lost in the second cycle, of the first")) < 1e-9
+        and lost[-1] > 0.5 * work[-1]
+    )
 
 
 def test_rolling(example):
     log = example("rolling")
     for resist in ("0", "0.02"):
         words = f"resistance {resist}: "
-        speed, formula = (log.printed(words + what) for what in ("speed at the end, m/s", "of the formula, m/s"))
+        speed, formula = (
+            log.printed(words + what) for what in ("speed at the end, m/s", "of the formula, m/s")
+        )
         assert speed == pytest.approx(formula, rel=1e-3)
         assert abs(log.printed(words + "change of the account, of the energy given")) < 1e-8
     assert log.printed("resistance 0: speed at the end, m/s") == pytest.approx(5 / 7, rel=1e-3)
@@ -151,11 +187,16 @@ def test_rolling(example):
 def test_contacts(example, tmp_path, options):
     """Listed forces, those of the walls and the weight balance on every sphere."""
     log = example("contacts", *options)
-    spheres, contacts = (figures.frames(tmp_path / f"{name}.dump")[0] for name in ("spheres", "contacts"))
+    spheres, contacts = (
+        figures.frames(tmp_path / f"{name}.dump")[0] for name in ("spheres", "contacts")
+    )
     place = np.c_[spheres["x"], spheres["y"]]
     i, j = (contacts[f"c_contact[{n}]"].astype(int) - 1 for n in (1, 2))
     normal = (place[i] - place[j]) / np.linalg.norm(place[i] - place[j], axis=1)[:, None]
-    force = contacts["c_contact[4]"][:, None] * normal + np.c_[contacts["c_contact[18]"], contacts["c_contact[19]"]]
+    force = (
+        contacts["c_contact[4]"][:, None] * normal
+        + np.c_[contacts["c_contact[18]"], contacts["c_contact[19]"]]
+    )
     total = np.zeros_like(place)
     np.add.at(total, i, force)
     np.add.at(total, j, -force)
@@ -167,8 +208,12 @@ def test_contacts(example, tmp_path, options):
     assert np.abs(total[free]).max() < tolerance * weight.max()
     # the floor pushes straight up, but for friction
     on_floor = (spheres["f_floor[2]"] > 0) & (spheres["f_sides[2]"] == 0)
-    assert total[on_floor, 1] == pytest.approx(-spheres["f_floor[2]"][on_floor], abs=tolerance * weight.max())
-    assert log.printed("carried by floor and sides over weight") == pytest.approx(1.0, abs=tolerance / 10)
+    assert total[on_floor, 1] == pytest.approx(
+        -spheres["f_floor[2]"][on_floor], abs=tolerance * weight.max()
+    )
+    assert log.printed("carried by floor and sides over weight") == pytest.approx(
+        1.0, abs=tolerance / 10
+    )
 
 
 @variants(steps=9000)
@@ -208,7 +253,9 @@ def test_timestep(example):
 
 @variants(layers=2, steps=16000)
 def test_chute(example, options):
-    """The energy of the fall is what moves and what was lost; in steady flow the floor bears weight and thrust."""
+    """The energy of the fall is what moves and what was lost; in steady flow the floor bears weight
+    and thrust.
+    """
     log = example("chute", *options)
     account = np.concatenate([run["v_account"] for run in log.runs])
     lost = log.runs[-1]["v_lost"][-1]
@@ -216,4 +263,6 @@ def test_chute(example, options):
     tolerance = 0.15 if options else 0.02
     assert log.printed("normal force over weight") == pytest.approx(1.0, abs=tolerance)
     if not options:
-        assert log.printed(r"shear over normal force on the floor, of tan\(angle\)") == pytest.approx(1.0, abs=0.03)
+        assert log.printed(
+            r"shear over normal force on the floor, of tan\(angle\)"
+        ) == pytest.approx(1.0, abs=0.03)

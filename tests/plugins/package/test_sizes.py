@@ -1,4 +1,6 @@
-"""IDs and steps of 64 bits: the styles compile for a LAMMPS with -DLAMMPS_BIGBIG, without any that is cut to 32 bits."""
+"""IDs and steps of 64 bits: the styles compile for a LAMMPS with -DLAMMPS_BIGBIG, without any that
+is cut to 32 bits.
+"""
 
 from __future__ import annotations
 
@@ -13,7 +15,9 @@ from pathlib import Path
 import pytest
 
 STYLES = Path(__file__).parents[3] / "plugins" / "styles"
-NARROWED = re.compile("'(LAMMPS_NS::)?(tagint|bigint|imageint)'")  # in warnings that name the type that is converted
+NARROWED = re.compile(
+    "'(LAMMPS_NS::)?(tagint|bigint|imageint)'"
+)  # in warnings that name the type that is converted
 SHORT = "extern LAMMPS_NS::tagint tag;\nint short_tag() { return tag; }\n"
 
 
@@ -23,19 +27,36 @@ def compiled(source: Path) -> str:
     assert spec and spec.submodule_search_locations
     headers = Path(spec.submodule_search_locations[0]) / "include"
     places = [
-        word for path in (headers, headers / "lammps", Path(sys.prefix) / "include") for word in ("-isystem", path)
+        word
+        for path in (headers, headers / "lammps", Path(sys.prefix) / "include")
+        for word in ("-isystem", path)
     ]
     given = {"LAMMPS_VERSION": 20250722, "LAMMPS_RELEASE": '"x"', "VERSION": '"x"'}
     words = [f"-DGRANWAVE_{name}={value}" for name, value in given.items()]
-    command = ["g++", "-std=c++17", "-fsyntax-only", "-Wconversion", "-DLAMMPS_BIGBIG", *words, *places, source]
-    done = subprocess.run(command, capture_output=True, text=True, check=False, env=os.environ | {"LC_ALL": "C"})
+    command = [
+        "g++",
+        "-std=c++17",
+        "-fsyntax-only",
+        "-Wconversion",
+        "-DLAMMPS_BIGBIG",
+        *words,
+        *places,
+        source,
+    ]
+    done = subprocess.run(
+        command, capture_output=True, text=True, check=False, env=os.environ | {"LC_ALL": "C"}
+    )
     assert done.returncode == 0, done.stderr[-2000:]
     return done.stderr
 
 
 def marked(source: Path):
-    """Return a source as a parameter: the one that reads IDs, with most headers, is tried always, others in the long validations."""
-    return pytest.param(source, id=source.name, marks=() if source.stem == "gran_dents" else pytest.mark.validation)
+    """Return a source as a parameter: the one that reads IDs, with most headers, is tried always,
+    others in the long validations.
+    """
+    return pytest.param(
+        source, id=source.name, marks=() if source.stem == "gran_dents" else pytest.mark.validation
+    )
 
 
 @pytest.mark.skipif(not shutil.which("g++"), reason="no compiler")

@@ -1,4 +1,6 @@
-"""Cylinders: laws beside closed forms and published values, motion beside independent equations, friction, ranks, restart."""
+"""Cylinders: laws beside closed forms and published values, motion beside independent equations,
+friction, ranks, restart.
+"""
 
 from __future__ import annotations
 
@@ -24,19 +26,32 @@ def as_sphere(density: float, radius: float, length: float) -> float:
 
 @pytest.mark.parametrize("degrees", [90, 60, 10])
 def test_crossed_cylinders(degrees):
-    """Equal ones at 90 degrees are a sphere of their radius on a plane; others follow from the curvatures of both."""
+    """Equal ones at 90 degrees are a sphere of their radius on a plane; others follow from the
+    curvatures of both.
+    """
     t = math.radians(degrees)
-    pair = CylinderPair(length=(0.01, 0.02), first_axis=X, second_axis=(math.cos(t), math.sin(t), 0.0))
-    one, other = 0.002, 0.003
-    assert (not pair.parallel and pair.effective_radius(one, one) == pytest.approx(one, rel=1e-15)) or degrees != 90
-    difference = math.sqrt(one**-2 + other**-2 + 2 / (one * other) * math.cos(2 * t))  # Johnson, 4.2
-    low, high = (1 / one + 1 / other - difference) / 2, (1 / one + 1 / other + difference) / 2
-    assert pair.effective_radius(one, other) == pytest.approx(radius_by_scipy(low, high / low), rel=1e-9)
+    pair = CylinderPair(
+        length=(0.01, 0.02), first_axis=X, second_axis=(math.cos(t), math.sin(t), 0.0)
+    )
+    one = 0.002
+    other = 0.003
+    assert (
+        not pair.parallel and pair.effective_radius(one, one) == pytest.approx(one, rel=1e-15)
+    ) or degrees != 90
+    difference = math.sqrt(
+        one**-2 + other**-2 + 2 / (one * other) * math.cos(2 * t)
+    )  # Johnson, 4.2
+    low = (1 / one + 1 / other - difference) / 2
+    high = (1 / one + 1 / other + difference) / 2
+    assert pair.effective_radius(one, other) == pytest.approx(
+        radius_by_scipy(low, high / low), rel=1e-9
+    )
 
 
 def johnson(force: float, moduli: tuple[float, ...], radii: tuple[float, ...]) -> float:
     """Overlap at a force per length, N/m: sum over the bodies; ``moduli``: E/(1 - nu^2)."""
-    modulus, radius = 1 / sum(1 / e for e in moduli), 1 / sum(1 / r for r in radii)
+    modulus = 1 / sum(1 / e for e in moduli)
+    radius = 1 / sum(1 / r for r in radii)
     half_width = math.sqrt(4 * force * radius / (math.pi * modulus))
     return sum(force / (math.pi * e) * (2 * math.log(4 * r / half_width) - 1)
                for e, r in zip(moduli, radii, strict=True) if math.isfinite(e))  # fmt: skip
@@ -61,17 +76,24 @@ def test_plane_strain(radii):
 
 def test_parallel_cylinders_collide_as_their_equations_say(lammps):
     """Mixed radii, materials and lengths, along a line that is oblique to all axes of the box."""
-    radii, densities, lengths, axis = [0.004, 0.007], (2700.0, 7800.0), (0.01, 0.03), np.array([0.0, 3.0, 4.0]) / 5
+    radii = [0.004, 0.007]
+    densities = (2700.0, 7800.0)
+    lengths = (0.01, 0.03)
+    axis = np.array([0.0, 3.0, 4.0]) / 5
     n = np.array([0.6, 0.64, -0.48])  # normal to the axis
     places = [np.zeros(3), -0.0110001 * n + 0.002 * axis]
-    mass = [rho * math.pi * r**2 * one for rho, r, one in zip(densities, radii, lengths, strict=True)]
+    mass = [
+        rho * math.pi * r**2 * one for rho, r, one in zip(densities, radii, lengths, strict=True)
+    ]
     moduli = 70e9 / (1 - 0.33**2), 210e9 / (1 - 0.3**2)
 
     def rate(_, state):
         overlap, speed = state
         if overlap <= 0:
             return [speed, 0.0]
-        force = brentq(lambda f: johnson(f, moduli, tuple(radii)) - overlap, 1e-12, 1e9, xtol=1e-12, rtol=1e-13)
+        force = brentq(
+            lambda f: johnson(f, moduli, tuple(radii)) - overlap, 1e-12, 1e9, xtol=1e-12, rtol=1e-13
+        )
         return [speed, -0.01 * force * (1 / mass[0] + 1 / mass[1])]
 
     end = solve_ivp(rate, (0, 3e-5), [-1e-7, 1.5], rtol=1e-10, atol=1e-18, max_step=2e-7).y[:, -1]
@@ -90,7 +112,8 @@ def test_parallel_cylinders_collide_as_their_equations_say(lammps):
         sum(m * v * v / 2 for m, v in zip(mass, (0.5, 1), strict=True)), rel=1e-6
     )
     lmp.command("run 5400")
-    x, v = lmp.numpy.extract_atom("x"), lmp.numpy.extract_atom("v")
+    x = lmp.numpy.extract_atom("x")
+    v = lmp.numpy.extract_atom("v")
     assert 0.011 - (x[0] - x[1]) @ n == pytest.approx(end[0], abs=2e-10)
     assert -(v[0] - v[1]) @ n == pytest.approx(end[1], rel=1e-5)
     assert np.abs(np.cross(v[0], n)).max() < 1e-12
@@ -115,12 +138,16 @@ def test_sphere_between_cylinders(lammps):
     axes = {1: np.array([0.0, 1, 0]), 2: np.array([0.3, 1, 0]) / math.sqrt(1.09)}
     modulus = {k: 1 / ((1 - 0.09) / 210e9 + (1 - 0.09) / 115e9) for k in axes}
     stiffness = {
-        k: 4 / 3 * modulus[k] * math.sqrt(radius_by_scipy(1 / radii[0], (1 / radii[0] + 1 / radii[k]) * radii[0]))
+        k: 4
+        / 3
+        * modulus[k]
+        * math.sqrt(radius_by_scipy(1 / radii[0], (1 / radii[0] + 1 / radii[k]) * radii[0]))
         for k in axes
     }
 
     def rate(_, state):
-        x, v = state[:9].reshape(3, 3), state[9:].reshape(3, 3)
+        x = state[:9].reshape(3, 3)
+        v = state[9:].reshape(3, 3)
         force = np.zeros((3, 3))
         for k, axis in axes.items():
             across = x[0] - x[k] - (x[0] - x[k]) @ axis * axis
@@ -141,12 +168,14 @@ def test_sphere_between_cylinders(lammps):
 
 def test_ranks_and_restart_alike(log_of, tmp_path):
     """With friction, to the last bit: one and two processors, and a run that was cut in two."""
-    comm, motion = "comm_modify vel yes\n", "unfix motion\nfix motion all nve/sphere\n"
+    comm = "comm_modify vel yes\n"
+    motion = "unfix motion\nfix motion all nve/sphere\n"
     text = between_cylinders(friction=" friction 0.3") + comm + motion
     dump = "write_dump all custom {} id x y z vx vy vz omegax omegay omegaz modify sort id format float %.17g\n"
     texts = {
         "one": text + "run 16000\n",
-        "cut": text + f"run 8000\nwrite_restart {tmp_path}/half\nclear\nnewton off\natom_modify map yes\n"
+        "cut": text
+        + f"run 8000\nwrite_restart {tmp_path}/half\nclear\nnewton off\natom_modify map yes\n"
         f"read_restart {tmp_path}/half\nfix round all gran/cylinder 2 0.02 0 1 0 3 0.03 0.3 1 0\n{comm}"
         "fix motion all nve/sphere\ntimestep 1e-8\nneighbor 1e-3 bin\nneigh_modify delay 0 every 1 check yes\nrun 8000\n",
     }
@@ -155,13 +184,21 @@ def test_ranks_and_restart_alike(log_of, tmp_path):
     one, two, cut = ((tmp_path / name).read_text() for name in ("one1", "one2", "cut1"))
     assert one == two == cut
     spin = np.loadtxt((tmp_path / "one1").read_text().splitlines()[9:])[:, 7:]
-    assert np.abs(spin).max() > 1 and spin[1, 0] == spin[1, 2] == 0 and spin[2, 0] == pytest.approx(0.3 * spin[2, 1])
+    assert (
+        np.abs(spin).max() > 1
+        and spin[1, 0] == spin[1, 2] == 0
+        and spin[2, 0] == pytest.approx(0.3 * spin[2, 1])
+    )
 
 
 @pytest.mark.parametrize("line", ["half-space", "plane-strain"])
 def test_cylinder_on_a_plane(lammps, line):
-    """It bounces as the law says, and one that slides rolls in the end at 2/3 of its speed (inertia m R^2/2)."""
-    radius, length, density = 0.003, 0.01, 8500.0
+    """It bounces as the law says, and one that slides rolls in the end at 2/3 of its speed (inertia
+    m R^2/2).
+    """
+    radius = 0.003
+    length = 0.01
+    density = 8500.0
     lmp = lammps()
     law = (LineContact.plane_strain(youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), radius=(radius, np.inf),
                                     length=length)
@@ -182,7 +219,9 @@ def test_cylinder_on_a_plane(lammps, line):
     before = value(lmp, energy)
     lmp.command("run 20000")
     turning = lmp.numpy.extract_atom("omega")[0, 1]
-    assert value(lmp, "vx[1]") + 0.5 * radius * turning == pytest.approx(1.0, rel=5e-4)  # about the line of contact
+    assert value(lmp, "vx[1]") + 0.5 * radius * turning == pytest.approx(
+        1.0, rel=5e-4
+    )  # about the line of contact
     assert value(lmp, "vx[1]") == pytest.approx(2 / 3, rel=0.08)  # it swings on its spring
     assert value(lmp, energy) == pytest.approx(before, rel=2e-5)
 

@@ -18,7 +18,10 @@ compute grains all gran/hysteretic/atom
 compute en all gran/hysteretic/energy
 thermo_style custom step c_ke c_en c_en[*] c_one[1]
 """
-_LOCAL, _ARRAY, _ROWS = 2, 2, 4  # styles and types of LAMMPS's library
+# styles and types of LAMMPS's library
+_LOCAL = 2
+_ARRAY = 2
+_ROWS = 4
 
 
 def start(lmp, speed=2.0, extra="", **options) -> None:
@@ -28,7 +31,9 @@ def start(lmp, speed=2.0, extra="", **options) -> None:
 
 
 def meeting_in(dent: float) -> str:
-    """Command that places the second sphere where it just touches the first with a dent between them."""
+    """Command that places the second sphere where it just touches the first with a dent between
+    them.
+    """
     return f"set atom 2 z {2 * R - LAW.residual_overlap(dent):.17g}"
 
 
@@ -41,7 +46,9 @@ def reading(directory: Path, text: str) -> str:
 
 def table(lmp) -> np.ndarray:
     """Values of ``compute gran/hysteretic/local``: (n_contacts, 16)."""
-    if not lmp.extract_compute("dents", _LOCAL, _ROWS):  # for LAMMPS 29 Aug 2024, which fails at an array without rows
+    if not lmp.extract_compute(
+        "dents", _LOCAL, _ROWS
+    ):  # for LAMMPS 29 Aug 2024, which fails at an array without rows
         return np.empty((0, 16))
     return lmp.numpy.extract_compute("dents", _LOCAL, _ARRAY).copy()
 
@@ -51,7 +58,11 @@ def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
     """The first collision, with the dent of a harder one, follows the unloading branch of the dent."""
     dent = 80 * LAW.yield_overlap
     lmp = lammps()
-    start(lmp, speed=0.5, extra=reading(tmp_path, f"# id id peak\n\n{ids} {dent:.17g}   # of an earlier run\n"))
+    start(
+        lmp,
+        speed=0.5,
+        extra=reading(tmp_path, f"# id id peak\n\n{ids} {dent:.17g}   # of an earlier run\n"),
+    )
     assert value(lmp, "c_en[1]") == 0 and value(lmp, "c_en[5]") == 0
     lmp.commands_string(f"{meeting_in(dent)}\nrun 20000")
     assert restitution(lmp, 0.5) == pytest.approx(1.0, abs=1e-6)
@@ -59,11 +70,16 @@ def test_a_deep_dent_makes_a_collision_elastic(lammps, tmp_path, ids):
     assert row[4] == row[15] == dent
     assert value(lmp, "c_en[1]") == value(lmp, "c_en[2]") == row[7] == 0
     assert row[10] == -1 and 0 <= row[8] < row[9]
-    # the largest force of the run is that at which the kinetic energy is stored, far below that of the dent
+    # the largest force of the run is that at which the kinetic energy is stored, far below that of
+    # the dent
     overlaps = np.linspace(LAW.residual_overlap(dent), dent, 20001)
     stored = LAW.elastic_energy(overlaps, np.full_like(overlaps, dent))
     reached = np.interp(0.25 * MASS * 0.25, stored, overlaps)
-    assert row[5] == pytest.approx(LAW.force(reached, dent), rel=1e-3) == pytest.approx(value(lmp, "c_en[5]"), rel=1e-3)
+    assert (
+        row[5]
+        == pytest.approx(LAW.force(reached, dent), rel=1e-3)
+        == pytest.approx(value(lmp, "c_en[5]"), rel=1e-3)
+    )
     assert row[5] < 0.5 * LAW.loading_force(dent)
     assert value(lmp, "c_ke") == pytest.approx(0.25 * MASS * 0.25, rel=1e-6)
 
@@ -72,49 +88,70 @@ def test_what_is_lost_beyond_a_dent(lammps, tmp_path):
     """A collision beyond the initial dent dissipates e(peak) - e(initial), and energy is balanced."""
     dent = 20 * LAW.yield_overlap
     lmp = lammps()
-    start(lmp, speed=4.0, extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 20000")
+    start(
+        lmp,
+        speed=4.0,
+        extra=f"{reading(tmp_path, f'1 2 {dent:.17g}')}\n{meeting_in(dent)}\nrun 20000",
+    )
     row = table(lmp)[0]
     assert row[4] > 1.2 * dent and row[15] == dent
-    assert row[7] == pytest.approx(LAW.dissipated_energy(row[4]) - LAW.dissipated_energy(dent), rel=1e-12)
+    assert row[7] == pytest.approx(
+        LAW.dissipated_energy(row[4]) - LAW.dissipated_energy(dent), rel=1e-12
+    )
     assert value(lmp, "c_en[1]") == pytest.approx(row[7], rel=1e-12) and value(lmp, "c_en[2]") == 1
     assert row[5] == pytest.approx(LAW.loading_force(row[4]), rel=1e-12)
     assert 0 <= row[8] < row[10] <= row[9]
     assert value(lmp, "c_ke+c_en+c_en[1]") == pytest.approx(0.25 * MASS * 16, rel=1e-6)
     grains = lmp.numpy.extract_compute("grains", 1, 2)[:2]
-    assert grains[:, 3].sum() == pytest.approx(row[7], rel=1e-12) and grains[:, 4].tolist() == [1, 1]
+    assert grains[:, 3].sum() == pytest.approx(row[7], rel=1e-12) and grains[:, 4].tolist() == [
+        1,
+        1,
+    ]
 
 
 def test_begin_makes_the_past_of_a_collision(lammps):
-    """Command `begin` after a collision: its dent becomes initial, its loss is removed, the next collision is elastic."""
+    """Command `begin` after a collision: its dent becomes initial, its loss is removed, the next
+    collision is elastic.
+    """
     lmp = lammps()
     start(lmp)
     lmp.command("run 20000")
-    dent, speed = table(lmp)[0, 4], value(lmp, "vz[2]-vz[1]")
+    dent = table(lmp)[0, 4]
+    speed = value(lmp, "vz[2]-vz[1]")
     assert value(lmp, "c_en[1]") > 0
     lmp.command("gran/dents begin")
     row = table(lmp)[0]
-    assert row[4] == row[15] == dent and row[5] == row[7] == 0 and row[8:11].tolist() == [-1, -1, -1]
+    assert (
+        row[4] == row[15] == dent and row[5] == row[7] == 0 and row[8:11].tolist() == [-1, -1, -1]
+    )
     assert value(lmp, "c_en[1]") == value(lmp, "c_en[2]") == value(lmp, "c_en[5]") == 0
     lmp.commands_string(f"set atom 1 vz {speed / 2}\nset atom 2 vz {-speed / 2}\nrun 30000")
     assert value(lmp, "vz[2]-vz[1]") == pytest.approx(speed, rel=1e-6)
     row = table(lmp)[0]
     assert row[7] == 0 and row[4] == dent and row[5] > 0 and row[8] > 20000 * 1e-8 and row[10] == -1
     lmp.commands_string(f"set atom 1 vz {speed}\nset atom 2 vz {-speed}\nrun 30000")
-    assert value(lmp, "c_en[1]") == pytest.approx(LAW.dissipated_energy(table(lmp)[0, 4]) - LAW.dissipated_energy(dent))
+    assert value(lmp, "c_en[1]") == pytest.approx(
+        LAW.dissipated_energy(table(lmp)[0, 4]) - LAW.dissipated_energy(dent)
+    )
 
 
 @pytest.mark.parametrize("steps", [300, 20000])
 def test_begin_forgets_what_was_elastic(lammps, steps):
-    """Contacts below the elastic limit keep only their present overlap after `begin`; forgotten dents are discarded."""
+    """Contacts below the elastic limit keep only their present overlap after `begin`; forgotten
+    dents are discarded.
+    """
     lmp = lammps()
     start(lmp, speed=0.02)
     lmp.command(f"run {steps}")
-    overlap, peak = value(lmp, "c_one[1]"), value(lmp, "c_one[3]")
+    overlap = value(lmp, "c_one[1]")
+    peak = value(lmp, "c_one[3]")
     assert 0 < peak < LAW.yield_overlap and (overlap > 0) == (steps == 300)
     lmp.commands_string("gran/dents begin\nrun 0")
     assert value(lmp, "c_one[3]") == (overlap if overlap > 0 else 0.0)
     if overlap > 0:
-        assert table(lmp)[0, 15] == 0 and table(lmp)[0, 5] == pytest.approx(LAW.loading_force(overlap), rel=1e-12)
+        assert table(lmp)[0, 15] == 0 and table(lmp)[0, 5] == pytest.approx(
+            LAW.loading_force(overlap), rel=1e-12
+        )
     else:
         assert len(table(lmp)) == 0
 
@@ -132,26 +169,37 @@ def test_begin_drops_forgotten_dents(lammps, way):
 def test_begin_starts_frictional_losses_anew_and_keeps_the_springs(lammps):
     lmp = lammps()
     extra = "compute one all gran/hysteretic/contact 1 2"
-    lmp.commands_string(rubbing(PAIR, "hertz 115e9 0.3 friction 0.3", velocities=[(1, 0, 1), (0, 0, 0)], extra=extra))
+    lmp.commands_string(
+        rubbing(
+            PAIR, "hertz 115e9 0.3 friction 0.3", velocities=[(1, 0, 1), (0, 0, 0)], extra=extra
+        )
+    )
     lmp.command("run 1500")
-    held, lost = value(lmp, "c_one[6]"), value(lmp, "c_one[7]")
+    held = value(lmp, "c_one[6]")
+    lost = value(lmp, "c_one[7]")
     assert held > 0 and lost > 0
     lmp.commands_string("gran/dents begin\nrun 0")
     assert value(lmp, "c_one[6]") == held and value(lmp, "c_one[7]") == 0
 
 
 def test_relaxed_under_pressure_then_begun(lammps):
-    """A run from the equilibrium of a chain compressed between walls by FIRE has no motion and no dissipation."""
+    """A run from the equilibrium of a chain compressed between walls by FIRE has no motion and no
+    dissipation.
+    """
     lmp = lammps()
-    n, squeeze = 6, 2e-6
+    n = 6
+    squeeze = 2e-6
     places = [(0, 0, 2 * R * k) for k in range(n)]
     walls = f"fix ends all wall/gran/hysteretic zplane {-R + squeeze:.17g} {(2 * n - 1) * R - squeeze:.17g} elastoplastic 115e9 0.3 550e6"
     lmp.commands_string(
         script_of(
-            places, extra=f"{walls}\ncompute dents all gran/hysteretic/local\ncompute en all gran/hysteretic/energy"
+            places,
+            extra=f"{walls}\ncompute dents all gran/hysteretic/local\ncompute en all gran/hysteretic/energy",
         )
     )
-    lmp.commands_string("thermo_style custom step pe c_en c_en[*] fnorm\nmin_style fire\nminimize 0 1e-9 20000 100000")
+    lmp.commands_string(
+        "thermo_style custom step pe c_en c_en[*] fnorm\nmin_style fire\nminimize 0 1e-9 20000 100000"
+    )
     forces = table(lmp)[:, 3]
     assert len(forces) == n - 1 and forces == pytest.approx(np.full(n - 1, forces.mean()), rel=1e-6)
     stored = value(lmp, "c_en")

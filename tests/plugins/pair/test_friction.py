@@ -1,4 +1,6 @@
-"""Friction and rotation of pair style gran/hysteretic: closed forms of oblique impact, LAMMPS's own styles, energy."""
+"""Friction and rotation of pair style gran/hysteretic: closed forms of oblique impact, LAMMPS's own
+styles, energy.
+"""
 
 from __future__ import annotations
 
@@ -29,19 +31,27 @@ from tests.helpers.two_spheres import value
 @pytest.mark.parametrize("law", [HERTZ, BRASS])
 @pytest.mark.parametrize("radii", [(R, R), (R, 2 * R)])
 def test_gross_sliding(lammps, law, radii):
-    """Tangential impulse of sliding throughout: mu (1 + e) m v_n, and equal spins. The contact rotates slightly, so
-    the tangential impulse is determined from the spins and the normal one from the remaining momentum."""
+    """Tangential impulse of sliding throughout: mu (1 + e) m v_n, and equal spins. The contact
+    rotates slightly, so the tangential impulse is determined from the spins and the normal one from
+    the remaining momentum.
+    """
     lmp = oblique(lammps, 4.0, law=f"{law} friction 0.1", radii=radii, steps=25000)
-    after, mass = state(lmp, "v", "omega"), state(lmp, "rmass")["rmass"]
+    after = state(lmp, "v", "omega")
+    mass = state(lmp, "rmass")["rmass"]
     inertia = 0.4 * mass * np.square(radii)
     impulse = inertia * -after["omega"][:, 1] / radii
-    assert impulse[0] == pytest.approx(impulse[1], rel=5e-3)  # the lever arms are shorter by half the overlap
-    tangential, total = impulse.mean(), mass[1] * np.linalg.norm(after["v"][1])
+    assert impulse[0] == pytest.approx(
+        impulse[1], rel=5e-3
+    )  # the lever arms are shorter by half the overlap
+    tangential = impulse.mean()
+    total = mass[1] * np.linalg.norm(after["v"][1])
     normal = np.sqrt(total**2 - tangential**2)
     assert tangential == pytest.approx(0.1 * normal, rel=5e-3)
     restitution = normal * mass.sum() / mass.prod() - 1.0
     if law == HERTZ:
-        assert restitution == pytest.approx(1.0, abs=0.07)  # 0.937 also without friction: the spheres pass each other
+        assert restitution == pytest.approx(
+            1.0, abs=0.07
+        )  # 0.937 also without friction: the spheres pass each other
     else:
         assert restitution < 0.95
     assert abs(balance(lmp)) < 1e-6
@@ -49,25 +59,36 @@ def test_gross_sliding(lammps, law, radii):
 
 @pytest.mark.parametrize("angle", [0.5, 1.0, 2.0, 3.0, 5.0, 8.0])
 def test_tangential_restitution_against_mindlin_by_quadrature(lammps, angle):
-    """Rebound of the surfaces over the angle of incidence, psi = 2 (1 - nu)/(mu (2 - nu)) v_t/v_n, as in Maw, Barber and
-    Fawcett (1976): sliding throughout above 4 chi - 1 = 4.76, reversal below; compared with the same spring in
-    two degrees of freedom, integrated without LAMMPS."""
+    """Rebound of the surfaces over the angle of incidence, psi = 2 (1 - nu)/(mu (2 - nu)) v_t/v_n,
+    as in Maw, Barber and Fawcett (1976): sliding throughout above 4 chi - 1 = 4.76, reversal below;
+    compared with the same spring in two degrees of freedom, integrated without LAMMPS.
+    """
     chi = 3.5 * RATIO / 2
     tangential = angle * MU / RATIO
     lmp = oblique(lammps, 0.1 * tangential, 0.1, steps=16000)
     after = state(lmp, "v", "omega")
-    surface = after["v"][0, 0] - after["v"][1, 0] + R * (after["omega"][0, 1] + after["omega"][1, 1])
+    surface = (
+        after["v"][0, 0] - after["v"][1, 0] + R * (after["omega"][0, 1] + after["omega"][1, 1])
+    )
     found = surface / 0.1 * RATIO / MU
     assert abs(balance(lmp)) < 1e-6 and value(lmp, "c_en[7]") > 0
     assert found == pytest.approx(_surface_rebound(angle), abs=0.01 * max(angle, 1.0))
     if angle > 4 * chi - 1:
-        assert found == pytest.approx(angle - 4 * chi, abs=0.01 * angle)  # sliding: v_t minus 7/2 mu (1 + e) v_n
+        assert found == pytest.approx(
+            angle - 4 * chi, abs=0.01 * angle
+        )  # sliding: v_t minus 7/2 mu (1 + e) v_n
 
 
 def _surface_rebound(angle: float) -> float:
-    """Rebound angle psi from that of the approach; Hertz and a Mindlin-Coulomb spring, in units of the largest overlap."""
+    """Rebound angle psi from that of the approach; Hertz and a Mindlin-Coulomb spring, in units of
+    the largest overlap.
+    """
     steps = 40000
-    x, v, u, force, a_before = 0.0, 1.0, angle * MU / RATIO, 0.0, 0.0
+    x = 0.0
+    v = 1.0
+    u = angle * MU / RATIO
+    force = 0.0
+    a_before = 0.0
     dt = 3.2 / steps
     fn = 0.0
     for _ in range(steps):
@@ -89,25 +110,42 @@ def _surface_rebound(angle: float) -> float:
     return u * RATIO / MU
 
 
-# After tests 7 and 8 of Chung and Ooi (2011): aluminium, radius 0.1 m, each at 0.2 m/s towards the other, friction 0.4, both with
-# the same spin about one axis. Their restitution is 0.5 by damping; here it is 1. Above 4.6 rad/s the sphere slides throughout.
+# After tests 7 and 8 of Chung and Ooi (2011): aluminium, radius 0.1 m, each at 0.2 m/s towards the
+# other, friction 0.4, both with the same spin about one axis. Their restitution is 0.5 by damping;
+# here it is 1. Above 4.6 rad/s the sphere slides throughout.
 @pytest.mark.parametrize("spin", [1.0, 3.0, 6.0, 14.0, 21.0])
 @pytest.mark.parametrize("second", [0.1, 0.2])
 def test_spheres_of_equal_and_unequal_size_with_spin(lammps, spin, second):
-    modulus, ratio, mu, density, speed = 70e9, 0.33, 0.4, 2700.0, 0.2
-    radii, signs = np.array([0.1, second]), np.array([1.0, -1.0])
-    spheres = {"radius": radii.tolist(), "density": density, "velocities": [(0, 0, speed), (0, 0, -speed)], "gap": 0.01}
+    modulus = 70e9
+    ratio = 0.33
+    mu = 0.4
+    density = 2700.0
+    speed = 0.2
+    radii = np.array([0.1, second])
+    signs = np.array([1.0, -1.0])
+    spheres = {
+        "radius": radii.tolist(),
+        "density": density,
+        "velocities": [(0, 0, speed), (0, 0, -speed)],
+        "gap": 0.01,
+    }
     law = f"hertz {modulus} {ratio} friction {mu}"
-    lmp = lammps(rubbing([(0, 0, 0), (0, 0, radii.sum())], law, spins=[(0, spin, 0)] * 2, **spheres))
-    lmp.commands_string(f"timestep 5e-7\nrun 0 post no\nvariable start equal $({TOTAL}:%.17g)\nrun 3000 post no")
+    lmp = lammps(
+        rubbing([(0, 0, 0), (0, 0, radii.sum())], law, spins=[(0, spin, 0)] * 2, **spheres)
+    )
+    lmp.commands_string(
+        f"timestep 5e-7\nrun 0 post no\nvariable start equal $({TOTAL}:%.17g)\nrun 3000 post no"
+    )
     assert value(lmp, "c_en") == 0 and abs(balance(lmp)) < 1e-6
-    after, mass = state(lmp, "v", "omega"), state(lmp, "rmass")["rmass"]
+    after = state(lmp, "v", "omega")
+    mass = state(lmp, "rmass")["rmass"]
     impulse = mass * after["v"][:, 0] * signs
     assert impulse[0] == pytest.approx(impulse[1], rel=1e-9)
     change = 0.4 * mass * radii * (after["omega"][:, 1] - spin)
     assert change == pytest.approx(np.full(2, change.mean()), rel=1e-3)
     assert abs(change.mean()) == pytest.approx(abs(impulse[0]), rel=4e-3)
-    closing, reduced = 2 * speed, mass.prod() / mass.sum()
+    closing = 2 * speed
+    reduced = mass.prod() / mass.sum()
     bound = 2 * mu * closing * reduced  # mu (1 + e) m* v_n
     stick = 2 * (1 - ratio) / (2 - ratio) * radii.sum() * spin / closing / mu  # psi
     if stick > 7 * (1 - ratio) / (2 - ratio) * 2 - 1:
@@ -117,12 +155,24 @@ def test_spheres_of_equal_and_unequal_size_with_spin(lammps, spin, second):
 
 
 def test_stiffness_is_mindlins(lammps):
-    """The force of compressed spheres after a small shift is k_t times the shift, k_t/k_n = 2 (1 - nu)/(2 - nu)."""
+    """The force of compressed spheres after a small shift is k_t times the shift, k_t/k_n = 2 (1 -
+    nu)/(2 - nu).
+    """
     law = ContactLaw(
-        "hertz", youngs_modulus=(E, E), poisson_ratio=(NU, NU), yield_strength=(np.inf,) * 2, radius=(R, R)
+        "hertz",
+        youngs_modulus=(E, E),
+        poisson_ratio=(NU, NU),
+        yield_strength=(np.inf,) * 2,
+        radius=(R, R),
     )
-    overlap, slip = 1e-5, 1e-9
-    lmp = lammps(rubbing([(0, 0, 0), (0, 0, 2 * R - overlap)], extra="unfix motion\nfix motion all move linear 0 0 0"))
+    overlap = 1e-5
+    slip = 1e-9
+    lmp = lammps(
+        rubbing(
+            [(0, 0, 0), (0, 0, 2 * R - overlap)],
+            extra="unfix motion\nfix motion all move linear 0 0 0",
+        )
+    )
     lmp.commands_string(
         "unfix motion\nvelocity all set 0 0 0\nset atom 1 vx 0.1\nfix motion all nve/noforce\nrun 1 post no"
     )
@@ -142,24 +192,33 @@ def test_stiffness_is_mindlins(lammps):
 @pytest.mark.parametrize("model", ["mindlin_rescale", "mindlin"])
 @pytest.mark.parametrize("tangential", [0.3, 2.0, 4.0])
 def test_against_mindlin_of_lammps_through_a_collision(lammps, tangential, model):
-    """Elastic spheres: forces during contact, and velocities and spins after it, agree within 0.5 %."""
+    """Elastic spheres: forces during contact, and velocities and spins after it, agree within 0.5
+    %.
+    """
     own = LAMMPS_OWN.format(E=E, nu=NU, mu=MU, model=f"{model}/force")
     law = f"{HERTZ} friction {MU} tangential {model}"
-    ours, theirs = (oblique(lammps, tangential, steps=0, **options) for options in ({"law": law}, {"own": own}))
-    limit, forces, torques = 0.0, [], []
+    ours, theirs = (
+        oblique(lammps, tangential, steps=0, **options) for options in ({"law": law}, {"own": own})
+    )
+    limit = 0.0
+    forces = []
+    torques = []
     for _ in range(40):
         for lmp in (ours, theirs):
             lmp.command("run 100 pre no post no")
-        a, b = state(ours, "f", "torque"), state(theirs, "f", "torque")
+        a = state(ours, "f", "torque")
+        b = state(theirs, "f", "torque")
         limit = max(limit, abs(b["f"]).max())
         forces.append(abs(a["f"] - b["f"]).max())
         torques.append(abs(a["torque"] - b["torque"]).max())
     assert max(forces) < 5e-3 * limit and max(torques) < 5e-3 * limit * R * MU
     for lmp in (ours, theirs):
         lmp.command("run 4000 pre no post no")
-    a, b = state(ours, "v", "omega"), state(theirs, "v", "omega")
+    a = state(ours, "v", "omega")
+    b = state(theirs, "v", "omega")
     assert a["v"] == pytest.approx(b["v"], abs=5e-3 * tangential)
-    # LAMMPS uses the full radius as the lever arm of the slip: a difference of overlap/radius, more if slip often reverses
+    # LAMMPS uses the full radius as the lever arm of the slip: a difference of overlap/radius, more
+    # if slip often reverses
     margin = 7e-3 if model == "mindlin" else 5e-3
     assert a["omega"] == pytest.approx(b["omega"], abs=margin * abs(b["omega"]).max())
 
@@ -168,13 +227,18 @@ def test_against_mindlin_of_lammps_through_a_collision(lammps, tangential, model
 
 
 def test_unloading_creates_no_energy(lammps):
-    """A spring stretched while the circle is large and released while it is small would return more energy than it absorbed
-    without rescaling. A sphere is pressed in, shifted, withdrawn by one half, and shifted back."""
+    """A spring stretched while the circle is large and released while it is small would return more
+    energy than it absorbed without rescaling. A sphere is pressed in, shifted, withdrawn by one
+    half, and shifted back.
+    """
     held = "unfix motion\nfix motion all nve/noforce"
     lmp = lammps(rubbing([(0, 0, 0), (0, 0, 2 * R - 1e-5)], f"{HERTZ} friction 10", extra=held))
-    work, before = 0.0, value(lmp, "0")
+    work = 0.0
+    before = value(lmp, "0")
     for velocity in ((0.1, 0, 0), (0, 0, -0.7), (-0.1, 0, 0), (0, 0, 0.7)):
-        lmp.command("set atom 1 " + " ".join(f"v{a} {v}" for a, v in zip("xyz", velocity, strict=True)))
+        lmp.command(
+            "set atom 1 " + " ".join(f"v{a} {v}" for a, v in zip("xyz", velocity, strict=True))
+        )
         for _ in range(100):
             lmp.command("run 10 post no")
             force = -np.dot(state(lmp, "f")["f"][0], velocity)

@@ -1,4 +1,6 @@
-"""History of contacts: separation, new lists, ranks, minimisation; sums in place of forgotten records."""
+"""History of contacts: separation, new lists, ranks, minimisation; sums in place of forgotten
+records.
+"""
 
 from __future__ import annotations
 
@@ -25,10 +27,16 @@ from tests.helpers.two_spheres import value
 
 def test_separation_clears_the_spring_and_not_the_dent(lammps):
     lmp = oblique(
-        lammps, 1.0, 2.0, law=f"{BRASS} friction {MU}", steps=20000, extra="compute one all gran/hysteretic/contact 1 2"
+        lammps,
+        1.0,
+        2.0,
+        law=f"{BRASS} friction {MU}",
+        steps=20000,
+        extra="compute one all gran/hysteretic/contact 1 2",
     )
     assert value(lmp, "c_one[1]") < 0 and value(lmp, "c_one[6]") == 0 and value(lmp, "c_en[6]") == 0
-    dent, loss = value(lmp, "c_one[3]"), value(lmp, "c_one[7]")
+    dent = value(lmp, "c_one[3]")
+    loss = value(lmp, "c_one[7]")
     assert dent > 0 and loss == value(lmp, "c_en[7]") > 0
     speeds = state(lmp, "v")["v"]
     lmp.commands_string(
@@ -61,7 +69,12 @@ def test_friction_by_pair_of_types(lammps):
         f"pair_coeff 1 2 {HERTZ} friction 0.1",
     ]
     lmp.commands_string(
-        rubbing(places, types=[1, 1, 2, 2], coefficients=coefficients, velocities=[(1.0, 0, 1.0), (0, 0, 0)] * 2)
+        rubbing(
+            places,
+            types=[1, 1, 2, 2],
+            coefficients=coefficients,
+            velocities=[(1.0, 0, 1.0), (0, 0, 0)] * 2,
+        )
     )
     lmp.command("run 8000 post no")
     omega = state(lmp, "omega")["omega"]
@@ -112,8 +125,12 @@ def report(lmp) -> dict[str, np.ndarray]:
 
 
 def test_sums_are_those_of_the_records(lammps, tmp_path):
-    """The same motion, energies, counts, peaks and times; the restart file of the sums is the smaller one, and holds them."""
-    found, size, listed = {}, {}, {}
+    """The same motion, energies, counts, peaks and times; the restart file of the sums is the
+    smaller one, and holds them.
+    """
+    found = {}
+    size = {}
+    listed = {}
     for way in WAYS:
         lmp = jumbled(lammps, way)
         found[way] = report(lmp) | state(lmp, "x", "v", "omega")
@@ -183,9 +200,13 @@ run 0
 """
 
 
-@pytest.mark.parametrize("move", ["velocity all set 1 1 0\nrun 4", "displace_atoms all move 2e-4 2e-4 0 units box"])
+@pytest.mark.parametrize(
+    "move", ["velocity all set 1 1 0\nrun 4", "displace_atoms all move 2e-4 2e-4 0 units box"]
+)
 def test_spheres_with_many_records_cross_a_corner(lammps, log_of, tmp_path, monkeypatch, move):
-    """They are passed on by a rank that has no records of its own, or moved between runs: all records arrive."""
+    """They are passed on by a rank that has no records of its own, or moved between runs: all
+    records arrive.
+    """
     monkeypatch.chdir(tmp_path)
     lammps(MANY)
     log = log_of(CROSSING.format(move=move), ranks=4)
@@ -194,12 +215,16 @@ def test_spheres_with_many_records_cross_a_corner(lammps, log_of, tmp_path, monk
     assert rows[-1][1:] == rows[0][1:]
 
 
-SOFT, MASS, ACCELERATION = 1e9, 8500 * 4 / 3 * np.pi * R**3, 1e4
+SOFT = 1e9
+MASS = 8500 * 4 / 3 * np.pi * R**3
+ACCELERATION = 1e4
 WEIGHT = MASS * ACCELERATION
 SDS = "rolling sds 2e6 3.0 0.05 twisting sds 4.0 1e-5 2e-5"
 
 
-def pressed(lmp, law: str, velocity: float, spin: tuple[float, float, float], extra: str = "") -> float:
+def pressed(
+    lmp, law: str, velocity: float, spin: tuple[float, float, float], extra: str = ""
+) -> float:
     """Sphere pressed onto a plate by a constant force, at rest along it; returns its overlap."""
     stiffness = 4 / 3 * SOFT / (1 - NU**2) * np.sqrt(R)
     overlap = (WEIGHT / stiffness) ** (2 / 3)
@@ -215,22 +240,30 @@ def pressed(lmp, law: str, velocity: float, spin: tuple[float, float, float], ex
 
 
 def test_a_rolling_sphere_stops(lammps):
-    """It rolls 7 v^2 m/(10 mu_r N): torque mu_r R N, inertia 7/5 m R^2 about the contact; its energy is that of rolling."""
-    lmp, speed, mu = lammps(), 0.5, 0.1
+    """It rolls 7 v^2 m/(10 mu_r N): torque mu_r R N, inertia 7/5 m R^2 about the contact; its
+    energy is that of rolling.
+    """
+    lmp = lammps()
+    speed = 0.5
+    mu = 0.1
     pressed(lmp, f"friction 0.5 rolling sds 2e7 0 {mu}", speed, (0, -speed / R, 0))
     before = value(lmp, "c_ke+c_turn")
     lmp.command("run 5500")
     expected = 0.7 * speed**2 * MASS / (mu * WEIGHT)
     assert lmp.numpy.extract_atom("x")[0, 0] == pytest.approx(expected, rel=0.02)
     assert value(lmp, "f_floor[18]") == pytest.approx(before, rel=0.02)
-    assert value(lmp, "c_ke+c_turn+f_floor[8]+f_floor[9]+f_floor[17]+f_floor[18]") == pytest.approx(before, rel=1e-4)
+    assert value(lmp, "c_ke+c_turn+f_floor[8]+f_floor[9]+f_floor[17]+f_floor[18]") == pytest.approx(
+        before, rel=1e-4
+    )
     assert value(lmp, "f_floor[19]+f_floor[20]") == 0.0
 
 
 @pytest.mark.parametrize("length", [None, 2e-5])
 def test_a_twisting_sphere_stops(lammps, length):
     """Its spin ends after I w/M: M = (2/3) mu a N, or a length times N."""
-    lmp, spin, mu = lammps(), 30.0 if length else 1000.0, 0.3
+    lmp = lammps()
+    spin = 30.0 if length else 1000.0
+    mu = 0.3
     words = "twisting marshall" if length is None else f"twisting sds 50.0 0 {length}"
     overlap = pressed(lmp, f"friction {mu} {words}", 0.0, (0, 0, spin))
     lever = length or 2 / 3 * mu * np.sqrt(R * overlap)
@@ -247,7 +280,9 @@ def test_a_twisting_sphere_stops(lammps, length):
 
 @pytest.mark.parametrize("words", ["rolling sds 2e6 0.0 0.05", "twisting sds 4.0 0.0 2e-5", SDS])
 def test_as_the_style_of_lammps(lammps, words):
-    """Same constants, same change of the spins, in an oblique impact of spinning spheres. Sliding alone differs by 1.6 %."""
+    """Same constants, same change of the spins, in an oblique impact of spinning spheres. Sliding
+    alone differs by 1.6 %.
+    """
     spins = [(100.0, 300.0, 400.0), (0.0, -50.0, 20.0)]
     own = LAMMPS_OWN.format(E=E, nu=NU, model="mindlin_rescale", mu=MU)
     changes = []
@@ -255,6 +290,8 @@ def test_as_the_style_of_lammps(lammps, words):
         ({"own": own}, {"own": own.replace(" damping", f" {words} damping")}),
         ({}, {"law": f"{HERTZ} friction {MU} {words}"}),
     ):
-        without, there = (state(oblique(lammps, 0.5, spins=spins, **one), "omega")["omega"] for one in options)
+        without, there = (
+            state(oblique(lammps, 0.5, spins=spins, **one), "omega")["omega"] for one in options
+        )
         changes.append(there - without)
     assert np.abs(changes[1] - changes[0]).max() < 1e-3 * np.abs(changes[0]).max()

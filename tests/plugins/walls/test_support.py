@@ -1,4 +1,6 @@
-"""Support of a moving plane: node, damper and bar against the equations of motion, energy, momentum, restart, messages."""
+"""Support of a moving plane: node, damper and bar against the equations of motion, energy,
+momentum, restart, messages.
+"""
 
 from __future__ import annotations
 
@@ -21,7 +23,9 @@ BRASS = {
 }
 PLASTIC = "elastoplastic 115e9 0.3 550e6"
 # steel bar of 10 mm diameter and 0.5 m length
-AREA, LENGTH, ELEMENTS = np.pi * 0.005**2, 0.5, 400
+AREA = np.pi * 0.005**2
+LENGTH = 0.5
+ELEMENTS = 400
 WAVE_SPEED = np.sqrt(200e9 / 7850)
 IMPEDANCE = np.sqrt(200e9 * 7850) * AREA
 BAR = f"bar {ELEMENTS} {7850 * AREA * LENGTH:.17g} {200e9 * AREA * ELEMENTS / LENGTH:.17g}"
@@ -34,7 +38,9 @@ def thrown(lmp, support, speed=2.0, law=PLASTIC, timestep=1e-8, side="high", ext
     sign = 1.0 if side == "high" else -1.0
     plane = f"NULL {R:.17g}" if side == "high" else f"{-R:.17g} NULL"
     wall = f"fix plate all wall/gran/hysteretic zplane {plane} {law} support {support}\n{REPORT}\ntimestep {timestep}\n{extra}"
-    lmp.commands_string(script_of([(0, 0, 0)], velocities=[(0, 0, sign * speed)], box=[-0.05, 0.05] * 3, extra=wall))
+    lmp.commands_string(
+        script_of([(0, 0, 0)], velocities=[(0, 0, sign * speed)], box=[-0.05, 0.05] * 3, extra=wall)
+    )
     return lmp
 
 
@@ -43,7 +49,11 @@ def motion(law, mass, stiffness, damping, speed, time):
 
     def forces(y, peak):
         overlap = y[0] - y[2]
-        return float(law.force(overlap, peak) if overlap < peak else law.loading_force(overlap)) if overlap > 0 else 0.0
+        return (
+            float(law.force(overlap, peak) if overlap < peak else law.loading_force(overlap))
+            if overlap > 0
+            else 0.0
+        )
 
     def plane_speed(y, force):
         return y[3] if mass else (force - stiffness * y[2]) / damping
@@ -59,16 +69,29 @@ def motion(law, mass, stiffness, damping, speed, time):
     def rises(_, y, peak):
         return y[0] - y[2] - peak
 
-    turns.direction, rises.direction = -1, 1
+    turns.direction = -1
+    rises.direction = 1
     turns.terminal = rises.terminal = True
-    state, now, peak, loading = np.array([0, speed, 0, 0] if mass else [0, speed, 0.0], float), 0.0, 0.0, True
+    state = np.array([0, speed, 0, 0] if mass else [0, speed, 0.0], float)
+    now = 0.0
+    peak = 0.0
+    loading = True
     while now < time:
         event = turns if loading else rises
         known = 0.0 if loading else peak
         step = solve_ivp(
-            rate, (now, time), state, "DOP853", rtol=1e-10, atol=1e-16, args=(known,), events=event, max_step=1e-6
+            rate,
+            (now, time),
+            state,
+            "DOP853",
+            rtol=1e-10,
+            atol=1e-16,
+            args=(known,),
+            events=event,
+            max_step=1e-6,
         )
-        state, now = step.y[:, -1], step.t[-1]
+        state = step.y[:, -1]
+        now = step.t[-1]
         if step.status == 1:
             if loading:
                 peak = max(peak, state[0] - state[2])
@@ -79,17 +102,21 @@ def motion(law, mass, stiffness, damping, speed, time):
 @pytest.mark.parametrize("side", ["low", "high"])
 @pytest.mark.parametrize("mass", [1e-4, 0.02, 5.0])
 def test_a_free_plate_and_a_sphere_collide_as_two_bodies(lammps, side, mass):
-    law, speed = "hertz 115e9 0.3", 2.0
+    law = "hertz 115e9 0.3"
+    speed = 2.0
     lmp = thrown(lammps(), f"free {mass} {speed}", speed=0.0, law=law, side=side)
     lmp.command("run 1")
     given = 0.5 * mass * speed**2
     lmp.command("run 12000")
     sign = -1.0 if side == "high" else 1.0
-    thrown_at, left = 2 * mass / (mass + MASS) * speed, (mass - MASS) / (mass + MASS) * speed
+    thrown_at = 2 * mass / (mass + MASS) * speed
+    left = (mass - MASS) / (mass + MASS) * speed
     assert value(lmp, "vz[1]") == pytest.approx(sign * thrown_at, rel=1e-6)
     assert -value(lmp, "f_plate[11]") == pytest.approx(left, rel=1e-6, abs=1e-6 * speed)
     assert value(lmp, LEDGER) == pytest.approx(given, rel=1e-6)
-    assert value(lmp, "f_plate[15]") == pytest.approx(0.5 * mass * (left**2 - speed**2), rel=1e-4)  # work done on it
+    assert value(lmp, "f_plate[15]") == pytest.approx(
+        0.5 * mass * (left**2 - speed**2), rel=1e-4
+    )  # work done on it
 
 
 def test_a_free_plate_waits_for_the_run(lammps):
@@ -103,7 +130,8 @@ def state_of(lmp):
 
 
 @pytest.mark.parametrize(
-    ("mass", "stiffness", "damping"), [(0.02, 1e9, 500.0), (0.01, 2e8, 0.0), (0, 0, 3000.0), (0, 5e7, 2000.0)]
+    ("mass", "stiffness", "damping"),
+    [(0.02, 1e9, 500.0), (0.01, 2e8, 0.0), (0, 0, 3000.0), (0, 5e7, 2000.0)],
 )
 @pytest.mark.parametrize("side", ["low", "high"])
 def test_sphere_and_node_move_as_their_equations_say(lammps, mass, stiffness, damping, side):
@@ -115,8 +143,12 @@ def test_sphere_and_node_move_as_their_equations_say(lammps, mass, stiffness, da
         found[:2] *= -1
     assert found[: len(expected)] == pytest.approx(expected, rel=2e-5)
     assert value(lmp, LEDGER) == pytest.approx(0.5 * MASS * 4, rel=1e-6)
-    assert value(lmp, "f_plate[15]-f_plate[12]-f_plate[13]") == pytest.approx(0, abs=1e-6 * 0.5 * MASS * 4)
-    assert value(lmp, "f_plate[14]") == pytest.approx(stiffness * found[2] + damping * found[3], rel=1e-12)
+    assert value(lmp, "f_plate[15]-f_plate[12]-f_plate[13]") == pytest.approx(
+        0, abs=1e-6 * 0.5 * MASS * 4
+    )
+    assert value(lmp, "f_plate[14]") == pytest.approx(
+        stiffness * found[2] + damping * found[3], rel=1e-12
+    )
 
 
 @pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000"])
@@ -132,11 +164,16 @@ def test_the_error_falls_with_the_square_of_the_timestep(lammps, support):
 
 def test_massless_plane_closed_form(lammps):
     """A linear contact spring on a damper is a linear system: exp(A t)."""
-    stiffness, damping = 18.5 * 550e6 * R, 2000.0
+    stiffness = 18.5 * 550e6 * R
+    damping = 2000.0
     lmp = thrown(lammps(), f"0 0 {damping}", law="bilinear 115e9 0.3 550e6 beta 0", timestep=1e-9)
     lmp.command("run 10000")
     system = np.array(
-        [[0, 1, 0], [-stiffness / MASS, 0, stiffness / MASS], [stiffness / damping, 0, -stiffness / damping]]
+        [
+            [0, 1, 0],
+            [-stiffness / MASS, 0, stiffness / MASS],
+            [stiffness / damping, 0, -stiffness / damping],
+        ]
     )
     expected = expm(system * 1e-5) @ [0.0, 2.0, 0.0]
     assert state_of(lmp)[:3] == pytest.approx(expected, rel=1e-6)
@@ -146,9 +183,12 @@ def test_momentum_goes_to_the_ground(lammps):
     lmp = thrown(lammps(), "0.02 1e8 300")
     lmp.command("fix ground all ave/time 1 4000 4000 f_plate[14] ave one")
     lmp.command("run 4000")
-    # trapezoidal rule: the mean of 1 ... N minus half the difference between the last value and the first, which is 0
+    # trapezoidal rule: the mean of 1 ... N minus half the difference between the last value and the
+    # first, which is 0
     impulse = (value(lmp, "f_ground") * 4000 - 0.5 * value(lmp, "f_plate[14]")) * 1e-8
-    assert MASS * value(lmp, "vz[1]") + 0.02 * value(lmp, "f_plate[11]") + impulse == pytest.approx(MASS * 2, rel=1e-6)
+    assert MASS * value(lmp, "vz[1]") + 0.02 * value(lmp, "f_plate[11]") + impulse == pytest.approx(
+        MASS * 2, rel=1e-6
+    )
 
 
 @pytest.mark.parametrize("support", ["0.02 1e9 500", "0 5e7 2000", f"{BAR} free"])
@@ -165,7 +205,9 @@ def test_balance_with_friction(lammps, support):
     given = value(lmp, "c_ke+c_spin")
     for _ in range(8):
         lmp.command("run 500")
-        assert value(lmp, f"{LEDGER}+c_spin+f_plate[8]+f_plate[9]") == pytest.approx(given, rel=1e-6)
+        assert value(lmp, f"{LEDGER}+c_spin+f_plate[8]+f_plate[9]") == pytest.approx(
+            given, rel=1e-6
+        )
     assert value(lmp, "f_plate[9]") > 1e-3 * given
 
 
@@ -194,13 +236,16 @@ def velocities(lmp, steps, every=20):
     return np.array(found)
 
 
-@pytest.mark.parametrize(("end", "amplitude"), [("free", 2.0), ("fixed", -2.0), (f"{IMPEDANCE:.17g}", 0.0)])
+@pytest.mark.parametrize(
+    ("end", "amplitude"), [("free", 2.0), ("fixed", -2.0), (f"{IMPEDANCE:.17g}", 0.0)]
+)
 def test_echo_of_a_bar(lammps, end, amplitude):
     lmp = thrown(lammps(), f"{BAR} {end}", law="hertz 115e9 0.3", timestep=1e-7)
     lmp.command("run 0")
     found = velocities(lmp, 2600, every=10)
     times = 1e-6 * np.arange(1, len(found) + 1)
-    sent, back = times < 1e-4, times > 1.5e-4
+    sent = times < 1e-4
+    back = times > 1.5e-4
     largest = found[sent].max()
     echo = found[back][np.abs(found[back]).argmax()]
     assert echo / largest == pytest.approx(amplitude, abs=0.01 if amplitude == 0 else 0.03)
@@ -216,7 +261,11 @@ def test_echo_of_a_bar(lammps, end, amplitude):
 @pytest.mark.parametrize("support", ["0.02 1e7 500", f"{BAR} fixed", "0.02 0 500"])
 def test_a_minimisation_ends_in_static_balance(lammps, support):
     lmp = thrown(
-        lammps(), support, speed=0.0, law="hertz 115e9 0.3", extra="fix pull all addforce 0 0 50\nmin_style fire"
+        lammps(),
+        support,
+        speed=0.0,
+        law="hertz 115e9 0.3",
+        extra="fix pull all addforce 0 0 50\nmin_style fire",
     )
     lmp.command("minimize 0 1e-8 20000 20000")
     assert value(lmp, "f_plate[3]") == pytest.approx(50, rel=1e-6)

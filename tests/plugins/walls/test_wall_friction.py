@@ -1,8 +1,10 @@
-"""Friction of walls: oblique impact against closed forms, theory and the Hertz-Mindlin wall of LAMMPS; balance; migration.
+"""Friction of walls: oblique impact against closed forms, theory and the Hertz-Mindlin wall of
+LAMMPS; balance; migration.
 
-The benchmarks are those of Chung and Ooi, Granular Matter 13 (2011) 643: in tests 4 and 5 a sphere hits a rigid plane, at a constant
-speed and varying angle, and at a constant normal speed and varying spin. In test 6 two equal spheres with equal spins collide:
-the plane between them is the wall here, and the results must agree.
+The benchmarks are those of Chung and Ooi, Granular Matter 13 (2011) 643: in tests 4 and 5 a sphere
+hits a rigid plane, at a constant speed and varying angle, and at a constant normal speed and
+varying spin. In test 6 two equal spheres with equal spins collide: the plane between them is the
+wall here, and the results must agree.
 """
 
 from __future__ import annotations
@@ -32,8 +34,22 @@ def contact_time(body, speed):
     return 3.218 * (mass_of(body) ** 2 / (stiffness**2 * speed)) ** 0.2
 
 
-def thrown(lmp, body, normal, across=0.0, spin=0.0, *, law="hertz", steps=1000, wall=None, run=True, extra=""):
-    """Rebound of a sphere from a plane above it: normal and tangential velocity, spin (rad/s); `steps` per contact time."""
+def thrown(
+    lmp,
+    body,
+    normal,
+    across=0.0,
+    spin=0.0,
+    *,
+    law="hertz",
+    steps=1000,
+    wall=None,
+    run=True,
+    extra="",
+):
+    """Rebound of a sphere from a plane above it: normal and tangential velocity, spin (rad/s);
+    `steps` per contact time.
+    """
     timestep = contact_time(body, normal) / steps
     strength = {"hertz": ""}.get(law, "550e6")
     wall = (
@@ -53,7 +69,8 @@ def thrown(lmp, body, normal, across=0.0, spin=0.0, *, law="hertz", steps=1000, 
 
 
 def outcome(lmp, sphere=0):
-    v, omega = lmp.numpy.extract_atom("v")[sphere], lmp.numpy.extract_atom("omega")[sphere]
+    v = lmp.numpy.extract_atom("v")[sphere]
+    omega = lmp.numpy.extract_atom("omega")[sphere]
     return np.array([-v[2], v[0], omega[1]])
 
 
@@ -70,15 +87,20 @@ def own_wall(body):
 @pytest.mark.parametrize("angle", [5, 15, 25, 35, 45, 60, 75])
 def test_oblique_impact_at_constant_speed(lammps, angle):
     """Test 4: 3.9 m/s. Beyond about 33 degrees sliding throughout: impulse mu times the normal one."""
-    normal, across = 3.9 * np.cos(np.radians(angle)), 3.9 * np.sin(np.radians(angle))
+    normal = 3.9 * np.cos(np.radians(angle))
+    across = 3.9 * np.sin(np.radians(angle))
     lmp = lammps()
     found = thrown(lmp, OXIDE, normal, across)
     theirs = thrown(lammps(), OXIDE, normal, across, wall=own_wall(OXIDE))
     assert found[0] == pytest.approx(normal, rel=1e-5)
-    # theirs has R for the slip and R - alpha/2 for the torque, a visible difference at this overlap of 0.3 % of R
+    # theirs has R for the slip and R - alpha/2 for the torque, a visible difference at this overlap
+    # of 0.3 % of R
     assert found[1] == pytest.approx(theirs[1], rel=3e-3)
     assert found[2] == pytest.approx(theirs[2], rel=1e-2)
-    slow, same = (thrown(lammps(), OXIDE, normal / 10, across / 10, wall=wall) for wall in (None, own_wall(OXIDE)))
+    slow, same = (
+        thrown(lammps(), OXIDE, normal / 10, across / 10, wall=wall)
+        for wall in (None, own_wall(OXIDE))
+    )
     assert slow[1:] == pytest.approx(same[1:], rel=2e-3)
     assert value(lmp, ENERGY) == pytest.approx(0.5 * mass_of(OXIDE) * 3.9**2, rel=1e-6)
     if angle >= 35:
@@ -86,7 +108,8 @@ def test_oblique_impact_at_constant_speed(lammps, angle):
         assert found[1] == pytest.approx(across - change, rel=1e-5)
         assert -found[2] == pytest.approx(2.5 * change / OXIDE["radius"], rel=2e-3)
         assert value(lmp, "f_floor[9]") == pytest.approx(
-            0.5 * mass_of(OXIDE) * (3.9**2 - found @ (found * [1, 1, 0.4 * OXIDE["radius"] ** 2])), rel=1e-3
+            0.5 * mass_of(OXIDE) * (3.9**2 - found @ (found * [1, 1, 0.4 * OXIDE["radius"] ** 2])),
+            rel=1e-3,
         )
 
 
@@ -98,31 +121,54 @@ def test_spinning_impact_at_constant_normal_speed(lammps, spin):
     assert found == pytest.approx(theirs, rel=5e-3)
     if spin >= 15:
         change = 2 * ALLOY["friction"] * 0.2
-        assert found[1:] == pytest.approx([-change, spin - 2.5 * change / ALLOY["radius"]], rel=1e-3)
+        assert found[1:] == pytest.approx(
+            [-change, spin - 2.5 * change / ALLOY["radius"]], rel=1e-3
+        )
 
 
 @pytest.mark.parametrize("spin", [2.0, 15.0])
 def test_two_spheres_of_equal_spin_are_a_sphere_and_a_wall(lammps, spin):
     """Test 6: the slip of two spheres is twice as large, with two compliances in series.
 
-    Their lever arms are R - alpha_wall, that of a sphere at a wall R - alpha_wall/2, at an overlap of 0.05 % of R.
+    Their lever arms are R - alpha_wall, that of a sphere at a wall R - alpha_wall/2, at an overlap
+    of 0.05 % of R.
     """
-    lmp, r = lammps(), ALLOY["radius"]
+    lmp = lammps()
+    r = ALLOY["radius"]
     law = f"hertz {ALLOY['modulus']} {ALLOY['poisson']}"
-    spheres = {"radius": r, "density": ALLOY["density"], "style": f"{law} friction {ALLOY['friction']}", "gap": 1e-2}
+    spheres = {
+        "radius": r,
+        "density": ALLOY["density"],
+        "style": f"{law} friction {ALLOY['friction']}",
+        "gap": 1e-2,
+    }
     extra = f"comm_modify vel yes\nset group all omega 0 {spin} 0\ntimestep {contact_time(ALLOY, 0.2) / 1000:.17g}"
     speeds = [(0, 0, 0.2), (0, 0, -0.2)]
-    text = script_of([(0, 0, 0), (0, 0, 2 * r)], **spheres, velocities=speeds, box=[-10 * r, 10 * r] * 3, extra=extra)
-    lmp.commands_string(text.replace("fix motion all nve\n", "fix motion all nve/sphere\n") + "run 1200")
+    text = script_of(
+        [(0, 0, 0), (0, 0, 2 * r)],
+        **spheres,
+        velocities=speeds,
+        box=[-10 * r, 10 * r] * 3,
+        extra=extra,
+    )
+    lmp.commands_string(
+        text.replace("fix motion all nve\n", "fix motion all nve/sphere\n") + "run 1200"
+    )
     wall = thrown(lammps(), ALLOY, 0.2, spin=spin)
     assert outcome(lmp) == pytest.approx(wall, rel=2e-3)
     assert outcome(lmp, 1) * [-1, -1, 1] == pytest.approx(outcome(lmp), rel=1e-9)
 
 
 def test_sticking_impact_follows_hertz_and_mindlin(lammps):
-    """Sticking contact by scipy: m v' = F, F' = -k_t (v + w R), plus F a'/a while the circle shrinks."""
-    body, normal, across = BRASS | {"friction": 1000.0}, 0.5, 0.02
-    mass, radius, nu = mass_of(body), body["radius"], body["poisson"]
+    """Sticking contact by scipy: m v' = F, F' = -k_t (v + w R), plus F a'/a while the circle
+    shrinks.
+    """
+    body = BRASS | {"friction": 1000.0}
+    normal = 0.5
+    across = 0.02
+    mass = mass_of(body)
+    radius = body["radius"]
+    nu = body["poisson"]
     stiffness = 4 / 3 * body["modulus"] / (1 - nu**2) * np.sqrt(radius)
     mindlin = 8 * body["modulus"] / (2 * (1 + nu) * (2 - nu))
 
@@ -139,8 +185,17 @@ def test_sticking_impact_follows_hertz_and_mindlin(lammps):
     def parted(_, y):
         return y[0] - 1e-4 * normal * contact_time(body, normal)
 
-    parted.terminal, parted.direction = True, -1
-    done = solve_ivp(rate, (0, 1), [1e-16, normal, 0.0, across], rtol=1e-10, atol=1e-18, events=parted, max_step=1e-7)
+    parted.terminal = True
+    parted.direction = -1
+    done = solve_ivp(
+        rate,
+        (0, 1),
+        [1e-16, normal, 0.0, across],
+        rtol=1e-10,
+        atol=1e-18,
+        events=parted,
+        max_step=1e-7,
+    )
     surface = done.y[3, -1]
     lmp = lammps()
     found = thrown(lmp, body, normal, across, steps=4000)
@@ -149,12 +204,15 @@ def test_sticking_impact_follows_hertz_and_mindlin(lammps):
     assert value(lmp, "f_floor[8]") == 0.0
 
 
-@pytest.mark.parametrize(("across", "spin"), [(0.1, 0), (1.0, 0), (4.0, 0), (1.0, -900.0), (0.0, 300.0)])
+@pytest.mark.parametrize(
+    ("across", "spin"), [(0.1, 0), (1.0, 0), (4.0, 0), (1.0, -900.0), (0.0, 300.0)]
+)
 def test_plastic_impact_balances_and_loss_never_falls(lammps, across, spin):
     lmp = lammps()
     thrown(lmp, BRASS, 2.0, across, spin, law="elastoplastic", steps=2000, run=False)
     lmp.command("run 0")
-    given, losses = value(lmp, "c_ke+c_spin"), [0.0]
+    given = value(lmp, "c_ke+c_spin")
+    losses = [0.0]
     for _ in range(90):
         lmp.command("run 50 pre no post no")
         losses.append(value(lmp, "f_floor[9]"))
@@ -166,7 +224,9 @@ def test_plastic_impact_balances_and_loss_never_falls(lammps, across, spin):
 
 
 def test_sliding_does_not_depend_on_the_normal_law(lammps):
-    """The tangential impulse is mu times the normal one, mu (1 + e) m v_n, with the restitution of the yielding contact."""
+    """The tangential impulse is mu times the normal one, mu (1 + e) m v_n, with the restitution of
+    the yielding contact.
+    """
     lmp = lammps()
     found = thrown(lmp, BRASS, 2.0, 4.0, law="elastoplastic", steps=2000)
     assert found[0] < 0.7 * 2.0
@@ -176,14 +236,18 @@ def test_sliding_does_not_depend_on_the_normal_law(lammps):
 
 def test_two_walls_have_a_spring_each(lammps):
     """Both planes exert friction on a sphere squeezed between them, and their torques cancel."""
-    lmp, reach = lammps(), BRASS["radius"] - 1e-6
+    lmp = lammps()
+    reach = BRASS["radius"] - 1e-6
     words = f"{-reach:.17g} {reach:.17g} hertz 115e9 0.3 friction 0.3"
     thrown(lmp, BRASS, 1e-9, 0.02, wall=f"wall/gran/hysteretic zplane {words}", run=False)
     lmp.commands_string("timestep 1e-8\nrun 0")
     given = value(lmp, ENERGY)
     lmp.command("run 300")
     force = value(lmp, "f_floor[1]")
-    assert force == pytest.approx(2 * lmp.numpy.extract_fix("floor", 1, 2)[0, 8], rel=1e-6) and force > 1
+    assert (
+        force == pytest.approx(2 * lmp.numpy.extract_fix("floor", 1, 2)[0, 8], rel=1e-6)
+        and force > 1
+    )
     assert abs(outcome(lmp)[2]) < 1e-9 * force
     lmp.command("run 5000")
     assert value(lmp, ENERGY) == pytest.approx(given, rel=1e-6)
@@ -204,7 +268,9 @@ def test_a_sliding_sphere_reports_its_limit(lammps):
     thrown(lmp, BRASS, 2.0, 5.0, law="elastoplastic", run=False)
     lmp.command("run 400")
     force = value(lmp, "f_floor[3]")
-    assert value(lmp, "f_floor[1]") == pytest.approx(0.3 * force, rel=1e-12)  # friction force on the wall
+    assert value(lmp, "f_floor[1]") == pytest.approx(
+        0.3 * force, rel=1e-12
+    )  # friction force on the wall
     assert value(lmp, "fx[1]") == pytest.approx(-0.3 * force, rel=1e-12)
     overlap, _, *_, tangential, _, _, _ = lmp.numpy.extract_fix("floor", 1, 2)[0]
     assert tangential == pytest.approx(0.3 * force, rel=1e-12)
@@ -213,7 +279,9 @@ def test_a_sliding_sphere_reports_its_limit(lammps):
 
 
 def test_the_circle_of_a_dent_sets_the_stiffness(lammps):
-    """Force of a small slip while the sphere unloads, compared with k_t from the contact circle of the law."""
+    """Force of a small slip while the sphere unloads, compared with k_t from the contact circle of
+    the law.
+    """
     lmp = lammps()
     thrown(lmp, BRASS, 2.0, law="elastoplastic", run=False)
     lmp.command("run 900")
@@ -222,12 +290,17 @@ def test_the_circle_of_a_dent_sets_the_stiffness(lammps):
     lmp.command("run 1")
     overlap, _, peak, *_ = lmp.numpy.extract_fix("floor", 1, 2)[0]
     law = ContactLaw(
-        youngs_modulus=(115e9, np.inf), poisson_ratio=(0.3, 0.0), yield_strength=(550e6, np.inf), radius=(0.005, np.inf)
+        youngs_modulus=(115e9, np.inf),
+        poisson_ratio=(0.3, 0.0),
+        yield_strength=(550e6, np.inf),
+        radius=(0.005, np.inf),
     )
     residual = law.residual_overlap(peak)
     circle = law.contact_radius(peak) * np.sqrt((overlap - residual) / (peak - residual))
     shear = 115e9 / (2 * 1.3 * 1.7)
-    assert value(lmp, "-fx[1]") == pytest.approx(8 * shear * circle * 1e-4 * value(lmp, "dt"), rel=1e-6)
+    assert value(lmp, "-fx[1]") == pytest.approx(
+        8 * shear * circle * 1e-4 * value(lmp, "dt"), rel=1e-6
+    )
 
 
 def test_without_friction_nothing_turns(lammps):

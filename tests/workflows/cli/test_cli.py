@@ -1,4 +1,6 @@
-"""Command line from the point of view of a user: exit statuses, messages, directories, ranks; see also test_resume.py."""
+"""Command line from the point of view of a user: exit statuses, messages, directories, ranks; see
+also test_resume.py.
+"""
 
 from __future__ import annotations
 
@@ -22,16 +24,35 @@ FIGURES = ["energies", "timestep", "peak_force_principal"]
 def finished(tmp_path_factory):
     """Finished small run."""
     directory = tmp_path_factory.mktemp("runs") / "tiny"
-    words = ["run", "fcc-small", "-o", str(directory), *TINY, "--set", f"figures.only={json.dumps(FIGURES)}"]
+    words = [
+        "run",
+        "fcc-small",
+        "-o",
+        str(directory),
+        *TINY,
+        "--set",
+        f"figures.only={json.dumps(FIGURES)}",
+    ]
     done = subprocess.run(
-        [sys.executable, "-m", "granwave.workflows", *words], capture_output=True, text=True, env=PLAIN
+        [sys.executable, "-m", "granwave.workflows", *words],
+        capture_output=True,
+        text=True,
+        env=PLAIN,
     )
     assert done.returncode == 0, done.stderr
     return directory
 
 
 def test_a_run_leaves_everything(finished):
-    for name in ("case.toml", "in.granwave", "data.granwave", "log.lammps", "dumps", "result.h5", "summary.json"):
+    for name in (
+        "case.toml",
+        "in.granwave",
+        "data.granwave",
+        "log.lammps",
+        "dumps",
+        "result.h5",
+        "summary.json",
+    ):
         assert (finished / name).exists(), name
     drawn = {path.name for path in (finished / "figures").iterdir()}
     assert drawn >= {f"{name}.{kind}" for name in FIGURES for kind in ("png", "pdf", "csv")}
@@ -40,10 +61,15 @@ def test_a_run_leaves_everything(finished):
     assert values["timestep_s"] * values["n_steps"] == pytest.approx(values["end_time_s"])
     with h5py.File(finished / "result.h5") as file:
         units = {
-            name: file["energy"][name].attrs["unit"] for name in ("timestep", "smallest_timestep", "expected_error")
+            name: file["energy"][name].attrs["unit"]
+            for name in ("timestep", "smallest_timestep", "expected_error")
         }
     assert units == {"timestep": "s", "smallest_timestep": "s", "expected_error": "1"}
-    assert values["energy_balance_error"] < 1e-5 and values["n_spheres"] == 48 and values["end_reason"] == "end_time"
+    assert (
+        values["energy_balance_error"] < 1e-5
+        and values["n_spheres"] == 48
+        and values["end_reason"] == "end_time"
+    )
 
 
 def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
@@ -54,7 +80,14 @@ def test_balance_that_does_not_close_is_refused(granwave, tmp_path):
 
 
 def test_a_loose_tolerance_is_accepted(granwave, tmp_path):
-    loose = ["--set", "packing.size=[8,8,6]", "--set", "run.end_time=2e-4", "--set", "run.energy_tolerance=1e-3"]
+    loose = [
+        "--set",
+        "packing.size=[8,8,6]",
+        "--set",
+        "run.end_time=2e-4",
+        "--set",
+        "run.energy_tolerance=1e-3",
+    ]
     done = granwave("run", "fcc-small", "-o", tmp_path / "r", *loose, "--no-figures")
     assert done.returncode == 0 and "balance misses" not in done.stderr
     assert 1e-5 < summary(tmp_path / "r")["energy_balance_error"] < 1e-3
@@ -101,10 +134,27 @@ def test_check_tells_what_it_would_be(granwave):
 
 
 def test_law_table_and_plot(granwave, tmp_path):
-    done = granwave("law", "--material", "brass", "steel", "--radius", "0.004", "0.008", "-o", "law.csv", cwd=tmp_path)
+    done = granwave(
+        "law",
+        "--material",
+        "brass",
+        "steel",
+        "--radius",
+        "0.004",
+        "0.008",
+        "-o",
+        "law.csv",
+        cwd=tmp_path,
+    )
     assert done.returncode == 0, done.stderr
     rows = list(csv.DictReader((tmp_path / "law.csv").open()))
-    assert set(rows[0]) == {"branch", "overlap_m", "force_N", "overlap_normalised", "force_normalised"}
+    assert set(rows[0]) == {
+        "branch",
+        "overlap_m",
+        "force_N",
+        "overlap_normalised",
+        "force_normalised",
+    }
     assert {"loading"} < {row["branch"].split("_")[0].split(" ")[0] for row in rows}
     assert granwave("law", "-o", "law.png", cwd=tmp_path).returncode == 0
     assert (tmp_path / "law.png").read_bytes()[:4] == b"\x89PNG"
@@ -112,7 +162,13 @@ def test_law_table_and_plot(granwave, tmp_path):
 
 def test_error_on_one_rank_ends_all(process, tmp_path):
     """The error occurs on one rank only; the others must not wait indefinitely."""
-    sets = ["contact.law=thornton", "load.velocity=500", "packing.size=[8,8,4]", "run.end_time=2e-4", "run.frames=2"]
+    sets = [
+        "contact.law=thornton",
+        "load.velocity=500",
+        "packing.size=[8,8,4]",
+        "run.end_time=2e-4",
+        "run.frames=2",
+    ]
     words = [word for one in sets for word in ("--set", one)]
     done = process("run", "fcc-small", "-o", tmp_path / "r", "--np", 2, *words, timeout=120)
     assert done.returncode == 1 and "more than the radius" in done.stderr
@@ -120,7 +176,9 @@ def test_error_on_one_rank_ends_all(process, tmp_path):
 
 
 def test_forces_on_the_bottom_do_not_depend_on_the_probes(finished, granwave, tmp_path):
-    done = granwave("run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "output.probe_interval=1e-5")
+    done = granwave(
+        "run", "fcc-small", "-o", tmp_path / "r", *QUICK, "--set", "output.probe_interval=1e-5"
+    )
     assert done.returncode == 0, done.stderr
     for key in ("wall_peak_force_N", "wall_impulse_Ns"):
         assert summary(tmp_path / "r")[key] == summary(finished)[key]

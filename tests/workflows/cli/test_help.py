@@ -38,8 +38,12 @@ from tests.conftest import BIN, PLAIN
 def on_terminal(*words: str) -> str:
     """Output of a command that writes to a terminal."""
     ours, theirs = pty.openpty()
-    environment = {name: value for name, value in PLAIN.items() if name != "NO_COLOR"} | {"TERM": "xterm"}
-    process = subprocess.Popen([BIN / "granwave", *words], stdout=theirs, stderr=theirs, env=environment)
+    environment = {name: value for name, value in PLAIN.items() if name != "NO_COLOR"} | {
+        "TERM": "xterm"
+    }
+    process = subprocess.Popen(
+        [BIN / "granwave", *words], stdout=theirs, stderr=theirs, env=environment
+    )
     os.close(theirs)
     found = b""
     try:
@@ -58,16 +62,30 @@ def test_cases_in_one_screen_and_by_words(granwave):
     assert brief.count("\n") <= 40 and {entry.name for entry in entries} <= set(brief.split())
     listed = granwave("cases", "--all").stdout.splitlines()
     assert all(
-        any(line.startswith(f"{one.kind}  {one.name} ") and one.title in line for line in listed) for one in entries
+        any(line.startswith(f"{one.kind}  {one.name} ") and one.title in line for line in listed)
+        for one in entries
     )
     groups = [line for line in listed if line.endswith(":")]
-    assert groups[0] == "Packings:" and len(groups) == 5 and listed.index("Suites of scans:") > listed.index("Scans:")
+    assert (
+        groups[0] == "Packings:"
+        and len(groups) == 5
+        and listed.index("Suites of scans:") > listed.index("Scans:")
+    )
     few = granwave("cases", "chain", "bilinear").stdout.splitlines()
-    assert any(line.startswith("case  bilinear-pulse ") for line in few) and not any("fcc" in line for line in few)
+    assert any(line.startswith("case  bilinear-pulse ") for line in few) and not any(
+        "fcc" in line for line in few
+    )
     everything = json.loads(granwave("cases", "--json").stdout)
-    assert len(everything) == len(entries) and set(everything[0]) == {"kind", "name", "group", "title"}
+    assert len(everything) == len(entries) and set(everything[0]) == {
+        "kind",
+        "name",
+        "group",
+        "title",
+    }
     done = granwave("cases", "nonsense")
-    assert done.returncode == 2 and "nonsense: no built-in case or scan has these words" in done.stderr
+    assert (
+        done.returncode == 2 and "nonsense: no built-in case or scan has these words" in done.stderr
+    )
 
 
 def test_help_in_groups(capsys):
@@ -76,7 +94,9 @@ def test_help_in_groups(capsys):
     with pytest.raises(SystemExit, match="0"):
         main(["--help"])
     assert capsys.readouterr().out == shown
-    places = [shown.index(text) for text in ("\nrun:", "  continuum ", "\nlook at results:", "  film ")]
+    places = [
+        shown.index(text) for text in ("\nrun:", "  continuum ", "\nlook at results:", "  film ")
+    ]
     assert places == sorted(places)
     assert main(["help", "film"]) == 0
     assert capsys.readouterr().out.startswith("usage: granwave film ")
@@ -89,7 +109,11 @@ def test_colours_on_terminals_alone(granwave, monkeypatch):
     assert "\033[31mgranwave:\033[0m" in on_terminal("show", "no-such-case")
     assert "\033[" not in granwave("cases").stdout
     terminal = SimpleNamespace(isatty=lambda: True)
-    for name, value, shown in (("TERM", "xterm", "\033[1mx\033[0m"), ("NO_COLOR", "1", "x"), ("TERM", "dumb", "x")):
+    for name, value, shown in (
+        ("TERM", "xterm", "\033[1mx\033[0m"),
+        ("NO_COLOR", "1", "x"),
+        ("TERM", "dumb", "x"),
+    ):
         with monkeypatch.context() as patch:
             patch.delenv("NO_COLOR", raising=False)
             patch.setenv(name, value)
@@ -108,7 +132,9 @@ sys.exit(status)
 
 def test_check_loads_no_large_library():
     """Each takes about as long to load as all the rest of the command."""
-    done = subprocess.run([sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, env=PLAIN)
+    done = subprocess.run(
+        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, env=PLAIN
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.splitlines()[-1].split() == ["loaded:"]
 
@@ -217,14 +243,18 @@ echo "${COMPREPLY[@]}"
     path.write_text(f'#!/bin/sh\nexec "{sys.executable}" -m granwave.workflows "$@"\n')
     path.chmod(0o755)
     environment = PLAIN | {"PATH": f"{tmp_path}{os.pathsep}{BIN}{os.pathsep}{os.environ['PATH']}"}
-    done = subprocess.run(["bash", "-c", words], capture_output=True, text=True, env=environment, timeout=120)
+    done = subprocess.run(
+        ["bash", "-c", words], capture_output=True, text=True, env=environment, timeout=120
+    )
     assert done.stdout.split() == ["fcc-small"], done.stderr
 
 
 SECTIONS = {
     **{(keys.CASE, heading.strip("[]")): section for heading, section in TABLES.items()},
     **{(keys.CONTINUUM, name): section for name, section in ContinuumCase.SECTIONS.items()},
-    **{(keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()},
+    **{
+        (keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()
+    },
     (keys.SCAN, "scan"): Header,
     (keys.SCAN, "ranks"): RanksBySize,
     (keys.SUITE, "suite"): SuiteFile,
@@ -241,7 +271,12 @@ def example(key: keys.Key) -> object:
 
 
 def test_every_key_that_is_read_is_listed():
-    listed = {f"{table.name}.{key.name}" for table in keys.tables() if table.file == keys.CASE for key in table.keys}
+    listed = {
+        f"{table.name}.{key.name}"
+        for table in keys.tables()
+        if table.file == keys.CASE
+        for key in table.keys
+    }
     known = {key.replace(".1.", ".") for key in case_keys() if "." in key}
     assert known <= listed
     assert set(Load.__dataclass_fields__) <= {key.name for key in keys.find("load")[0].keys}
@@ -262,14 +297,20 @@ def test_examples_are_valid(file, name):
     (table,) = [table for table in keys.tables() if (table.file, table.name) == (file, name)]
     fields = {field.name: field for field in dataclasses.fields(SECTIONS[file, name])}
     for key in table.keys:
-        if key.name in fields and "parse" in fields[key.name].metadata and (name, key.name) not in ELSEWHERE:
+        if (
+            key.name in fields
+            and "parse" in fields[key.name].metadata
+            and (name, key.name) not in ELSEWHERE
+        ):
             fields[key.name].metadata["parse"](example(key))
 
 
 def test_no_example_of_a_key_that_does_not_exist():
     for file, tables in keys._examples().items():
         for name, examples in tables.items():
-            (table,) = [table for table in keys.tables() if (table.file, table.name) == (file, name)]
+            (table,) = [
+                table for table in keys.tables() if (table.file, table.name) == (file, name)
+            ]
             assert set(examples) <= {key.name for key in table.keys}, (file, name)
 
 
@@ -283,7 +324,10 @@ def test_keys_by_name_and_by_words(granwave):
     """Tables, keys, whose words may stand apart, and words of choices and descriptions."""
     shown = granwave("keys").stdout
     assert all(f"  {table.name} " in shown for table in keys.tables())
-    assert "diameter  m  required\n    diameter of the spheres; in a file" in granwave("keys", "packing").stdout
+    assert (
+        "diameter  m  required\n    diameter of the spheres; in a file"
+        in granwave("keys", "packing").stdout
+    )
     assert (
         granwave("keys", "run.end_time").stdout.count("end_time  s  default") == 2
     )  # of three kinds of files two have it
@@ -291,16 +335,30 @@ def test_keys_by_name_and_by_words(granwave):
     apart = granwave("keys", "load", "velocity").stdout
     assert granwave("keys", "load.velocity").stdout == apart and "m/s" in apart
     wrong = granwave("keys", "load", "velocty")
-    assert wrong.returncode == 2 and "load.velocty: no such table or key; did you mean load.velocity?" in wrong.stderr
+    assert (
+        wrong.returncode == 2
+        and "load.velocty: no such table or key; did you mean load.velocity?" in wrong.stderr
+    )
     found = granwave("keys", "gravity").stdout
-    assert found.startswith("[precompression]") and 'expects one of "uniaxial", "uniform", "gravity"' in found
+    assert (
+        found.startswith("[precompression]")
+        and 'expects one of "uniaxial", "uniform", "gravity"' in found
+    )
     assert "[[replace]]" in granwave("keys", "random", "share").stdout
 
 
 def test_usual_magnitudes_are_those_that_messages_name():
-    """Warnings begin far beyond for bodies that stand for rigid ones, and the text says from where on."""
+    """Warnings begin far beyond for bodies that stand for rigid ones, and the text says from where
+    on.
+    """
     found = {
-        key.name: key.usual for table in keys.tables() for key in table.keys if table.name in ("material", "packing")
+        key.name: key.usual
+        for table in keys.tables()
+        for key in table.keys
+        if table.name in ("material", "packing")
     }
     assert found["diameter"] == "usual: 1e-6 to 1 m; others give a warning"
-    assert found["youngs_modulus"] == "usual: 1e6 to 1e12 Pa; below, and above 1e14 Pa, a warning is given"
+    assert (
+        found["youngs_modulus"]
+        == "usual: 1e6 to 1e12 Pa; below, and above 1e14 Pa, a warning is given"
+    )

@@ -15,7 +15,11 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 
-RADIUS, LENGTH, DENSITY, MODULUS, RATIO = 0.005, 0.02, 1200.0, 50e6, 0.4
+RADIUS = 0.005
+LENGTH = 0.02
+DENSITY = 1200.0
+MODULUS = 50e6
+RATIO = 0.4
 MASS = DENSITY * np.pi * RADIUS**2 * LENGTH
 CASE = f"""
 [material]
@@ -67,7 +71,14 @@ def test_a_table_gives_forces_and_a_summary(infer):
     unit = MASS * 500.0
     assert forces == pytest.approx({("1", "2"): 2 * unit, ("2", "3"): unit, ("1", "left"): 3 * unit,
                                     ("3", "right"): 0}, rel=1e-9, abs=1e-9 * unit)  # fmt: skip
-    assert list(rows_of("forces.csv")[0])[:6] == ["i", "j", "nx", "ny", "normal_force_N", "tangential_force_N"]
+    assert list(rows_of("forces.csv")[0])[:6] == [
+        "i",
+        "j",
+        "nx",
+        "ny",
+        "normal_force_N",
+        "tangential_force_N",
+    ]
     summary = json.loads(out)
     assert summary == json.loads(Path("infer/summary.json").read_text())
     assert set(summary) <= set(QUANTITIES)
@@ -87,22 +98,32 @@ def test_noise_gives_errors_and_figures(infer, tmp_path):
     assert summary["youngs_modulus_Pa"] == pytest.approx(MODULUS, rel=1e-3)
     assert main(["infer", "grains.csv", "--case", "case.toml", "--force", "--repeat", "3"]) == 0
     there = {path.name for path in Path("infer/figures").iterdir()}
-    assert {f"{name}.png" for name in ("force_network", "residuals", "force_errors", "modulus")} <= there
+    assert {
+        f"{name}.png" for name in ("force_network", "residuals", "force_errors", "modulus")
+    } <= there
 
 
 def test_a_series_is_differentiated(infer):
     """Discs that start from rest: places a t^2/2, of which differences are exact."""
-    acceleration, rate = 500.0, 8000.0
+    acceleration = 500.0
+    rate = 8000.0
     still = [row.split(",") for row in column(acceleration)]
     rows = []
     for frame in range(5):
-        moved = 0.5e-3 * acceleration * (frame / rate) ** 2  # of a thousandth, so that the walls stay where they are
-        rows += [",".join([str(frame), row[0], repr(float(row[1]) + moved), *row[2:4], *row[6:]]) for row in still]
+        moved = (
+            0.5e-3 * acceleration * (frame / rate) ** 2
+        )  # of a thousandth, so that the walls stay where they are
+        rows += [
+            ",".join([str(frame), row[0], repr(float(row[1]) + moved), *row[2:4], *row[6:]])
+            for row in still
+        ]
     header = "frame,id,x_m,y_m,radius_m,exx,eyy,exy"
     case = CASE + f"frame_rate = {rate}\ncontact_tolerance = 0.01\n"
     assert infer(rows, case=case, header=header)[0] == 0
     forces = rows_of("forces.csv")
-    assert sorted({float(row["time_s"]) for row in forces}) == pytest.approx([1 / rate, 2 / rate, 3 / rate])
+    assert sorted({float(row["time_s"]) for row in forces}) == pytest.approx(
+        [1 / rate, 2 / rate, 3 / rate]
+    )
     summary = json.loads(Path("infer/summary.json").read_text())
     assert summary["n_instants"] == 3
     assert infer(rows, "--force", case=case + "time = 2.4e-4\n", header=header)[0] == 0
@@ -112,7 +133,8 @@ def test_a_series_is_differentiated(infer):
     assert status == 2 and "evenly spaced" in err
 
 
-GOOD, STRETCHED = column(500.0), "{},1e-3,0,0"
+GOOD = column(500.0)
+STRETCHED = "{},1e-3,0,0"
 WITHOUT = CASE.replace(f"youngs_modulus = {MODULUS}\n", "")
 STATIC = "id,x_m,y_m,radius_m,exx,eyy,exy"
 BAD = {
@@ -185,15 +207,21 @@ def run_of_spheres(tmp_path_factory):
 
 
 def test_a_run_is_measured_exactly(run_of_spheres, tmp_path, monkeypatch, capsys):
-    """Forces of LAMMPS, tangential ones and those of walls among them, come back from motion and mean stress."""
+    """Forces of LAMMPS, tangential ones and those of walls among them, come back from motion and
+    mean stress.
+    """
     monkeypatch.chdir(tmp_path)
     assert main(["infer", str(run_of_spheres), "--json", "--no-figures"]) == 0
     summary = json.loads(capsys.readouterr().out)
     assert set(summary) == set(QUANTITIES)
     assert summary["true_force_error"] < 1e-11
     rows = rows_of("forces.csv")
-    assert max(float(row["true_tangential_force_N"]) for row in rows) > 1e-3 * summary["largest_force_N"]
-    # the measurement and its case are read as those of an experiment, and nothing is lost on the way
+    assert (
+        max(float(row["true_tangential_force_N"]) for row in rows)
+        > 1e-3 * summary["largest_force_N"]
+    )
+    # the measurement and its case are read as those of an experiment, and nothing is lost on the
+    # way
     again = gw.infer("infer/measurement.csv", "infer/measurement.toml")
     true = np.array([float(row["true_normal_force_N"]) for row in rows])
     assert np.abs(again.forces["normal_force_N"] - true).max() < 1e-12 * summary["largest_force_N"]
@@ -203,7 +231,9 @@ def test_a_run_is_measured_exactly(run_of_spheres, tmp_path, monkeypatch, capsys
 
 
 def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch, capsys):
-    """Two cylinders collide beside a third; the measurement is in the plane, and leaves that one out."""
+    """Two cylinders collide beside a third; the measurement is in the plane, and leaves that one
+    out.
+    """
     monkeypatch.chdir(tmp_path)
     Path("grains.csv").write_text(
         "x,y,z,diameter,shape,length,axis,vz\n0,0,0,0.01,cylinder,0.02,y,2\n0,0,0.01,0.01,cylinder,0.02,y,0\n"
@@ -221,11 +251,15 @@ def test_cylinders_of_a_file_and_grains_that_touch_nothing(tmp_path, monkeypatch
     assert found["true_force_error"] < 1e-11
     measured = found.measurement
     force = found.forces["normal_force_N"].iloc[0]
-    assert 0.005**2 * np.pi * 0.02 * 1100 * np.abs(measured["ay_m_s2"].to_numpy()) == pytest.approx(np.full(2, force))
+    assert 0.005**2 * np.pi * 0.02 * 1100 * np.abs(measured["ay_m_s2"].to_numpy()) == pytest.approx(
+        np.full(2, force)
+    )
 
 
 def test_a_striker_from_outside_passes_the_wall(tmp_path, monkeypatch, capsys):
-    """A sphere that comes through a side wall: forces are exact, also from the table that was made of the run."""
+    """A sphere that comes through a side wall: forces are exact, also from the table that was made
+    of the run.
+    """
     monkeypatch.chdir(tmp_path)
     packing = {"kind": "sc", "size": [3, 3, 1], "diameter": 0.01}
     tables = {
@@ -238,9 +272,19 @@ def test_a_striker_from_outside_passes_the_wall(tmp_path, monkeypatch, capsys):
     first = json.loads(capsys.readouterr().out)
     assert first["n_loaded_contacts"] > 0 and first["true_force_error"] < 1e-9
     assert [row["passes_walls"] for row in rows_of("measurement.csv")].count("1.0") == 1
-    words = ["infer", "infer/measurement.csv", "--case", "infer/measurement.toml", "-o", "again", "--no-figures"]
+    words = [
+        "infer",
+        "infer/measurement.csv",
+        "--case",
+        "infer/measurement.toml",
+        "-o",
+        "again",
+        "--no-figures",
+    ]
     assert main([*words, "--json"]) == 0
-    assert json.loads(capsys.readouterr().out)["largest_force_N"] == pytest.approx(first["largest_force_N"], rel=1e-9)
+    assert json.loads(capsys.readouterr().out)["largest_force_N"] == pytest.approx(
+        first["largest_force_N"], rel=1e-9
+    )
 
 
 def test_python_says_what_is_wrong(tmp_path):
@@ -248,7 +292,11 @@ def test_python_says_what_is_wrong(tmp_path):
         (("none.csv", "none.toml"), {}, "none.csv: no such file"),
         ((3,), {}, "measurement: found 3"),
         ((tmp_path,), {"noise": -1}, "noise: found -1, expected a number from 0 up"),
-        ((tmp_path,), {"directory": tmp_path / "not" / "there"}, "directory: .*there is no directory"),
+        (
+            (tmp_path,),
+            {"directory": tmp_path / "not" / "there"},
+            "directory: .*there is no directory",
+        ),
     ]:
         with pytest.raises(gw.InputError, match=said):
             gw.infer(*arguments, **keys)

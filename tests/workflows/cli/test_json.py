@@ -25,9 +25,15 @@ CENTRE = {"load": "{kind='striker'}", "striker": "[{touches='centre',velocity=[0
 CORNER = {"load": "{kind='striker'}", "striker": "[{touches=1,velocity=[0,0,5]}]"}
 
 
-def check(name: str, changes: dict[str, str], capsys: pytest.CaptureFixture[str]) -> tuple[dict[str, Any], str]:
+def check(
+    name: str, changes: dict[str, str], capsys: pytest.CaptureFixture[str]
+) -> tuple[dict[str, Any], str]:
     """Return the values of ``check --json``, and the table."""
-    words = ["check", name, *(word for key, value in changes.items() for word in ("--set", f"{key}={value}"))]
+    words = [
+        "check",
+        name,
+        *(word for key, value in changes.items() for word in ("--set", f"{key}={value}")),
+    ]
     assert main([*words, "--json"]) == 0
     values = json.loads(capsys.readouterr().out)
     assert main(words) == 0
@@ -38,7 +44,9 @@ def loaded(changes: dict[str, str]) -> Case:
     return load_case("fcc-small", [f"{key}={value}" for key, value in changes.items()])
 
 
-@pytest.mark.parametrize("changes", [{}, {"replace": "[{index=[5],diameter=0.008,material='steel'}]"}])
+@pytest.mark.parametrize(
+    "changes", [{}, {"replace": "[{index=[5],diameter=0.008,material='steel'}]"}]
+)
 def test_mass_and_height_are_those_of_the_run(changes, tmp_path, capsys) -> None:
     values, table = check("fcc-small", SMALL | changes, capsys)
     case = loaded(SMALL | changes | {"run.end_time": "1e-6", "run.frames": "2"})
@@ -52,7 +60,8 @@ def test_mass_and_height_are_those_of_the_run(changes, tmp_path, capsys) -> None
 
 def test_where_a_striker_lands_and_how_deep_it_yields(capsys) -> None:
     values, table = check("fcc-small", SMALL, capsys)
-    zone, impact = values["zone"], values["struck"]
+    zone = values["zone"]
+    impact = values["struck"]
     assert zone["depth_m"] < values["packing_height_m"] < zone["depth_in_larger_packing_m"]
     assert zone["radius_m"] < zone["radius_in_larger_packing_m"]
     assert "to the bottom and the sides of the packing; in a larger one about" in table
@@ -63,15 +72,22 @@ def test_where_a_striker_lands_and_how_deep_it_yields(capsys) -> None:
     centre = check("fcc-small", SMALL | CENTRE, capsys)[0]
     assert centre["struck"] == impact and not impact["where"] and not impact["aside_m"]
     assert loaded(SMALL | CENTRE).striker[0].touches == (impact["sphere"],)
-    assert centre["counterpart"]["command"] == values["counterpart"]["command"]  # a striker along z has a continuum
+    assert (
+        centre["counterpart"]["command"] == values["counterpart"]["command"]
+    )  # a striker along z has a continuum
     aside = CENTRE | {"striker": "[{touches='centre',velocity=[1,0,5]}]"}
     assert check("fcc-small", SMALL | aside, capsys)[0]["counterpart"]["command"] is None
 
 
 def test_what_will_be_null(tmp_path, capsys) -> None:
-    plate = {"load": "{kind='plate',mass=0.1,velocity=1.0}", "boundary.bottom": "{plate={mass=1.0,stiffness=1e6}}"}
+    plate = {
+        "load": "{kind='plate',mass=0.1,velocity=1.0}",
+        "boundary.bottom": "{plate={mass=1.0,stiffness=1e6}}",
+    }
     values, table = check("fcc-small", SMALL | plate, capsys)
-    assert 'load.kind = "plate"' in values["nulls"]["peak_reduction"] and "no peak reduction" in table
+    assert (
+        'load.kind = "plate"' in values["nulls"]["peak_reduction"] and "no peak reduction" in table
+    )
     case = loaded(SMALL | plate | {"run.end_time": "2e-5", "run.frames": "2"})
     assert run_case(case, tmp_path / "run", figures=False).summary["peak_reduction"] is None
 
@@ -95,11 +111,17 @@ def document(arguments, capsys, status=0):
 
 def test_check(capsys):
     plan = document(["check", "fcc-small", "--json"], capsys)
-    assert (plan["name"], plan["command"], plan["n_spheres"], plan["n_frames"]) == ("fcc-small", "run", 6912, 20)
+    assert (plan["name"], plan["command"], plan["n_spheres"], plan["n_frames"]) == (
+        "fcc-small",
+        "run",
+        6912,
+        20,
+    )
     assert plan["end_time_s"] == pytest.approx(1e-3)
     assert plan["zone"]["reaches"] == ["bottom", "sides"] and "packing.size" in plan["warnings"][0]
     assert (
-        sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures")) == plan["wall_time_s"]
+        sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures"))
+        == plan["wall_time_s"]
     )
     assert document(["check", "half-space", "--json"], capsys)["n_elements"] == 62500
     contact = document(["check", "sphere-contact", "--json"], capsys)
@@ -111,7 +133,11 @@ def test_check(capsys):
 def leaves(value):
     """Numbers of a document, those that are keys among them, and the lengths of lists and tables."""
     if isinstance(value, dict):
-        return [one for key, part in value.items() for one in [*leaves(part), *([float(key)] if key.isdigit() else [])]]
+        return [
+            one
+            for key, part in value.items()
+            for one in [*leaves(part), *([float(key)] if key.isdigit() else [])]
+        ]
     if isinstance(value, list):
         return [one for part in value for one in leaves(part)]
     return [float(value)] if isinstance(value, int | float) and not isinstance(value, bool) else []
@@ -128,7 +154,13 @@ CHECKED = [
     ["precompressed-chain", "--np", "2"],
     ["driven-row", "--set", "contact.loss={restitution=0.9,velocity=0.1}"],
     ["confined-steel"],
-    ["fcc-small", "--set", "precompression={kind='uniform',pressure=1e5}", "--set", "packing.size=[8,8,5]"],
+    [
+        "fcc-small",
+        "--set",
+        "precompression={kind='uniform',pressure=1e5}",
+        "--set",
+        "packing.size=[8,8,5]",
+    ],
 ]
 
 
@@ -138,9 +170,17 @@ def test_the_plan_holds_every_number_of_the_table(words, capsys):
     assert main(["check", *words]) == 0
     table, _, _ = capsys.readouterr().out.partition("\n\n")
     of_law = 0.2  # "beyond 0.2 R*"
-    known = [*values, of_law, *(factor * value for value in values for factor in (1e-3, 1e-9, 2.0**-30))]
+    known = [
+        *values,
+        of_law,
+        *(factor * value for value in values for factor in (1e-3, 1e-9, 2.0**-30)),
+    ]
     rows = [row for row in table.splitlines() if not row.startswith(("case", "expected time"))]
-    numbers = [(number, row) for row in rows for number in re.findall(r"(?<![\w^])\d+(?:\.\d+)?(?:e[-+]\d+)?", row)]
+    numbers = [
+        (number, row)
+        for row in rows
+        for number in re.findall(r"(?<![\w^])\d+(?:\.\d+)?(?:e[-+]\d+)?", row)
+    ]
     assert len(numbers) > 12
     for number, row in numbers:
         assert any(is_rounded(number, value) for value in known), f"{number} of {row!r}"
@@ -150,12 +190,19 @@ def test_keys(capsys):
     assert len(document(["keys", "--json"], capsys)) == len(tables())
     (table,) = document(["keys", "load", "velocity", "--json"], capsys)
     (key,) = table["keys"]
-    assert (table["name"], key["name"], key["unit"], key["default"]) == ("load", "velocity", "m/s", "5.0")
+    assert (table["name"], key["name"], key["unit"], key["default"]) == (
+        "load",
+        "velocity",
+        "m/s",
+        "5.0",
+    )
 
 
 @pytest.mark.parametrize(("works", "status"), [(True, 0), (False, 1)])
 def test_doctor(works, status, monkeypatch, capsys):
-    monkeypatch.setattr(doctor, "examine", lambda profile: [Finding("plugin", works, "found", "mend it")])
+    monkeypatch.setattr(
+        doctor, "examine", lambda profile: [Finding("plugin", works, "found", "mend it")]
+    )
     part = {"part": "plugin", "works": works, "found": "found", "remedy": "mend it"}
     assert document(["doctor", "--json"], capsys, status) == {"works": works, "parts": [part]}
 
@@ -172,13 +219,22 @@ def test_plan_of_a_scan(tmp_path, capfd):
     path = tmp_path / "pair.toml"
     path.write_text(SCAN)
     plan = document(["scan", str(path), "-o", str(tmp_path / "pair"), "--plan", "--json"], capfd)
-    assert (plan["name"], plan["n_points"], plan["n_left"], plan["n_spheres_most"]) == ("pair", 2, 2, 2)
-    suite = document(["scan", "protection", "-o", str(tmp_path / "suite"), "--plan", "--json"], capfd)
+    assert (plan["name"], plan["n_points"], plan["n_left"], plan["n_spheres_most"]) == (
+        "pair",
+        2,
+        2,
+        2,
+    )
+    suite = document(
+        ["scan", "protection", "-o", str(tmp_path / "suite"), "--plan", "--json"], capfd
+    )
     assert suite["name"] == "protection" and suite["wall_time_s"] > 0 and len(suite["scans"]) > 1
 
 
 def test_end_of_a_scan(tmp_path, capsys):
-    place = write_scan(tmp_path / "scan", grid(load__velocity=[1.0, 2.0, 3.0]), failed={2: "no end"}, missing=[3])
+    place = write_scan(
+        tmp_path / "scan", grid(load__velocity=[1.0, 2.0, 3.0]), failed={2: "no end"}, missing=[3]
+    )
     print_json(outcome_values(ScanOutcome(place, done=1, failed=1, missing=1, stopped=None)))
     found = json.loads(capsys.readouterr().out)
     assert (found["done"], found["failed"], found["missing"], found["stopped"]) == (1, 1, 1, None)
@@ -192,14 +248,19 @@ def test_end_of_a_scan(tmp_path, capsys):
 def test_a_scan_prints_one_document(tmp_path, capfd):
     path = tmp_path / "pair.toml"
     path.write_text(SCAN)
-    found = document(["scan", str(path), "-o", str(tmp_path / "pair"), "--jobs", "1", "--json"], capfd)
+    found = document(
+        ["scan", str(path), "-o", str(tmp_path / "pair"), "--jobs", "1", "--json"], capfd
+    )
     assert (found["done"], found["failed"], found["missing"], found["stopped"]) == (2, 0, 0, None)
     assert all(point["summary"]["n_spheres"] == 2 for point in found["points"])
 
 
 def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
-    """Commands that are there are found, the launcher only after the commands of `before`; others get a remedy."""
-    tools, bare = tmp_path / "tools", tmp_path / "bare"
+    """Commands that are there are found, the launcher only after the commands of `before`; others
+    get a remedy.
+    """
+    tools = tmp_path / "tools"
+    bare = tmp_path / "bare"
     for folder in (tools, bare):
         folder.mkdir()
         (folder / "bash").symlink_to("/bin/bash")
@@ -208,16 +269,29 @@ def test_doctor_with_the_profile_of_a_cluster(tmp_path, monkeypatch):
         (tools / name).write_text("#!/bin/sh\n")
         (tools / name).chmod(0o755)
     profile = tmp_path / "cluster.toml"
-    profile.write_text(f'[slurm]\nlauncher = "start-ranks --mpi=pmix"\nbefore = ["PATH={tools}:$PATH"]\n')
+    profile.write_text(
+        f'[slurm]\nlauncher = "start-ranks --mpi=pmix"\nbefore = ["PATH={tools}:$PATH"]\n'
+    )
     found = {finding.part: finding for finding in doctor._cluster(profile)}
-    assert found["profile"].works and found["start-ranks command"].works and found["commands of before"].works
+    assert (
+        found["profile"].works
+        and found["start-ranks command"].works
+        and found["commands of before"].works
+    )
     assert not found["sbatch command"].works and "login node" in found["sbatch command"].remedy
     monkeypatch.setenv("PATH", str(tools))
-    assert all(finding.works for finding in doctor._cluster(profile) if finding.part.endswith("command"))
+    assert all(
+        finding.works for finding in doctor._cluster(profile) if finding.part.endswith("command")
+    )
     profile.write_text('[slurm]\nlauncher = "no-such-launcher"\npartitoin = "x"\n')
     (fault,) = doctor._cluster(profile)
     assert not fault.works and "partitoin" in fault.found
-    profile.write_text('[slurm]\nlauncher = "no-such-launcher"\nbefore = ["no-such-module load mpi"]\n')
+    profile.write_text(
+        '[slurm]\nlauncher = "no-such-launcher"\nbefore = ["no-such-module load mpi"]\n'
+    )
     found = {finding.part: finding for finding in doctor._cluster(profile)}
     assert "launcher or before" in found["no-such-launcher command"].remedy
-    assert "no-such-module" in found["commands of before"].found and not found["commands of before"].works
+    assert (
+        "no-such-module" in found["commands of before"].found
+        and not found["commands of before"].works
+    )

@@ -57,7 +57,10 @@ def kind_of(data: dict[str, Any]) -> str:
 
 
 def faults(data: dict[str, Any], kind: str) -> list[str]:
-    return [f"{list(one.path)}: {one.message}" for one in Draft202012Validator(schema_of(kind)).iter_errors(data)]
+    return [
+        f"{list(one.path)}: {one.message}"
+        for one in Draft202012Validator(schema_of(kind)).iter_errors(data)
+    ]
 
 
 @pytest.mark.parametrize("kind", keys.FILES)
@@ -73,7 +76,10 @@ def test_schemas_are_schemas_and_keep_their_own_examples(kind):
     def walk(part: Any) -> None:
         for name, one in part.get("properties", {}).items():
             walk(one)
-            for value in [*one.get("examples", []), *([one["default"]] if "default" in one else [])]:
+            for value in [
+                *one.get("examples", []),
+                *([one["default"]] if "default" in one else []),
+            ]:
                 whole = {**one, "$defs": schema.get("$defs", {})}
                 assert Draft202012Validator(whole).is_valid(value), (name, value)
         for one in [*([part["items"]] if "items" in part else []), *part.get("anyOf", [])]:
@@ -103,7 +109,9 @@ def test_case_that_a_run_writes_fits(tmp_path, capsys):
     assert faults(data, keys.CASE) == [] and "resolved" in data
 
 
-@pytest.mark.parametrize(("changes", "named"), WRONG, ids=lambda one: one if isinstance(one, str) else "")
+@pytest.mark.parametrize(
+    ("changes", "named"), WRONG, ids=lambda one: one if isinstance(one, str) else ""
+)
 def test_wrong_cases_do_not_fit(changes, named):
     assert faults(GOOD, keys.CASE) == []
     found = faults(GOOD | changes, keys.CASE)

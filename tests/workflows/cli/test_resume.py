@@ -1,4 +1,5 @@
-"""Runs that are killed or stopped and resumed, from the point of view of a user: their results are those of a run left alone.
+"""Runs that are killed or stopped and resumed, from the point of view of a user: their results are
+those of a run left alone.
 
 The sums of the energy ledger agree to rounding: a restart changes the order of their terms.
 """
@@ -39,9 +40,19 @@ ROUNDING = 1e-14  # of sums, over their largest value
 
 def start(directory, *arguments, case=LONG):
     """Start a run of a case and settings in a process of its own."""
-    words = ["run", case[0], *(f"--set={one}" for one in case[1:]), "-o", str(directory), "--no-figures", *arguments]
+    words = [
+        "run",
+        case[0],
+        *(f"--set={one}" for one in case[1:]),
+        "-o",
+        str(directory),
+        "--no-figures",
+        *arguments,
+    ]
     command = [sys.executable, "-m", "granwave.workflows", *words]
-    return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN)
+    return subprocess.Popen(
+        command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, env=PLAIN
+    )
 
 
 def finish(process: subprocess.Popen[str]) -> None:
@@ -66,12 +77,17 @@ def values(directory: Path) -> dict[str, np.ndarray]:
     """Data sets of result.h5 by name."""
     found = {}
     with h5py.File(directory / "result.h5") as file:
-        file.visititems(lambda name, item: found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None)
+        file.visititems(
+            lambda name, item: (
+                found.update({name: item[()]}) if isinstance(item, h5py.Dataset) else None
+            )
+        )
     return found
 
 
 def compare(whole, resumed):
-    one, two = without_clock(whole), without_clock(resumed)
+    one = without_clock(whole)
+    two = without_clock(resumed)
     for key, value in one.items():
         if key == "energy_balance_error":
             assert two[key] == pytest.approx(value, rel=1e-3)
@@ -83,29 +99,41 @@ def compare(whole, resumed):
 
 @pytest.mark.parametrize(
     "name",
-    [pytest.param(name, marks=[] if case is LONG else pytest.mark.validation) for name, (case, *_) in KILLED.items()],
+    [
+        pytest.param(name, marks=[] if case is LONG else pytest.mark.validation)
+        for name, (case, *_) in KILLED.items()
+    ],
 )
 def test_a_killed_run_ends_with_the_same_bits(request, tmp_path: Path, name: str) -> None:
     case, before, after = KILLED[name]
-    whole, killed = tmp_path / "whole", tmp_path / "killed"
+    whole = tmp_path / "whole"
+    killed = tmp_path / "killed"
     if case is LONG:
         whole = request.getfixturevalue("uninterrupted")
     else:
         finish(start(whole, case=case))
     half = (whole / "dumps" / "energy.txt").stat().st_size // 2
     process = start(killed, "--checkpoint", "0.05", f"--np={before}", case=case)
-    wait_for(lambda: ledger_of(killed, half) and list(killed.glob("checkpoint-*.restart")), beside=process)
+    wait_for(
+        lambda: ledger_of(killed, half) and list(killed.glob("checkpoint-*.restart")),
+        beside=process,
+    )
     process.kill()  # its ranks end with it
     process.communicate(timeout=60)
     assert not (killed / "summary.json").exists()
     assert json.loads((killed / "run.json").read_text())["checkpoint"]["step"] > 0
     finish(start(killed, "--resume", f"--np={after}", case=case))
-    assert "read_restart" in (killed / "log.lammps").read_text() and not list(killed.glob("checkpoint-*"))
-    expected, found = values(whole), values(killed)
+    assert "read_restart" in (killed / "log.lammps").read_text() and not list(
+        killed.glob("checkpoint-*")
+    )
+    expected = values(whole)
+    found = values(killed)
     assert found.keys() == expected.keys()
     for one, value in expected.items():
         if one.startswith("energy/") or (max(before, after) > 1 and one.startswith("walls/")):
-            np.testing.assert_allclose(found[one], value, rtol=0, atol=ROUNDING * np.abs(value).max(), err_msg=one)
+            np.testing.assert_allclose(
+                found[one], value, rtol=0, atol=ROUNDING * np.abs(value).max(), err_msg=one
+            )
         else:
             assert np.array_equal(value, found[one], equal_nan=value.dtype.kind == "f"), one
     compare(whole, killed)
@@ -139,9 +167,13 @@ def test_automatic_end_is_the_same_after_a_stop(tmp_path):
 @pytest.mark.parametrize("ranks", [1, 2])
 def test_ctrl_c_ends_a_static_stage_that_does_not(tmp_path, ranks):
     """Dents that are forgotten at once keep the packing from balance for many minutes."""
-    process = start(tmp_path / "run", f"--np={ranks}", case=["preconditioned-fcc", "boundary.forget_gap=1e-9"])
+    process = start(
+        tmp_path / "run", f"--np={ranks}", case=["preconditioned-fcc", "boundary.forget_gap=1e-9"]
+    )
     log = tmp_path / "run" / "log.lammps"
-    wait_for(lambda: log.exists() and "min_style" in log.read_text(errors="replace"), beside=process)
+    wait_for(
+        lambda: log.exists() and "min_style" in log.read_text(errors="replace"), beside=process
+    )
     process.send_signal(signal.SIGINT)
     _, errors = process.communicate(timeout=20)
     assert process.returncode == 130, errors
@@ -174,5 +206,7 @@ sys.exit(main.main([]))
 
 def test_ctrl_c_while_python_clears_up_is_not_lost():
     """Errors in callbacks of weak references are printed and dropped."""
-    done = subprocess.run([sys.executable, "-c", LOST], capture_output=True, text=True, timeout=15, env=PLAIN)
+    done = subprocess.run(
+        [sys.executable, "-c", LOST], capture_output=True, text=True, timeout=15, env=PLAIN
+    )
     assert (done.returncode, done.stderr) == (130, "granwave: stopped\n")

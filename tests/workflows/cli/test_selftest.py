@@ -13,7 +13,8 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.workflows.cli import selftest
 from granwave.workflows.cli.main import main
 
-KNOWN = {  # computed apart from the package: Hertz and Thornton for two brass spheres of 10 mm, 1 m/s
+# computed apart from the package: Hertz and Thornton for two brass spheres of 10 mm, 1 m/s
+KNOWN = {
     "two spheres, Hertz: peak force": "207.201 N",
     "two spheres, Hertz: contact": "39.5126 us",
     "plastic pair: peak force": "98.0419 N",
@@ -27,14 +28,18 @@ def test_it_passes_and_leaves_nothing(granwave, tmp_path, monkeypatch):
     found = json.loads(done.stdout)
     assert done.returncode == 0 and found["passed"], done.stdout + done.stderr
     rows = {row["what"]: row for row in found["checks"]}
-    assert all(rows[name]["expected"] == value == rows[name]["found"] for name, value in KNOWN.items())
+    assert all(
+        rows[name]["expected"] == value == rows[name]["found"] for name, value in KNOWN.items()
+    )
     assert rows["2 ranks: at work"]["found"] == "2" and rows["2 ranks: fields as of one rank"]["ok"]
     assert any(name.startswith("resumed at step ") for name in rows)
     assert list(tmp_path.iterdir()) == []
 
 
 def test_wrong_numbers_are_told_with_what_to_do(monkeypatch, capsys):
-    """A stored number that is not met, a run that fails, and a run that was not stopped: each in its line."""
+    """A stored number that is not met, a run that fails, and a run that was not stopped: each in
+    its line.
+    """
 
     def refuse(scratch):
         raise RunError("LAMMPS: no such style")
@@ -55,7 +60,8 @@ def test_wrong_numbers_are_told_with_what_to_do(monkeypatch, capsys):
 
 def test_without_lammps_nothing_is_computed(monkeypatch, capsys):
     parts = [
-        dataclasses.replace(one, works=one.part != "lammps module", remedy="mend it") for one in selftest.examine()
+        dataclasses.replace(one, works=one.part != "lammps module", remedy="mend it")
+        for one in selftest.examine()
     ]
     monkeypatch.setattr(selftest, "examine", lambda: parts)
     monkeypatch.setattr(selftest, "run_case", None)
@@ -64,7 +70,9 @@ def test_without_lammps_nothing_is_computed(monkeypatch, capsys):
     assert "not run" in said and "mend  lammps module: mend it" in said
 
 
-@pytest.mark.parametrize(("found", "ok"), [(1.0, True), (1.00004, True), (1.00006, False), (float("nan"), False)])
+@pytest.mark.parametrize(
+    ("found", "ok"), [(1.0, True), (1.00004, True), (1.00006, False), (float("nan"), False)]
+)
 def test_digits(found, ok):
     assert selftest._number("x", "N", 1.0, found).ok is ok
 

@@ -52,19 +52,41 @@ def test_files_of_all_three_share_a_directory(row, capsys):
     assert printed == json.loads((row / "out" / "bands.json").read_text())
     assert main(["modes", "row.toml", "-o", "out", "--no-figures"]) == 0
     frequencies = ["--frequencies", "500:20000:4"]
-    assert main(["transmission", "row.toml", "--drive", "1", "--sensor", "4,8", *frequencies, "-o", "out"]) == 0
+    assert (
+        main(
+            [
+                "transmission",
+                "row.toml",
+                "--drive",
+                "1",
+                "--sensor",
+                "4,8",
+                *frequencies,
+                "-o",
+                "out",
+            ]
+        )
+        == 0
+    )
     with (row / "out" / "bands.csv").open() as file:
         table = list(csv.DictReader(file))
     assert list(table[0]) == ["distance", "kx", "ky", "kz", "f1_Hz"] and len(table) == 5
     assert float(table[-1]["f1_Hz"]) == pytest.approx(printed["highest_frequency_Hz"], rel=1e-8)
     with (row / "out" / "transmission.csv").open() as file:
         table = list(csv.DictReader(file))
-    assert list(table[0]) == ["frequency_Hz", "sensor", "amplitude_ratio", "phase_rad"] and len(table) == 8
+    assert (
+        list(table[0]) == ["frequency_Hz", "sensor", "amplitude_ratio", "phase_rad"]
+        and len(table) == 8
+    )
     with h5py.File(row / "out" / "spectra.h5") as file:
         assert {"bands", "modes", "transmission"} == set(file)
-        assert file["bands/frequency"].attrs["unit"] == "Hz" and file["modes/frequency"].shape == (12,)
+        assert file["bands/frequency"].attrs["unit"] == "Hz" and file["modes/frequency"].shape == (
+            12,
+        )
         assert file["bands/springs/force"][0] == pytest.approx(20)
-    assert {"bands.png", "bands.pdf", "transmission.csv"} <= {one.name for one in (row / "out" / "figures").iterdir()}
+    assert {"bands.png", "bands.pdf", "transmission.csv"} <= {
+        one.name for one in (row / "out" / "figures").iterdir()
+    }
     assert main(["bands", "row.toml", "-o", "out"]) == 2
     assert "already holds results (bands.csv)" in capsys.readouterr().err
     assert main(["bands", "row.toml", "-o", "out", "--force", "--no-figures"]) == 0
@@ -80,7 +102,9 @@ def test_python_gives_datasets(row):
 
 
 def test_a_finished_run_serves_as_a_case(row, capsys):
-    """The state that its static stage left; bands, and modes with its wall, as computed from the case."""
+    """The state that its static stage left; bands, and modes with its wall, as computed from the
+    case.
+    """
     run = gw.run("row.toml", run__end_time=2e-6, run__frames=2, load__velocity=1e-3, progress=False)
     np.testing.assert_allclose(gw.bands(run).frequency, gw.bands("row.toml").frequency, rtol=1e-6)
     np.testing.assert_allclose(gw.modes(run).frequency, gw.modes("row.toml").frequency, rtol=1e-6)
@@ -89,7 +113,8 @@ def test_a_finished_run_serves_as_a_case(row, capsys):
 
 
 def test_each_value_has_its_entry(row):
-    case, tables = load_case("row.toml"), (OF_BANDS, OF_MODES, OF_TRANSMISSION)
+    case = load_case("row.toml")
+    tables = (OF_BANDS, OF_MODES, OF_TRANSMISSION)
     found = (
         commands.bands(case, None, points=3),
         commands.modes(case, None),
@@ -116,20 +141,34 @@ def test_another_case_in_the_same_directory(row, capsys):
 @pytest.mark.parametrize(
     ("cell", "places", "message"),
     [
-        ("[[0, 0, 0.004]]", [[0, 0, 0]], "found a period of 0.004 m, shorter than a grain with a diameter of 0.01 m"),
+        (
+            "[[0, 0, 0.004]]",
+            [[0, 0, 0]],
+            "found a period of 0.004 m, shorter than a grain with a diameter of 0.01 m",
+        ),
         ("[[0, 0, 1e-12]]", [[0, 0, 0]], "shorter than a grain"),
-        ("[[0, 0, 0.014]]", [[0, 0, 0], [0, 0, 0.01]], "found grain 2 in an image of grain 1: they overlap by 0.006 m"),
+        (
+            "[[0, 0, 0.014]]",
+            [[0, 0, 0], [0, 0, 0.01]],
+            "found grain 2 in an image of grain 1: they overlap by 0.006 m",
+        ),
     ],
 )
 def test_a_cell_smaller_than_its_grains(row, capsys, cell, places, message):
-    (row / "g.csv").write_text("x,y,z,diameter\n" + "".join(f"{x},{y},{z},0.01\n" for x, y, z in places))
-    text = ROW.replace('kind = "chain"\nsize = 12\ndiameter = 0.01', f'kind = "file"\nfile = "g.csv"\ncell = {cell}')
+    (row / "g.csv").write_text(
+        "x,y,z,diameter\n" + "".join(f"{x},{y},{z},0.01\n" for x, y, z in places)
+    )
+    text = ROW.replace(
+        'kind = "chain"\nsize = 12\ndiameter = 0.01',
+        f'kind = "file"\nfile = "g.csv"\ncell = {cell}',
+    )
     (row / "cell.toml").write_text(text)
     assert main(["bands", "cell.toml", "-o", "out", "--no-figures"]) == 2
     assert message in capsys.readouterr().err
 
 
-FORCE, DIAMETER = 20.0, 0.010
+FORCE = 20.0
+DIAMETER = 0.010
 
 
 def chain(**changes):
@@ -146,7 +185,8 @@ def closed_forms():
     modulus = case.material.youngs_modulus / (1 - case.material.poisson_ratio**2) / 2
     radius = DIAMETER / 4
     overlap = (3 * FORCE / (4 * modulus * math.sqrt(radius))) ** (2 / 3)
-    stiffness, mass = 1.5 * FORCE / overlap, case.material.density * math.pi * DIAMETER**3 / 6
+    stiffness = 1.5 * FORCE / overlap
+    mass = case.material.density * math.pi * DIAMETER**3 / 6
     return math.sqrt(stiffness / mass) / math.pi, DIAMETER * math.sqrt(stiffness / mass)
 
 
@@ -164,7 +204,14 @@ def test_cut_off_and_speed():
 @pytest.mark.parametrize(("share", "fate"), [(0.5, "passes"), (1.1, "is stopped")])
 def test_frequency_of_the_load(share, fate):
     cut_off, _ = closed_forms()
-    load = {"load": {"kind": "force", "shape": "harmonic", "amplitude": 0.01, "frequency": share * cut_off}}
+    load = {
+        "load": {
+            "kind": "force",
+            "shape": "harmonic",
+            "amplitude": 0.01,
+            "frequency": share * cut_off,
+        }
+    }
     rows = list(wave_rows(small_waves(chain(**load))))
     assert rows[-1][0] == "load's frequency" and rows[-1][1].endswith(fate)
 
@@ -202,7 +249,9 @@ def plan_of(words, capsys):
     ],
 )
 def test_the_continuum_case_has_the_input_of_the_packing(changes, capsys):
-    packing = plan_of(["fcc-small", *SMALL, *(word for change in changes for word in ("--set", change))], capsys)
+    packing = plan_of(
+        ["fcc-small", *SMALL, *(word for change in changes for word in ("--set", change))], capsys
+    )
     program, verb, *words = shlex.split(packing["counterpart"]["command"])
     assert (program, verb) == ("granwave", "continuum")
     continuum = plan_of(words, capsys)
@@ -217,7 +266,9 @@ def test_the_continuum_case_has_the_input_of_the_packing(changes, capsys):
      (["punch.diameter=0.02", "material=steel"], "load.spheres=1")],
 )  # fmt: skip
 def test_the_packing_has_the_input_of_the_continuum_case(changes, struck, capsys):
-    continuum = plan_of(["half-space", *(word for change in changes for word in ("--set", change))], capsys)
+    continuum = plan_of(
+        ["half-space", *(word for change in changes for word in ("--set", change))], capsys
+    )
     program, verb, *words = shlex.split(continuum["counterpart"]["command"])
     assert (program, verb) == ("granwave", "run")
     assert struck in words
@@ -235,8 +286,11 @@ def test_the_command_runs_and_its_summary_agrees(tmp_path, capsys):
 
 
 def test_inputs_are_those_of_the_summary(tmp_path):
-    case = load_case("fcc-small", {"packing.size": [4, 4, 3], "run.end_time": 2e-5, "load.spheres": 3})
-    inputs, summary = inputs_of_packing(case), run_case(case, tmp_path, figures=False).summary
+    case = load_case(
+        "fcc-small", {"packing.size": [4, 4, 3], "run.end_time": 2e-5, "load.spheres": 3}
+    )
+    inputs = inputs_of_packing(case)
+    summary = run_case(case, tmp_path, figures=False).summary
     assert inputs.energy == pytest.approx(summary["energy_input_J"], rel=1e-12)
     assert inputs.energy_normalised == pytest.approx(summary["energy_input_normalised"], rel=1e-12)
     assert inputs.velocity_normalised == pytest.approx(summary["velocity_normalised"], rel=1e-12)
@@ -265,4 +319,7 @@ def test_check_prints_inputs_and_the_command(capsys):
     assert "0.0556324 J" in lines["energy in"]
     assert "8434.55 F_y alpha_y" in lines["energy normalised"]
     assert "47.4259" in lines["velocity normalised"]
-    assert any(line.startswith("continuum of equal input: granwave continuum half-space --set") for line in lines)
+    assert any(
+        line.startswith("continuum of equal input: granwave continuum half-space --set")
+        for line in lines
+    )

@@ -1,4 +1,6 @@
-"""Searches from a file to the best design: results, resumption, refusals, two objectives, uncertainty, Python."""
+"""Searches from a file to the best design: results, resumption, refusals, two objectives,
+uncertainty, Python.
+"""
 
 from __future__ import annotations
 
@@ -74,8 +76,20 @@ def folder(tmp_path_factory):
 @pytest.fixture(scope="module")
 def searched(folder):
     """All eight chains of three beads, by the command line, one at a time."""
-    command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "all", "--jobs", "1"]
-    done = subprocess.run(command, cwd=folder, capture_output=True, text=True, timeout=600, env=PLAIN, check=False)
+    command = [
+        sys.executable,
+        "-m",
+        "granwave.workflows",
+        "design",
+        "beads.toml",
+        "-o",
+        "all",
+        "--jobs",
+        "1",
+    ]
+    done = subprocess.run(
+        command, cwd=folder, capture_output=True, text=True, timeout=600, env=PLAIN, check=False
+    )
     assert done.returncode == 0, done.stderr
     return folder / "all", done.stdout
 
@@ -128,7 +142,10 @@ def test_cases_of_the_best(searched, tmp_path):
 
 def test_checks_of_the_best(searched):
     directory, _ = searched
-    guards = {one["name"]: one for one in json.loads((directory / "design.json").read_text())["best"]["guards"]}
+    guards = {
+        one["name"]: one
+        for one in json.loads((directory / "design.json").read_text())["best"]["guards"]
+    }
     assert {"flight", "impulse", "longer", "finer", "tolerance", "neighbour-1"} <= set(guards)
     assert abs(guards["finer"]["changes"]["target_peak_force_N"]) < 1e-4
     assert not guards["longer"]["warning"]
@@ -150,15 +167,29 @@ def test_results_are_not_replaced(searched, granwave):
 
 def test_a_killed_search_goes_on_to_the_same_designs(searched, folder):
     directory, _ = searched
-    command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "killed", "--jobs", "1"]
-    killed = subprocess.Popen(command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=PLAIN)
+    command = [
+        sys.executable,
+        "-m",
+        "granwave.workflows",
+        "design",
+        "beads.toml",
+        "-o",
+        "killed",
+        "--jobs",
+        "1",
+    ]
+    killed = subprocess.Popen(
+        command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, env=PLAIN
+    )
     begin = time.monotonic()
     while not (folder / "killed/points/3/run.json").exists() and time.monotonic() < begin + 60:
         time.sleep(0.02)
     os.kill(killed.pid, signal.SIGKILL)
     killed.wait()
     assert len(rows_of(folder / "killed")) < 8
-    done = subprocess.run([*command, "--resume"], cwd=folder, capture_output=True, text=True, env=PLAIN, check=False)
+    done = subprocess.run(
+        [*command, "--resume"], cwd=folder, capture_output=True, text=True, env=PLAIN, check=False
+    )
     assert done.returncode == 0, done.stderr
     assert (folder / "killed/designs.csv").read_text() == (directory / "designs.csv").read_text()
 
@@ -175,7 +206,9 @@ def test_ctrl_c_stops_a_search_that_goes_on_later(folder):
     _, text = stopped.communicate(timeout=60)
     assert stopped.returncode == 130
     assert "--resume goes on" in text
-    found = gw.design(folder / "beads.toml", directory=folder / "stopped", resume=True, budget=4, progress=False)
+    found = gw.design(
+        folder / "beads.toml", directory=folder / "stopped", resume=True, budget=4, progress=False
+    )
     assert len(found.table) >= 4
 
 
@@ -190,7 +223,10 @@ def test_what_differs_or_is_damaged_does_not_go_on(searched, folder):
         "name": "beads",
         "objective": {"minimise": ["wall_impulse_Ns"]},
     }
-    for tables, differs in ((changed, r"base\.load\.velocity was 2\.0, is 8\.0"), (other, r"objective\.minimise was")):
+    for tables, differs in (
+        (changed, r"base\.load\.velocity was 2\.0, is 8\.0"),
+        (other, r"objective\.minimise was"),
+    ):
         with pytest.raises(InputError, match=differs):
             gw.design(tables, directory=directory, resume=True)
     for text in ("garbage", "[1]", "{}", '{"problem": {}, "designs": [{"number": 1}]}'):
@@ -215,14 +251,21 @@ def test_values_that_are_no_numbers_fail(folder):
     tables |= {"search": {"evaluations": 2, "guards": False}}
     found = gw.design(tables, directory=folder / "words", progress=False)
     assert found.best is None
-    assert set(found.table["reason"]) == {"plastic_zone_depth_m: null in summary.json, expected a number"}
+    assert set(found.table["reason"]) == {
+        "plastic_zone_depth_m: null in summary.json, expected a number"
+    }
 
 
 def test_far_worse_designs_are_not_run_further(folder):
-    """Designs are compared in the same runs: one that is better throughout is not lost for its fast first blow."""
+    """Designs are compared in the same runs: one that is better throughout is not lost for its fast
+    first blow.
+    """
     problem = problem_of(folder, uncertainty={"velocity": [0.5, 10.0], "replicates": 2})
     best = Design(1, {}, "complete", objectives={"target_peak_force_N": 50.0})
-    best.runs = {"1-1": {"value": {"target_peak_force_N": 90.0}}, "1-2": {"value": {"target_peak_force_N": 10.0}}}
+    best.runs = {
+        "1-1": {"value": {"target_peak_force_N": 90.0}},
+        "1-2": {"value": {"target_peak_force_N": 10.0}},
+    }
     search = _Search(Study(problem, folder, [best]), 1, 1, Interrupts(), show=False)
     for force, lost in ((95.0, False), (200.0, True)):
         design = Design(2, {}, runs={"2-1": {"value": {"target_peak_force_N": force}}})
@@ -230,8 +273,13 @@ def test_far_worse_designs_are_not_run_further(folder):
 
 
 def test_the_best_are_run_again_in_full_and_their_neighbours_too(folder):
-    """A search of few, coarse runs: the ranking and the case of the best are of full ones, in the same directories."""
-    tables = {**problem_of(folder).tables, "search": {"evaluations": 4, "seed": 3, "tolerance": 3e-5}}
+    """A search of few, coarse runs: the ranking and the case of the best are of full ones, in the
+    same directories.
+    """
+    tables = {
+        **problem_of(folder).tables,
+        "search": {"evaluations": 4, "seed": 3, "tolerance": 3e-5},
+    }
     found = gw.design(tables, directory=folder / "coarse", jobs=1, progress=False)
     content = json.loads((folder / "coarse/study.json").read_text())["designs"]
     ran = [one for one in content if one["runs"]]
@@ -251,7 +299,9 @@ def test_the_best_are_run_again_in_full_and_their_neighbours_too(folder):
     assert best["number"] == ranked[0]["number"]
     before = (folder / "coarse/designs.csv").read_text()
     gw.design(tables, directory=folder / "coarse", jobs=1, resume=True, progress=False)
-    assert (folder / "coarse/designs.csv").read_text() == before  # nothing more is found at another start
+    assert (
+        folder / "coarse/designs.csv"
+    ).read_text() == before  # nothing more is found at another start
 
 
 def test_moves_to_better_neighbours_are_said(folder):
@@ -283,28 +333,44 @@ def test_what_is_refused_alone_is_warned_of_once(folder, caplog):
     base = {"material": "steel", "packing": packing, "contact": {"law": "elastoplastic"}}
     problem_of(folder, set=base, variables={"layers": {"materials": ["steel", "ptfe"]}})
     (warned,) = [one for one in caplog.messages if "alone is refused" in one]
-    assert "replace.1-16.material and 2 more" in warned and '{preset = "ptfe", yield_strength = (Pa)}' in warned
+    assert (
+        "replace.1-16.material and 2 more" in warned
+        and '{preset = "ptfe", yield_strength = (Pa)}' in warned
+    )
     problem_of(folder, variables={"material": ["steel", "aluminum"]})
     assert "did you mean aluminium" in caplog.text
 
 
 def test_uncertainty_is_averaged(folder):
     tables = {**problem_of(folder).tables, "uncertainty": {"velocity": [1.0, 3.0], "replicates": 2}}
-    tables |= {"variables": {"replace.1.material": MATERIALS}, "search": {"evaluations": 2, "guards": False}}
+    tables |= {
+        "variables": {"replace.1.material": MATERIALS},
+        "search": {"evaluations": 2, "guards": False},
+    }
     found = gw.design(tables, directory=folder / "mean", progress=False)
     assert set(found.table["state"]) <= {"complete", "pruned"}
     for _, row in found.table[found.table["state"] == "complete"].iterrows():
-        low, high = row["target_peak_force_N_low"], row["target_peak_force_N_high"]
+        low = row["target_peak_force_N_low"]
+        high = row["target_peak_force_N_high"]
         assert row["target_peak_force_N"] == pytest.approx((low + high) / 2) and low < high
-    cases = [tomllib.loads((path / "case.toml").read_text()) for path in (folder / "mean/points").glob("1-*")]
-    assert sorted(case["load"]["velocity"] for case in cases) == [1.5, 2.5]  # the middles of two halves
+    cases = [
+        tomllib.loads((path / "case.toml").read_text())
+        for path in (folder / "mean/points").glob("1-*")
+    ]
+    assert sorted(case["load"]["velocity"] for case in cases) == [
+        1.5,
+        2.5,
+    ]  # the middles of two halves
     for statistic, value in (("worst", 5.0), (0.5, 2.0)):
         problem = problem_of(folder, uncertainty={"statistic": statistic, "velocity": [1.0, 3.0]})
         assert problem.statistic_of(problem.objectives[0], [1.0, 5.0, 2.0]) == value
 
 
 def test_limits_after_a_run(folder):
-    tables = {**problem_of(folder).tables, "limits": {"wall_impulse_Ns": 1e-9, "overlap_over_radius": 0.5}}
+    tables = {
+        **problem_of(folder).tables,
+        "limits": {"wall_impulse_Ns": 1e-9, "overlap_over_radius": 0.5},
+    }
     tables["search"] = {"evaluations": 2, "guards": False}
     found = gw.design(tables, directory=folder / "impossible", progress=False)
     assert found.best is None
@@ -320,7 +386,8 @@ PTFE = {"index": 7, "material": "ptfe"}
     [
         ({"index": 5, "diameter": 0.01}, {"replace.5.material": "ptfe", "replace.7.material": "ptfe"},
          [{"index": 5, "diameter": 0.01, "material": "ptfe"}, PTFE]),
-        ({"index": {"first": 1, "last": 3}, "diameter": 0.009}, {"replace.2.material": "ptfe"},  # the diameter stays
+        # the diameter stays
+        ({"index": {"first": 1, "last": 3}, "diameter": 0.009}, {"replace.2.material": "ptfe"},
          [{"index": {"first": 1, "last": 3}, "diameter": 0.009}, {"index": 2, "diameter": 0.009, "material": "ptfe"}]),
         ({"index": {"first": 3, "last": 5}, "diameter": 0.2}, {"replace.1-4.material": "ptfe"},
          [{"index": {"first": 3, "last": 5}, "diameter": 0.2}, {"index": {"first": 1, "last": 2}, "material": "ptfe"},
@@ -337,16 +404,26 @@ def test_values_go_into_lists_and_grains(entry, values, expected):
 
 
 def test_keys_without_quotes(folder):
-    nested = {"packing": {"diameter": [0.01]}, "boundary": {"bottom": {"plate": {"mass": {"low": 1.0, "high": 2.0}}}}}
+    nested = {
+        "packing": {"diameter": [0.01]},
+        "boundary": {"bottom": {"plate": {"mass": {"low": 1.0, "high": 2.0}}}},
+    }
     base = {"boundary.bottom": {"plate": {"mass": 1.0, "stiffness": 1e6}}}
     keys = [one.key for one in problem_of(folder, variables=nested, set=base).space.variables]
     assert keys == ["packing.diameter", "boundary.bottom.plate.mass"]
-    (folder / "plate.toml").write_text(CHAIN + "[boundary]\nbottom = {plate = {mass = 1.0, stiffness = 1e6}}\n")
-    for table in ({"boundary": {"bottom": {"plate": {"mass": 2.0}}}}, {"boundary.bottom.plate.mass": 2.0}):
+    (folder / "plate.toml").write_text(
+        CHAIN + "[boundary]\nbottom = {plate = {mass = 1.0, stiffness = 1e6}}\n"
+    )
+    for table in (
+        {"boundary": {"bottom": {"plate": {"mass": 2.0}}}},
+        {"boundary.bottom.plate.mass": 2.0},
+    ):
         made = problem_of(folder, base=str(folder / "plate.toml"), set=table)
         assert made.base["boundary"]["bottom"] == {"plate": {"mass": 2.0, "stiffness": 1e6}}
     half_space = {"half_space": {}, "material": "steel"}
-    made = problem_of(folder, base=str(folder / "plate.toml"), set={"boundary": {"bottom": half_space}})
+    made = problem_of(
+        folder, base=str(folder / "plate.toml"), set={"boundary": {"bottom": half_space}}
+    )
     assert made.base["boundary"]["bottom"] == half_space
     both = {"load": {"velocity": [1.0, 3.0]}, "replicates": 2}
     assert (
@@ -363,15 +440,28 @@ def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
     (folder / "job.sh").write_text(
         f"#!/bin/sh\n{sys.executable} -m granwave.workflows design beads.toml -o job --budget 4 --force\n"
     )
-    command = ["sbatch", "--wait", "--partition=main", "--nodes=2", "--ntasks=2", "--ntasks-per-node=1"]
-    done = subprocess.run([*command, "-o", "job.log", "job.sh"], cwd=folder, timeout=240, check=False)
+    command = [
+        "sbatch",
+        "--wait",
+        "--partition=main",
+        "--nodes=2",
+        "--ntasks=2",
+        "--ntasks-per-node=1",
+    ]
+    done = subprocess.run(
+        [*command, "-o", "job.log", "job.sh"], cwd=folder, timeout=240, check=False
+    )
     assert done.returncode == 0, (folder / "job.log").read_text()
-    records = [json.loads(path.read_text()) for path in (folder / "job/points").glob("[0-9]/run.json")]
+    records = [
+        json.loads(path.read_text()) for path in (folder / "job/points").glob("[0-9]/run.json")
+    ]
     assert {node for record in records for node in record["nodes"]} == set(slurm)
 
 
 def test_layers_are_variables_of_each_bead(folder):
-    problem = problem_of(folder, variables={"layers": {"materials": MATERIALS, "diameters": [0.5, 1.0]}})
+    problem = problem_of(
+        folder, variables={"layers": {"materials": MATERIALS, "diameters": [0.5, 1.0]}}
+    )
     assert len(problem.space.variables) == 6
     sizes = [one for one in problem.space.variables if one.key == "replace.2.diameter"]
     assert (sizes[0].low, sizes[0].high) == (0.005, 0.01)
@@ -384,11 +474,19 @@ def test_layers_of_a_packing_and_those_that_are_tied(folder):
         ({"tied": {"period": 2}}, ["1-16,33-48", "17-32,49-64"]),
         ({"tied": {"groups": 2}}, ["1-32", "33-64"]),
     ):
-        problem = problem_of(folder, **base, variables={"layers": {"materials": ["steel", "aluminium"], **tied}})
-        assert [one.key for one in problem.space.variables] == [f"replace.{ids}.material" for ids in keys]
-        known = new_design(problem, 1, {one.key: "aluminium" for one in problem.space.variables}).known
+        problem = problem_of(
+            folder, **base, variables={"layers": {"materials": ["steel", "aluminium"], **tied}}
+        )
+        assert [one.key for one in problem.space.variables] == [
+            f"replace.{ids}.material" for ids in keys
+        ]
+        known = new_design(
+            problem, 1, {one.key: "aluminium" for one in problem.space.variables}
+        ).known
         light = new_design(
-            problem_of(folder, **base, variables={"material": ["aluminium"]}), 1, {"material": "aluminium"}
+            problem_of(folder, **base, variables={"material": ["aluminium"]}),
+            1,
+            {"material": "aluminium"},
         )
         assert known["mass_kg"] == pytest.approx(light.known["mass_kg"])
     row = problem_of(folder, variables={"layers": {"diameters": [0.5, 1.0], "tied": {"period": 2}}})
@@ -404,15 +502,27 @@ def test_limits_known_before_a_run(folder):
     steel = new_design(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
     assert steel.state == "refused"
     assert steel.reason.startswith("mass_kg 0.012")
-    assert new_design(problem, 1, {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}).state == "running"
+    assert (
+        new_design(problem, 1, {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}).state
+        == "running"
+    )
 
 
 @pytest.mark.parametrize(
     ("changes", "expected"),
     [
-        ({"limits": {"mass_kg": 1e-6}}, "no design meets them, of 200 drawn or all that there are; the nearest is"),
-        ({"variables": {"packing.diametr": [0.01]}}, "is no key of a case; did you mean packing.diameter?"),
-        ({"variables": {"packing.diameter": {"low": 2.0, "high": 1.0}}}, "whose high (1) is above its low (2)"),
+        (
+            {"limits": {"mass_kg": 1e-6}},
+            "no design meets them, of 200 drawn or all that there are; the nearest is",
+        ),
+        (
+            {"variables": {"packing.diametr": [0.01]}},
+            "is no key of a case; did you mean packing.diameter?",
+        ),
+        (
+            {"variables": {"packing.diameter": {"low": 2.0, "high": 1.0}}},
+            "whose high (1) is above its low (2)",
+        ),
         ({"variables": {"packing.size.2": [3, 4]}}, "packing.size.2: found 3 in the case"),
         ({"variables": {}}, "found none, expected a table of keys"),
         ({"objective": {"minimise": ["target_peak_force"]}}, "did you mean target_peak_force_N?"),
@@ -423,9 +533,18 @@ def test_limits_known_before_a_run(folder):
         ({"uncertainty": {"velocity": [3.0, 1.0]}}, "the largest not below the smallest"),
         ({"uncertainty": {"statistic": "median"}}, '"mean", "worst"'),
         ({"variables": {"packing.diameter": [0.01, float("inf")]}}, "numbers that are finite"),
-        ({"variables": {"packing.diameter": [0.01], "packing": {"diameter": [0.01]}}}, "is given twice"),
-        ({"variables": {"layers": {"materials": MATERIALS}, "replace.1.material": MATERIALS}}, "is given twice"),
-        ({"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}}, "found beside packing.size"),
+        (
+            {"variables": {"packing.diameter": [0.01], "packing": {"diameter": [0.01]}}},
+            "is given twice",
+        ),
+        (
+            {"variables": {"layers": {"materials": MATERIALS}, "replace.1.material": MATERIALS}},
+            "is given twice",
+        ),
+        (
+            {"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}},
+            "found beside packing.size",
+        ),
         (
             {"variables": {"layers": {"materials": MATERIALS, "tied": True}}},
             "layers.tied: found true, expected {period",
@@ -435,9 +554,15 @@ def test_limits_known_before_a_run(folder):
             {"base": "fcc-small", "variables": {"layers": {"diameters": [0.5, 1.0]}}},
             'expected "chain": smaller spheres',
         ),
-        ({"variables": {"packing.diameter": {"low": 0.01, "high": 0.02, "step": 0}}}, "steps above 0"),
+        (
+            {"variables": {"packing.diameter": {"low": 0.01, "high": 0.02, "step": 0}}},
+            "steps above 0",
+        ),
         ({"variables": {"packing.kind": ["foo"]}}, "variables: packing.kind: found"),
-        ({"objective": {"minimise": ["end_reason"]}}, "expected the name of a number of summary.json"),
+        (
+            {"objective": {"minimise": ["end_reason"]}},
+            "expected the name of a number of summary.json",
+        ),
         ({"serach": {}}, "did you mean search?"),
         ({"uncertainty": {"velocity": [1, 2], "load.velocity": [1, 2]}}, "is given twice"),
         ({"uncertainty": {"velocity": [-5, -3]}}, "uncertainty: load.velocity"),
@@ -477,22 +602,36 @@ def test_guards_change_one_thing():
 
 
 def test_what_the_run_of_the_best_tells(folder, tmp_path):
-    """Overlaps beyond the law, beads that fly off, an impulse that still comes in, an end of a range: each is said."""
+    """Overlaps beyond the law, beads that fly off, an impulse that still comes in, an end of a
+    range: each is said.
+    """
     import h5py
     import numpy as np
 
     ranges = {"packing.diameter": {"low": 0.004, "high": 0.012}}
-    problem = problem_of(folder, base="fcc-small", variables=ranges, set={"packing.size": [4, 4, 4]})
+    problem = problem_of(
+        folder, base="fcc-small", variables=ranges, set={"packing.size": [4, 4, 4]}
+    )
     time_ = np.linspace(0.0, 1.0, 101)
-    still, past = np.ones(101), np.exp(-(((time_ - 0.3) / 0.1) ** 2))
-    bad, good = (5, 1.0, 0.5, still, 0.012, "not fallen"), (0, 1.0, 0.1, past, 0.008, "")
+    still = np.ones(101)
+    past = np.exp(-(((time_ - 0.3) / 0.1) ** 2))
+    bad = (5, 1.0, 0.5, still, 0.012, "not fallen")
+    good = (0, 1.0, 0.1, past, 0.008, "")
 
     def warned(beyond, given, kinetic, force, diameter, note):
         with h5py.File(tmp_path / "result.h5", "w") as file:
             file["walls/bottom/time"], file["walls/bottom/force"] = time_, force
-        summary = {"contacts_beyond_law": beyond, "energy_input_J": given, "energy_kinetic_J": kinetic}
+        summary = {
+            "contacts_beyond_law": beyond,
+            "energy_input_J": given,
+            "energy_kinetic_J": kinetic,
+        }
         best = Design(1, {"packing.diameter": diameter}, "complete", runs={"1": {"note": note}})
-        return {one.name for one in findings_without_runs(problem, best, summary, tmp_path) if one.warning}
+        return {
+            one.name
+            for one in findings_without_runs(problem, best, summary, tmp_path)
+            if one.warning
+        }
 
     assert warned(*good) == set()
     names = ("law", "", "flight", "impulse", "edge", "end")
@@ -522,7 +661,12 @@ def test_luck_is_another_seed_of_what_is_random_and_a_tolerance_of_what_is_not(f
     plain = {name for name, *_ in further_runs(problem_of(folder, **base), best, 1)}
     random = problem_of(folder, **base, uncertainty={"tolerance": 5e-6, "replicates": 2})
     assert plain == {"wider", "longer", "finer", "tolerance"}
-    assert {name for name, *_ in further_runs(random, best, 1)} == {"wider", "longer", "finer", "seed"}
+    assert {name for name, *_ in further_runs(random, best, 1)} == {
+        "wider",
+        "longer",
+        "finer",
+        "seed",
+    }
 
 
 def test_passed_forces_and_late_impulses():

@@ -42,11 +42,13 @@ class Killed(BaseException):
 @pytest.fixture
 def search(monkeypatch, tmp_path):
     """Function that makes a search of a formula: the tables of a case give the force, or None."""
-    chance, state = random.Random(1), {"killed": 0.0}
+    chance = random.Random(1)
+    state = {"killed": 0.0}
 
     class Formulas:
         def __init__(self, folder, ranks):
-            self.folder, self.waiting = folder, {}
+            self.folder = folder
+            self.waiting = {}
 
         def __len__(self):
             return len(self.waiting)
@@ -76,10 +78,23 @@ def search(monkeypatch, tmp_path):
     (tmp_path / "packing.toml").write_text(PACKING)
 
     def searched(
-        force, variables, *, base="chain.toml", name="found", resume=False, killed=0.0, objective=FORCE, **more
+        force,
+        variables,
+        *,
+        base="chain.toml",
+        name="found",
+        resume=False,
+        killed=0.0,
+        objective=FORCE,
+        **more,
     ):
         state.update(force=force, killed=killed)
-        tables = {"base": str(tmp_path / base), "variables": variables, "objective": objective, **more}
+        tables = {
+            "base": str(tmp_path / base),
+            "variables": variables,
+            "objective": objective,
+            **more,
+        }
         tables["search"] = {"guards": False, **more.get("search", {})}
         driver.run_design(load_problem(tables), tmp_path / name, jobs=1, resume=resume)
         return json.loads((tmp_path / name / "design.json").read_text())
@@ -98,9 +113,12 @@ STIFF = {"steel": 1.0, "aluminium": 0.0, "brass": 0.6}
 
 def of_packing(tables):
     kind, best = KINDS[tables["packing"]["kind"]]
-    stiff, share = STIFF[tables["material"]], tables["packing"]["diameter"] / 0.004 - 1
+    stiff = STIFF[tables["material"]]
+    share = tables["packing"]["diameter"] / 0.004 - 1
     layers = tables["packing"]["size"][2]
-    return 300 * math.exp(kind + stiff + 1.5 * (share - best) ** 2 - 0.1 * layers * (1 - kind) * (1.2 - stiff))
+    return 300 * math.exp(
+        kind + stiff + 1.5 * (share - best) ** 2 - 0.1 * layers * (1 - kind) * (1.2 - stiff)
+    )
 
 
 MIXED = {
@@ -114,15 +132,24 @@ MIXED = {
 def test_words_integers_and_a_range_some_of_which_are_no_packings(search):
     found = search(of_packing, MIXED, base="packing.toml", search={"evaluations": 40})
     size = {"kind": "sc", "size": [4, 4, 12], "diameter": 0.0056}
-    assert best_of(found) == pytest.approx(of_packing({"packing": size, "material": "aluminium"}), rel=0.01)
-    assert found["evaluations"] == 40  # what cannot be is learnt, so that the search does not end on it
+    assert best_of(found) == pytest.approx(
+        of_packing({"packing": size, "material": "aluminium"}), rel=0.01
+    )
+    assert (
+        found["evaluations"] == 40
+    )  # what cannot be is learnt, so that the search does not end on it
 
 
 def test_a_limit_that_the_best_stands_at(search):
     """The force falls with the diameter, until six beads have the mass allowed."""
-    variables = {"packing.diameter": {"low": 0.002, "high": 0.03}, "load.velocity": {"low": 1.0, "high": 5.0}}
+    variables = {
+        "packing.diameter": {"low": 0.002, "high": 0.03},
+        "load.velocity": {"low": 1.0, "high": 5.0},
+    }
     found = search(
-        lambda tables: (1 + (tables["load"]["velocity"] - 2.2) ** 2) / tables["packing"]["diameter"],
+        lambda tables: (
+            (1 + (tables["load"]["velocity"] - 2.2) ** 2) / tables["packing"]["diameter"]
+        ),
         variables,
         limits={"mass_kg": 0.05},
         search={"evaluations": 20},
@@ -161,13 +188,17 @@ def test_designs_without_a_value_are_left(search):
         share = (tables["packing"]["diameter"] - 0.004) / 0.008
         return None if share > 0.6 else 100 - 60 * share
 
-    found = search(force, {"packing.diameter": {"low": 0.004, "high": 0.012}}, search={"evaluations": 20})
+    found = search(
+        force, {"packing.diameter": {"low": 0.004, "high": 0.012}}, search={"evaluations": 20}
+    )
     assert best_of(found) == pytest.approx(64, rel=0.01)
     assert found["states"]["failed"] > 0
 
 
 def test_an_objective_that_nothing_changes(search):
-    found = search(lambda tables: 5.0, {"material": ["steel", "ptfe", "brass"]}, search={"evaluations": 3})
+    found = search(
+        lambda tables: 5.0, {"material": ["steel", "ptfe", "brass"]}, search={"evaluations": 3}
+    )
     assert best_of(found) == 5
     assert found["states"] == {"complete": 3}
 
@@ -178,10 +209,16 @@ def test_the_front_of_all_rows(search):
 
     def force(materials):
         steps = sum(a != b for a, b in itertools.pairwise(materials))
-        return 100 * math.prod(soft[one] ** (0.2 + 0.1 * n) for n, one in enumerate(materials)) * math.exp(-0.2 * steps)
+        return (
+            100
+            * math.prod(soft[one] ** (0.2 + 0.1 * n) for n, one in enumerate(materials))
+            * math.exp(-0.2 * steps)
+        )
 
     def of_tables(tables):
-        return force([one["material"] for one in sorted(tables["replace"], key=lambda one: one["index"])])
+        return force(
+            [one["material"] for one in sorted(tables["replace"], key=lambda one: one["index"])]
+        )
 
     variables = {f"replace.{n}.material": list(soft) for n in range(1, 6)}
     found = search(
@@ -200,12 +237,20 @@ def test_the_front_of_all_rows(search):
 
 
 def test_killed_again_and_again_it_finds_the_same(search):
-    """Several runs of each design, some pruned; coarse runs first; designs next to the best; limits."""
+    """Several runs of each design, some pruned; coarse runs first; designs next to the best;
+    limits.
+    """
     more = {
         "base": "packing.toml",
         "limits": {"mass_kg": 0.05},
         "uncertainty": {"velocity": [1.5, 2.5], "replicates": 2, "statistic": "worst"},
-        "search": {"evaluations": 10, "seed": 4, "guards": True, "neighbours": 4, "tolerance": 3e-5},
+        "search": {
+            "evaluations": 10,
+            "seed": 4,
+            "guards": True,
+            "neighbours": 4,
+            "tolerance": 3e-5,
+        },
     }
 
     def force(tables):
@@ -220,7 +265,9 @@ def test_killed_again_and_again_it_finds_the_same(search):
         except Killed:
             killed += 1
     assert killed > 3
-    once, often = ((search.folder / name / "designs.csv").read_text() for name in ("once", "killed"))
+    once, often = (
+        (search.folder / name / "designs.csv").read_text() for name in ("once", "killed")
+    )
     assert often == once
     assert "next to design" in once
     assert np.all([name in once for name in ("pruned", "complete", "refused")])

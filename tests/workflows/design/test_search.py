@@ -8,7 +8,15 @@ import math
 import numpy as np
 import pytest
 
-from granwave.workflows.design.search import Known, expected_random, front, importance, joined, n_first, ordered
+from granwave.workflows.design.search import (
+    Known,
+    expected_random,
+    front,
+    importance,
+    joined,
+    n_first,
+    ordered,
+)
 from granwave.workflows.design.variables import Space, read_variable
 
 pytest.importorskip("sklearn")
@@ -28,7 +36,9 @@ def of_beads(values):
     """Force behind beads: soft ones at the ends, stiff ones inside, and interfaces help."""
     soft = [value == "ptfe" for value in values.values()]
     interfaces = sum(a != b for a, b in itertools.pairwise(soft))
-    return 100 * math.exp(-0.6 * soft[0] - 0.8 * soft[-1] - 0.3 * interfaces + 0.25 * sum(soft[1:-1]))
+    return 100 * math.exp(
+        -0.6 * soft[0] - 0.8 * soft[-1] - 0.3 * interfaces + 0.25 * sum(soft[1:-1])
+    )
 
 
 def of_packings(values):
@@ -47,7 +57,9 @@ def search(space, loss, evaluations, seed, *, margin=None, guided=True):
     while sum(one.losses is not None for one in known) < evaluations:
         ran = sum(one.losses is not None for one in known)
         try:
-            values = next(ordered(space, known, seed, guided=guided and ran >= n_first(space, evaluations)))
+            values = next(
+                ordered(space, known, seed, guided=guided and ran >= n_first(space, evaluations))
+            )
         except StopIteration:
             break
         margins = {} if margin is None else {"mass_kg": margin(values)}
@@ -60,21 +72,30 @@ def search(space, loss, evaluations, seed, *, margin=None, guided=True):
 def test_small_spaces_are_solved_in_a_third_of_the_evaluations(space, loss):
     best = min(map(loss, space.all()))
     third = int(space.size) // 3
-    solved = [best in [one.losses[0] for one in search(space, loss, third, seed)] for seed in range(1, 9)]
+    solved = [
+        best in [one.losses[0] for one in search(space, loss, third, seed)] for seed in range(1, 9)
+    ]
     assert sum(solved) >= 7
 
 
 def test_better_than_random():
     guided, drawn = (
-        [min(one.losses[0] for one in search(RANGES, of_ranges, 18, seed, guided=way)) for seed in range(5)]
+        [
+            min(one.losses[0] for one in search(RANGES, of_ranges, 18, seed, guided=way))
+            for seed in range(5)
+        ]
         for way in (True, False)
     )
-    lowest = min(of_ranges({"x": x, "y": y}) for x, y in itertools.product(np.linspace(0, 1, 201), repeat=2))
+    lowest = min(
+        of_ranges({"x": x, "y": y}) for x, y in itertools.product(np.linspace(0, 1, 201), repeat=2)
+    )
     assert np.median(guided) - lowest < 0.3 * (np.median(drawn) - lowest)
 
 
 def test_limits_are_learnt():
-    found = search(RANGES, of_ranges, 15, 1, margin=lambda values: values["x.0"] - 0.15)  # 15 % of all designs
+    found = search(
+        RANGES, of_ranges, 15, 1, margin=lambda values: values["x.0"] - 0.15
+    )  # 15 % of all designs
     assert len(found) < 40  # at random some 100
     best = min(one.losses[0] for one in found if one.losses)
     assert best == pytest.approx(of_ranges({"x": 0.15, "y": 0.66}), rel=0.02)
@@ -83,7 +104,9 @@ def test_limits_are_learnt():
 def test_designs_in_work_are_not_chosen_again():
     known = search(BEADS, of_beads, 10, 1)
     pending = next(ordered(BEADS, known, 1, guided=True))
-    following = next(ordered(BEADS, [*known, Known(pending, None, {}, in_work=True)], 1, guided=True))
+    following = next(
+        ordered(BEADS, [*known, Known(pending, None, {}, in_work=True)], 1, guided=True)
+    )
     assert following != pending
 
 
@@ -97,7 +120,9 @@ def test_importance_names_the_variable_that_matters():
 def test_random_search_as_the_model_expects_it():
     known = search(RANGES, lambda values: 1 + values["x.0"], 14, 1)
     expected = expected_random(RANGES, known, [1, 3])
-    assert expected == pytest.approx([1.5, 1.25], rel=0.03)  # mean, and smallest of three, of even numbers
+    assert expected == pytest.approx(
+        [1.5, 1.25], rel=0.03
+    )  # mean, and smallest of three, of even numbers
 
 
 def test_front():

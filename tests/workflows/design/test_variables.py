@@ -27,7 +27,9 @@ def test_values_at_shares_of_the_range():
 def test_coordinates_and_neighbours():
     assert LOG.features(0.01) == pytest.approx([0.5])
     different = np.subtract(CHOICES.features("fcc"), CHOICES.features("bcc"))
-    assert np.linalg.norm(different) == pytest.approx(1.0)  # words are as far apart as the ends of a range
+    assert np.linalg.norm(different) == pytest.approx(
+        1.0
+    )  # words are as far apart as the ends of a range
     assert WHOLE.neighbours(4) == [5]
     assert CHOICES.neighbours("hcp") == ["fcc", "bcc"]
     assert LOG.edge(0.1) == "high"
@@ -40,7 +42,11 @@ def test_changes_stay_in_the_range():
         value = variable.value(0.9)
         for _ in range(50):
             value = variable.changed(value, rng)
-            assert value in variable.choices if variable.choices else variable.low <= value <= variable.high
+            assert (
+                value in variable.choices
+                if variable.choices
+                else variable.low <= value <= variable.high
+            )
 
 
 def test_size_of_a_space():

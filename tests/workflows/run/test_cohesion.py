@@ -23,16 +23,30 @@ SIZES = {"xyz": [5, 6, 6], "xy": [6, 5], "xz": [6, 6], "z": 9}
 
 
 def case(kind: str = "fcc", **others: object):
-    changes = {"packing.kind": kind, "packing.size": SIZES[KINDS[kind].axes], "run.end_time": 2e-5, "run.frames": 3}
+    changes = {
+        "packing.kind": kind,
+        "packing.size": SIZES[KINDS[kind].axes],
+        "run.end_time": 2e-5,
+        "run.frames": 3,
+    }
     changes |= {"boundary.sides": "free"}
     return load_case("fcc-small", changes | others)
 
 
-@pytest.mark.parametrize(("kind", "cohesion"), [*((kind, JKR) for kind in KINDS), ("fcc", DMT), ("chain", DMT)])
+@pytest.mark.parametrize(
+    ("kind", "cohesion"), [*((kind, JKR) for kind in KINDS), ("fcc", DMT), ("chain", DMT)]
+)
 def test_a_packing_begins_at_rest(tmp_path: Path, kind: str, cohesion: dict) -> None:
-    """A sphere that is struck at 0.1 mm/s: no force anywhere but what it does, and no energy but its own."""
+    """A sphere that is struck at 0.1 mm/s: no force anywhere but what it does, and no energy but
+    its own.
+    """
     walls = "wall" if KINDS[kind].axes in ("xyz", "z") else "free"
-    quiet = {"load.velocity": 1e-4, "run.timestep": 1e-8, "run.end_time": 1e-6, "boundary.bottom": walls}
+    quiet = {
+        "load.velocity": 1e-4,
+        "run.timestep": 1e-8,
+        "run.end_time": 1e-6,
+        "boundary.bottom": walls,
+    }
     pull = next(iter(cohesive_laws(assemble(case(kind, **cohesion, **quiet)))))[0].pull_off_force
     run_case(case(kind, **cohesion, **quiet), tmp_path / "run", figures=False)
     with Result(tmp_path / "run") as result:
@@ -43,14 +57,17 @@ def test_a_packing_begins_at_rest(tmp_path: Path, kind: str, cohesion: dict) -> 
 
 
 def test_the_spacing_is_that_without_force() -> None:
-    bare, held = build_packing(case()), build_packing(case(**JKR))
+    bare = build_packing(case())
+    held = build_packing(case(**JKR))
     law = next(cohesive_laws(held.assembly))[0]
     overlap = law.balanced_overlap
     assert len(held.contacts) == len(bare.contacts)
     assert held.gaps(held.contacts) == pytest.approx(-overlap, rel=1e-6)
     assert held.positions == pytest.approx(bare.positions * (1 - overlap / 0.01), rel=1e-12)
     bottom = next(wall for wall in held.walls if wall.name == "bottom")
-    assert bottom.overlap == pytest.approx(2 ** (-1 / 3) * overlap)  # R* and E* are twice those of two spheres
+    assert bottom.overlap == pytest.approx(
+        2 ** (-1 / 3) * overlap
+    )  # R* and E* are twice those of two spheres
     gaps = bottom.gaps(held.positions, np.full(held.n_spheres, 0.005))
     assert gaps.min() == pytest.approx(-bottom.overlap, rel=1e-6)
 
@@ -58,13 +75,21 @@ def test_the_spacing_is_that_without_force() -> None:
 @pytest.mark.parametrize("cohesion", [JKR, DMT], ids=["jkr", "dmt"])
 def test_the_ledger_has_a_column_of_cohesion(tmp_path: Path, cohesion: dict) -> None:
     found = run_case(
-        case(**cohesion, **{"load.velocity": 0.3, "run.end_time": 2e-4}), tmp_path / "run", figures=False
+        case(**cohesion, **{"load.velocity": 0.3, "run.end_time": 2e-4}),
+        tmp_path / "run",
+        figures=False,
     ).summary
     assert found["energy_balance_error"] < 1e-5
     with Result(tmp_path / "run") as result:
         lost = result["energy/adhesion"]
-        law = next(cohesive_laws(result.assembly))[0]  # a jump is booked over two steps, with rounding of their errors
-        parting = float(law.elastic_energy(-(1 - 1e-9) * law.neck_length, 1e-6)) if cohesion is JKR else 0.0
+        law = next(cohesive_laws(result.assembly))[
+            0
+        ]  # a jump is booked over two steps, with rounding of their errors
+        parting = (
+            float(law.elastic_energy(-(1 - 1e-9) * law.neck_length, 1e-6))
+            if cohesion is JKR
+            else 0.0
+        )
         assert np.all(np.diff(lost) >= -0.1 * parting)
         assert (lost[-1] > 1e-4 * result.energy_input) == (cohesion is JKR)
         assert found["adhesion_fraction"] == pytest.approx(lost[-1] / result.energy_input)
@@ -76,13 +101,19 @@ def test_the_ledger_has_a_column_of_cohesion(tmp_path: Path, cohesion: dict) -> 
 
 def test_cohesion_bounds_the_timestep() -> None:
     slow = {"load.velocity": 1e-3}
-    assert auto_timestep(case(**JKR, **slow)) < 0.5 * auto_timestep(case(**{"contact.law": "hertz"}, **slow))
+    assert auto_timestep(case(**JKR, **slow)) < 0.5 * auto_timestep(
+        case(**{"contact.law": "hertz"}, **slow)
+    )
     fast = {"load.velocity": 20.0}
-    assert auto_timestep(case(**JKR, **fast)) == auto_timestep(case(**{"contact.law": "hertz"}, **fast))
+    assert auto_timestep(case(**JKR, **fast)) == auto_timestep(
+        case(**{"contact.law": "hertz"}, **fast)
+    )
 
 
 def test_two_spheres_of_a_file_stick(tmp_path: Path) -> None:
-    """Grains apart that meet at less than the velocity of sticking: all but the motion of both is lost or stored."""
+    """Grains apart that meet at less than the velocity of sticking: all but the motion of both is
+    lost or stored.
+    """
     case = gw.case({
         "name": "two", "material": "brass", "boundary": {"bottom": "free"}, "run": {"end_time": 4e-4, "frames": 5},
         "packing": {"kind": "file", "grains": "x,y,z,diameter,vz\n0,0,0,0.01,0.015\n0,0,0.0100001,0.01,0\n"},
@@ -99,9 +130,9 @@ def test_single_contacts_in_python() -> None:
     options = {"cohesion": {"kind": "jkr", "energy": 1.0}}
     pull = 1.5 * np.pi * 0.0025
     balanced = gw.contact_overlap("hertz", bodies, 0.0, **options)
-    assert gw.contact_force("hertz", bodies, [balanced, 0.0], peak_overlap=1e-6, **options) == pytest.approx(
-        [0.0, -8 / 9 * pull], abs=1e-9 * pull
-    )
+    assert gw.contact_force(
+        "hertz", bodies, [balanced, 0.0], peak_overlap=1e-6, **options
+    ) == pytest.approx([0.0, -8 / 9 * pull], abs=1e-9 * pull)
     assert gw.contact_force("hertz", bodies, -1e-9, peak_overlap=1e-6, **options) < -0.9 * pull
     assert gw.contact_force("hertz", bodies, -1e-9, **options) == 0.0
     assert gw.contact_energy("hertz", bodies, balanced, **options) < 0

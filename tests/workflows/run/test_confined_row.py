@@ -21,20 +21,34 @@ from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
 from tests.helpers.symmetric_row import SymmetricRow
 
-N, BIG, STRUCK, SPEED, END = 14, 0.015, 5, 1.0, 1.6e-4
-BRASS = {"name": "brass", "youngs_modulus": 115e9, "poisson_ratio": 0.30, "density": 8500.0, "yield_strength": 550e6}
+N = 14
+BIG = 0.015
+STRUCK = 5
+SPEED = 1.0
+END = 1.6e-4
+BRASS = {
+    "name": "brass",
+    "youngs_modulus": 115e9,
+    "poisson_ratio": 0.30,
+    "density": 8500.0,
+    "yield_strength": 550e6,
+}
 MODULUS = 115e9 / (1 - 0.3**2) / 2  # of two like bodies
 
 
 class Row:
-    """Big spheres on the axis, and in every gap a ring of ``n`` small ones that move alike: axial w, outward u."""
+    """Big spheres on the axis, and in every gap a ring of ``n`` small ones that move alike: axial
+    w, outward u.
+    """
 
     def __init__(self, n: int, shrinks: float) -> None:
-        self.n, self.shrinks = n, shrinks
+        self.n = n
+        self.shrinks = shrinks
         self.small = 2 * BIG * np.tan(np.pi / n) ** 2
         self.ring = np.sqrt(self.small**2 + 2 * self.small * BIG) / 2
         self.tube = self.ring + self.small / 2
-        r, inner = self.small / 2, self.tube - shrinks
+        r = self.small / 2
+        inner = self.tube - shrinks
         self.k_big = 4 / 3 * MODULUS * np.sqrt(BIG / 4)
         self.k_side = 4 / 3 * MODULUS * np.sqrt(BIG * self.small / 2 / (BIG + self.small))
         self.k_ring = 4 / 3 * MODULUS * np.sqrt(r / 2)
@@ -44,7 +58,9 @@ class Row:
     def forces(
         self, z: np.ndarray, w: np.ndarray, u: np.ndarray
     ) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
-        """Contact forces of neighbouring big spheres; forces on big spheres, and on small ones along and outward."""
+        """Contact forces of neighbouring big spheres; forces on big spheres, and on small ones
+        along and outward.
+        """
 
         def hertz(stiffness: float, overlap: np.ndarray) -> np.ndarray:
             return stiffness * np.maximum(overlap, 0.0) ** 1.5
@@ -53,9 +69,11 @@ class Row:
         on_big = np.zeros(len(z))
         on_big[:-1] -= push
         on_big[1:] += push
-        axial, outward = np.zeros(len(w)), np.zeros(len(w))
+        axial = np.zeros(len(w))
+        outward = np.zeros(len(w))
         for side, place in ((-1, z[:-1]), (1, z[1:])):
-            along, across = BIG / 2 * -side + w - place, self.ring + u
+            along = BIG / 2 * -side + w - place
+            across = self.ring + u
             apart = np.hypot(along, across)
             force = hertz(self.k_side, (BIG + self.small) / 2 - apart)
             axial += force * along / apart
@@ -82,18 +100,27 @@ class Row:
         def rates(_: float, state: np.ndarray) -> np.ndarray:
             z, w, u, *velocities = unpack(state)
             _, on_big, axial, outward = self.forces(z, w, u)
-            return np.concatenate([*velocities, on_big / self.mass[0], axial / self.mass[1], outward / self.mass[1]])
+            return np.concatenate(
+                [*velocities, on_big / self.mass[0], axial / self.mass[1], outward / self.mass[1]]
+            )
 
         times = np.linspace(0, END, 3201)
-        found = solve_ivp(rates, (0, END), rest, method="DOP853", t_eval=times, rtol=1e-9, atol=1e-13).y
+        found = solve_ivp(
+            rates, (0, END), rest, method="DOP853", t_eval=times, rtol=1e-9, atol=1e-13
+        ).y
         pushes = np.array([self.forces(*unpack(state)[:3])[0] for state in found.T])
         return pushes.max(axis=0), unpack(found[:, -1])[3]
 
 
-@pytest.mark.parametrize(("n", "shrinks"), [(8, 9e-6), pytest.param(6, 0.0, marks=pytest.mark.validation)])
+@pytest.mark.parametrize(
+    ("n", "shrinks"), [(8, 9e-6), pytest.param(6, 0.0, marks=pytest.mark.validation)]
+)
 def test_waves_in_a_confined_row(tmp_path: Path, n: int, shrinks: float) -> None:
     row = Row(n, shrinks)
-    ring = {"ring": {"n": n, "radius": row.ring, "z": BIG / 2}, "repeat": {"times": N - 1, "step": [0.0, 0.0, BIG]}}
+    ring = {
+        "ring": {"n": n, "radius": row.ring, "z": BIG / 2},
+        "repeat": {"times": N - 1, "step": [0.0, 0.0, BIG]},
+    }
     tables = {
         "name": "row", "material": BRASS, "contact": {"law": "hertz"},
         "packing": {"kind": "chain", "size": N, "diameter": BIG},
@@ -107,7 +134,8 @@ def test_waves_in_a_confined_row(tmp_path: Path, n: int, shrinks: float) -> None
     assert outcome.summary["energy_balance_error"] < 3e-6
     forces, velocities = row.struck()
     with Result(tmp_path) as result:
-        i, j = result["contacts/i"], result["contacts/j"]
+        i = result["contacts/i"]
+        j = result["contacts/j"]
         big = (i <= N) & (j <= N)
         peaks = np.zeros(N - 1)
         peaks[i[big] - 1] = result["contacts/peak_force"][big]
@@ -150,9 +178,15 @@ def compare(row: GrainRow, tolerance: float) -> None:
 
 def test_row_between_pressed_walls(tmp_path: Path) -> None:
     """Other cylinders, and another approach of the walls."""
-    changes = SHORT | {"grains.1.diameter": 4.0e-3, "grains.1.length": 7e-3, "precompression.x": 5e-6}
+    changes = SHORT | {
+        "grains.1.diameter": 4.0e-3,
+        "grains.1.length": 7e-3,
+        "precompression.x": 5e-6,
+    }
     row = run("filter-row", tmp_path, **changes)
-    assert wall_force(row) == pytest.approx(SymmetricRow.of(row.case).wall_force()[BEADS // 2], rel=1e-6)
+    assert wall_force(row) == pytest.approx(
+        SymmetricRow.of(row.case).wall_force()[BEADS // 2], rel=1e-6
+    )
     compare(row, 1e-3)
 
 
@@ -168,19 +202,24 @@ def test_static_state_between_walls(tmp_path: Path) -> None:
     found = (wall_force(row), row.inward, 3.81e-6 - row.inward)
     assert found == pytest.approx((29.668, 3.60653e-6, 2.0347e-7), rel=2e-5)
     law = row.law_between(1, BEADS + 1)
-    assert 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius) == pytest.approx(4.198584e9, rel=1e-6)
+    assert 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius) == pytest.approx(
+        4.198584e9, rel=1e-6
+    )
 
 
 def test_open_gap_that_cylinders_bridge(tmp_path: Path) -> None:
     """First peak behind one open gap, of an independent solver; friction takes a fifth of it."""
     smooth, rubbed = (
-        run("gap-switch", tmp_path / str(f), **{"run.end_time": 3.45e-4, "boundary.friction": f}) for f in (0.0, 0.185)
+        run("gap-switch", tmp_path / str(f), **{"run.end_time": 3.45e-4, "boundary.friction": f})
+        for f in (0.0, 0.185)
     )
     assert of_sensor(smooth) == pytest.approx(85.73, rel=5e-3)
     assert of_sensor(rubbed) == pytest.approx(66.72, rel=2e-2)
     summary = rubbed.run.summary
     assert summary["energy_dissipated_wall_J"] >= 0
-    assert summary["n_cylinders"] == 2 and "grains                      29" in summary_table(summary)
+    assert summary["n_cylinders"] == 2 and "grains                      29" in summary_table(
+        summary
+    )
 
 
 @pytest.mark.validation
@@ -190,7 +229,11 @@ def test_loose_cylinders(tmp_path: Path, upstream: bool, peak: float) -> None:
     assert grains is not None
     x, y, z = grains.position[-2]
     z = z if upstream else 27 * 9.5e-3 - z  # the other sphere of the same gap
-    row = run("gap-switch-loose", tmp_path, **{"grains.1.at": [[x, y, z], [-x, y, z]], "run.end_time": 3.45e-4})
+    row = run(
+        "gap-switch-loose",
+        tmp_path,
+        **{"grains.1.at": [[x, y, z], [-x, y, z]], "run.end_time": 3.45e-4},
+    )
     assert of_sensor(row) == pytest.approx(peak, rel=1e-3)
 
 
@@ -209,6 +252,7 @@ def test_row_between_walls_after_a_strong_pulse(tmp_path: Path) -> None:
     _, dented = largest_of_pulses(after.array("probes/time"), after.contact_forces[8], 1e-4)
     assert 0.0 < whole.contact_forces[8].max() < 0.5 * dented
     for row, low, high in ((whole, 1 - 1e-6, 1 + 1e-6), (after, 0.0, 0.98)):
-        time, force = row.array("walls/xlo/time"), row.array("walls/xlo/force")
+        time = row.array("walls/xlo/time")
+        force = row.array("walls/xlo/force")
         before = force[(time >= 8e-5) & (time <= 1e-4)].mean() / force[0]
         assert low < before < high

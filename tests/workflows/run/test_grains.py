@@ -32,13 +32,26 @@ def result_of(directory: Path, name: str, **tables: Any) -> Result:
 
 
 def test_same_bits_as_the_lattice(tmp_path: Path) -> None:
-    lattice = result_of(tmp_path, "lattice", packing={"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01})
+    lattice = result_of(
+        tmp_path, "lattice", packing={"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}
+    )
     grains = result_of(tmp_path, "grains", packing=grains_at(LATTICE.positions(1, 144)))
-    for name in ("contacts/peak_force", "contacts/dissipated_energy", "energy/kinetic", "spheres/peak_force"):
+    for name in (
+        "contacts/peak_force",
+        "contacts/dissipated_energy",
+        "energy/kinetic",
+        "spheres/peak_force",
+    ):
         assert np.array_equal(lattice[name], grains[name])
     assert lattice["walls/bottom/force"].tolist() == grains["walls/bottom/force"].tolist()
     one, other = (summary(tmp_path / name) for name in ("lattice", "grains"))
-    for name in ("n_contacts", "dissipated_fraction", "plastic_zone_depth_m", "zone_depth_90_m", "n_plastic_spheres"):
+    for name in (
+        "n_contacts",
+        "dissipated_fraction",
+        "plastic_zone_depth_m",
+        "zone_depth_90_m",
+        "n_plastic_spheres",
+    ):
         assert one[name] == other[name]
 
 
@@ -46,13 +59,20 @@ def test_flight_and_collision_of_grains_with_velocities(tmp_path: Path) -> None:
     text = "x,y,z,diameter,vx,vy,vz\n0,0,0,0.01,0,0,4\n0.002,0,0.0101,0.01,-1,0,-3\n"
     boundary = {"bottom": "free"}
     run = {"end_time": 1e-4, "frames": 3}
-    found = result_of(tmp_path, "flight", packing={"kind": "file", "grains": text}, boundary=boundary, run=run)
+    found = result_of(
+        tmp_path, "flight", packing={"kind": "file", "grains": text}, boundary=boundary, run=run
+    )
     mass = found["spheres/mass"]
     momentum = mass @ found.frame(found.n_frames - 1, "velocity")
     assert momentum == pytest.approx(mass @ [[0, 0, 4], [-1, 0, -3]], rel=1e-9, abs=1e-12)
     assert found["energy/input"][-1] == pytest.approx(mass[0] / 2 * (16 + 10), rel=1e-12)
     assert found["contacts/peak_force"].max() > 0
-    error = found["energy/kinetic"] + found["energy/elastic"] + found["energy/dissipated"] - found["energy/input"]
+    error = (
+        found["energy/kinetic"]
+        + found["energy/elastic"]
+        + found["energy/dissipated"]
+        - found["energy/input"]
+    )
     assert np.abs(error).max() < 1e-5 * found["energy/input"][-1]
 
 
@@ -80,8 +100,11 @@ def test_held_grains(tmp_path: Path, friction: float) -> None:
 
 
 def test_a_tube_that_shrinks_presses_a_ring_until_all_forces_balance(tmp_path: Path) -> None:
-    """Six spheres in a tube: each is pressed by the wall and by its neighbours, with F_wall = F_ring (2 sin 30 deg)."""
-    d, shrinks = 0.01, 4e-6
+    """Six spheres in a tube: each is pressed by the wall and by its neighbours, with F_wall =
+    F_ring (2 sin 30 deg).
+    """
+    d = 0.01
+    shrinks = 4e-6
     ring = {"ring": {"n": 6, "radius": d, "z": 0.0}, "diameter": d}
     middle = grains_at([[0, 0, 0.05], [0, 0, 0.1]])
     found = result_of(
@@ -92,8 +115,12 @@ def test_a_tube_that_shrinks_presses_a_ring_until_all_forces_balance(tmp_path: P
     modulus = 115e9 / (1 - 0.3**2)
     on_wall = 4 / 3 * modulus * np.sqrt(elliptic_radius(2 / d, 2 / d - 1 / (1.5 * d - shrinks)))
     among = 4 / 3 * modulus / 2 * np.sqrt(d / 4)
-    inwards = brentq(lambda u: on_wall * (shrinks - u) ** 1.5 - among * u**1.5, 0, shrinks, xtol=1e-16)
-    force = among * inwards**1.5  # neighbours approach by u, two of them, each at 60 deg to the radius
+    inwards = brentq(
+        lambda u: on_wall * (shrinks - u) ** 1.5 - among * u**1.5, 0, shrinks, xtol=1e-16
+    )
+    force = (
+        among * inwards**1.5
+    )  # neighbours approach by u, two of them, each at 60 deg to the radius
     assert found["contacts/force"] == pytest.approx(np.full(6, force), rel=1e-6)
     assert found["walls/tube/force"][0] == pytest.approx(6 * force, rel=1e-6)
 
@@ -109,7 +136,9 @@ def loaded_result(directory: Path, name: str, **tables: Any) -> Result:
 
 def static_forces(result: Result) -> np.ndarray:
     """Forces of the contacts of like grains at the start, N."""
-    place, i, j = result.frame(0, "position"), result["contacts/i"] - 1, result["contacts/j"] - 1
+    place = result.frame(0, "position")
+    i = result["contacts/i"] - 1
+    j = result["contacts/j"] - 1
     overlap = 0.01 - np.linalg.norm(place[j] - place[i], axis=1)
     return np.asarray(4 / 3 * MODULUS * 0.0025**0.5 * np.maximum(overlap, 0.0) ** 1.5)
 
@@ -128,8 +157,15 @@ def test_periodic_sides_are_those_of_the_lattice(tmp_path: Path) -> None:
     ase.io.write(tmp_path / "grains.extxyz", atoms, format="extxyz")
     common = {"boundary": {"sides": "periodic"}, "run": {"end_time": 4e-5, "timestep": 4e-8, "frames": 2},
               "precompression": {"kind": "uniaxial", "force": 20.0}, "load": {"index": [15]}}  # fmt: skip
-    file = loaded_result(tmp_path, "file", packing={"kind": "file", "file": str(tmp_path / "grains.extxyz")}, **common)
-    own = loaded_result(tmp_path, "own", packing={"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}, **common)
+    file = loaded_result(
+        tmp_path,
+        "file",
+        packing={"kind": "file", "file": str(tmp_path / "grains.extxyz")},
+        **common,
+    )
+    own = loaded_result(
+        tmp_path, "own", packing={"kind": "fcc", "size": [6, 6, 4], "diameter": 0.01}, **common
+    )
     assert len(file["contacts/i"]) == len(own["contacts/i"]) == lattice.n_contacts
     assert file["prestage/stored"] == pytest.approx(own["prestage/stored"], rel=1e-7)
     for name in ("contacts/peak_force", "energy/kinetic"):
@@ -141,7 +177,9 @@ def test_overlaps_as_precompression(tmp_path: Path) -> None:
     places = np.array(ROW) * [1, 1, 1 - overlap / 0.01]
     found = loaded_result(tmp_path, "row", packing=grains_at(places), boundary={"bottom": "free"}, hold=[{"index": [1, 5]}],
                       precompression={"kind": "overlaps"}, load={"index": [2], "velocity": 1e-3})  # fmt: skip
-    assert static_forces(found) == pytest.approx(4 / 3 * MODULUS * 0.0025**0.5 * overlap**1.5, rel=1e-6)
+    assert static_forces(found) == pytest.approx(
+        4 / 3 * MODULUS * 0.0025**0.5 * overlap**1.5, rel=1e-6
+    )
 
 
 def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
@@ -155,13 +193,16 @@ def test_force_on_the_top_of_grains(tmp_path: Path) -> None:
 
 
 def test_walls_that_move_to_a_force(tmp_path: Path) -> None:
-    """Two grains side by side between planes, and a third one, farther out, that these do not touch."""
+    """Two grains side by side between planes, and a third one, farther out, that these do not
+    touch.
+    """
     places = [[0, 0, 0], [0.01, 0, 0], [0.05, 0, 0.02]]
     found = loaded_result(tmp_path, "pair", packing=grains_at(places, groups=["pair", "pair", "far"]),
                       boundary={"bottom": "free", "x": "wall", "sides_touch": {"group": "pair"}},
                       precompression={"kind": "walls", "x_force": 20.0}, hold=[{"group": "far"}],
                       load={"index": [1], "velocity": 1e-4})  # fmt: skip
-    between, wall = hertz(20.0, 0.0025), hertz(20.0, 0.005, 2 * MODULUS)
+    between = hertz(20.0, 0.0025)
+    wall = hertz(20.0, 0.005, 2 * MODULUS)
     assert static_forces(found) == pytest.approx(20.0, rel=1e-6)
     assert found["prestage/force_x"] == pytest.approx(20.0, rel=1e-8)
     assert found["prestage/moved_x"] == pytest.approx(between / 2 + wall, rel=1e-6)
@@ -184,15 +225,20 @@ def test_walls_to_a_force_with_yield_are_refused(tmp_path: Path) -> None:
     tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
               "precompression": {"kind": "walls", "x_force": 5000.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
     with pytest.raises(
-        InputError, match=r"x_force: found 5000 N, about 5e\+03 N on each of 1 grains, where first yield"
+        InputError,
+        match=r"x_force: found 5000 N, about 5e\+03 N on each of 1 grains, where first yield",
     ):
         loaded_result(tmp_path, "yields", packing=grains_at([[0, 0, 0], [0.01, 0, 0]]), **tables)
 
 
 def test_contacts_that_yield_where_walls_do_not(tmp_path: Path) -> None:
-    """Walls press below their own yield, but the contacts with the small grain between the two others yield earlier."""
+    """Walls press below their own yield, but the contacts with the small grain between the two
+    others yield earlier.
+    """
     text = "x,y,z,diameter\n0,0,0,0.01\n0.007,0,0,0.004\n0.014,0,0,0.01\n"
     tables = {"contact": {"law": "elastoplastic"}, "boundary": {"bottom": "free", "x": "wall"},
               "precompression": {"kind": "walls", "x_force": 4.0}, "load": {"index": [1], "velocity": 1e-3}}  # fmt: skip
-    with pytest.raises(RunError, match="expected 4 N: their distance is found with elastic contacts"):
+    with pytest.raises(
+        RunError, match="expected 4 N: their distance is found with elastic contacts"
+    ):
         loaded_result(tmp_path, "yields", packing={"kind": "file", "grains": text}, **tables)

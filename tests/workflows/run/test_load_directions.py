@@ -1,4 +1,6 @@
-"""Forces and displacements in any direction: symmetry, momentum with the walls, energy balance, ranks, wrong input."""
+"""Forces and displacements in any direction: symmetry, momentum with the walls, energy balance,
+ranks, wrong input.
+"""
 
 from __future__ import annotations
 
@@ -16,7 +18,8 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
 from tests.helpers.small_cases import grains_at
 
-N, D = 5, 0.01
+N = 5
+D = 0.01
 CUBE = [[D * i, D * j, D * k] for k in range(N) for j in range(N) for i in range(N)]
 LOADS = {
     "force": {"kind": "force", "shape": "half-sine", "amplitude": 2e3, "duration": 1e-5},
@@ -25,7 +28,12 @@ LOADS = {
 
 
 def run_of(
-    directory: Path, load: dict[str, Any], boundary: dict[str, Any], ranks: int = 1, end: float = 6e-5, **contact: Any
+    directory: Path,
+    load: dict[str, Any],
+    boundary: dict[str, Any],
+    ranks: int = 1,
+    end: float = 6e-5,
+    **contact: Any,
 ) -> Result:
     case = case_from_dict({
         "name": "cube", "material": "brass", "packing": grains_at(CUBE), "contact": contact,
@@ -40,7 +48,9 @@ def run_of(
 
 @pytest.mark.parametrize("kind", LOADS)
 def test_a_load_along_x_is_that_along_z_turned(tmp_path: Path, kind: str) -> None:
-    """A cube of touching spheres that rub, pushed aslant at a face: x and z exchanged, the same motion to rounding."""
+    """A cube of touching spheres that rub, pushed aslant at a face: x and z exchanged, the same
+    motion to rounding.
+    """
     number = {tuple(place): row for row, place in enumerate(CUBE)}
     turned = np.array([number[z, y, x] for x, y, z in CUBE])
     middle = D * (N // 2)
@@ -54,7 +64,12 @@ def test_a_load_along_x_is_that_along_z_turned(tmp_path: Path, kind: str) -> Non
     for name in ("energy/input", "energy/dissipated", "energy/struck_velocity", "energy/friction"):
         assert runs[1][name] == pytest.approx(runs[0][name], rel=1e-8, abs=1e-12), name
     for run in runs:
-        error = run["energy/kinetic"] + run["energy/elastic"] + run["energy/dissipated"] - run["energy/input"]
+        error = (
+            run["energy/kinetic"]
+            + run["energy/elastic"]
+            + run["energy/dissipated"]
+            - run["energy/input"]
+        )
         assert np.abs(error).max() < 1e-4 * run["energy/input"].max()
     if kind == "displacement":  # the moved sphere follows its table, and does not move across it
         gone = runs[0].frame(runs[0].n_frames - 1, "displacement")[number[middle, middle, 0.0]]
@@ -62,10 +77,14 @@ def test_a_load_along_x_is_that_along_z_turned(tmp_path: Path, kind: str) -> Non
 
 
 def test_impulse_of_an_oblique_force_is_that_of_packing_and_walls(tmp_path: Path) -> None:
-    """Along each axis: impulse of the force = momentum + what the walls took; two ranks give the same bits."""
+    """Along each axis: impulse of the force = momentum + what the walls took; two ranks give the
+    same bits.
+    """
     load = LOADS["force"] | {"direction": [3, 4, 12]}
     walls = {"bottom": "wall", "sides": "wall"}
-    one, two = (run_of(tmp_path / str(n), load, walls, n, end=3e-5).frame(2, "velocity") for n in (1, 2))
+    one, two = (
+        run_of(tmp_path / str(n), load, walls, n, end=3e-5).frame(2, "velocity") for n in (1, 2)
+    )
     assert np.abs(one).max() > 0.1 and np.array_equal(one, two)
     run = run_of(tmp_path / "whole", load, walls, end=1.6e-4)
     velocity = run.frame(run.n_frames - 1, "velocity")
@@ -79,11 +98,15 @@ def test_impulse_of_an_oblique_force_is_that_of_packing_and_walls(tmp_path: Path
 
 
 def test_deck_of_a_direction(tmp_path: Path) -> None:
-    """Axes by their letters, others as vectors; a load straight down, given or not, changes no line."""
+    """Axes by their letters, others as vectors; a load straight down, given or not, changes no
+    line.
+    """
     scripts = {}
     for n, way in enumerate((None, [0, 0, 3], [2, 0, 0], [0, 0, -1], [1, 0, 1])):
         load = LOADS["displacement"] | ({} if way is None else {"direction": way})
-        case = case_from_dict({"name": "cube", "material": "brass", "packing": grains_at(CUBE), "load": load})
+        case = case_from_dict(
+            {"name": "cube", "material": "brass", "packing": grains_at(CUBE), "load": load}
+        )
         scripts[n] = write_deck(case, tmp_path / str(n)).script.read_text()
     assert scripts[0] == scripts[1]
     for n, words in ((0, "z"), (2, "x"), (3, "vector 0 0 -1"), (4, "vector 1 0 1")):
@@ -93,7 +116,9 @@ def test_deck_of_a_direction(tmp_path: Path) -> None:
 
 
 def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
-    """A ball that glances off another one flies to a side wall, then to the floor: held by both, or it passes them as before."""
+    """A ball that glances off another one flies to a side wall, then to the floor: held by both, or
+    it passes them as before.
+    """
     places = [[0, 0, 0], [0.05, 0.05, 0.03], [-0.05, -0.05, 0.03]]
     tables = {
         "name": "thrown", "material": "brass", "packing": grains_at(places), "contact": {"law": "hertz"},
@@ -106,7 +131,12 @@ def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
         run_case(case, tmp_path / str(held), figures=False)
         run = Result(tmp_path / str(held))
         found[held] = [run.frame(run.n_frames - 1, name)[-1] for name in ("position", "velocity")]
-        error = run["energy/kinetic"] + run["energy/elastic"] + run["energy/dissipated"] - run["energy/input"]
+        error = (
+            run["energy/kinetic"]
+            + run["energy/elastic"]
+            + run["energy/dissipated"]
+            - run["energy/input"]
+        )
         assert np.abs(error).max() < 1e-5 * run["energy/input"].max()
     (place, velocity), (passed, kept) = found[True], found[False]
     assert passed[0] > 0.055 and passed[2] > 0.035 and place[0] < 0.05 and place[2] < 0.03
@@ -114,4 +144,6 @@ def test_walls_hold_a_striker_that_asks_for_it(tmp_path: Path) -> None:
     with pytest.raises(InputError, match="stands in the wall xhi"):
         case_from_dict(tables | {"striker": [thrown | {"touches": 2, "walls": True}]})
     with pytest.raises(InputError, match="there are no walls"):
-        case_from_dict(tables | {"boundary": {"bottom": "free"}, "striker": [thrown | {"walls": True}]})
+        case_from_dict(
+            tables | {"boundary": {"bottom": "free"}, "striker": [thrown | {"walls": True}]}
+        )

@@ -39,19 +39,27 @@ PACKING = {
         ("two-spheres", "elastoplastic", {"restitution": 0.5, "velocity": 1.0}, 0.5),
     ],
 )
-def test_restitution_is_that_asked_for(tmp_path: Path, name: str, law: str, loss: dict, restitution: float) -> None:
-    case = load_case(name, {"contact.law": law, "contact.loss": loss, "load.velocity": 1.0, "run.end_time": 1e-4})
+def test_restitution_is_that_asked_for(
+    tmp_path: Path, name: str, law: str, loss: dict, restitution: float
+) -> None:
+    case = load_case(
+        name, {"contact.law": law, "contact.loss": loss, "load.velocity": 1.0, "run.end_time": 1e-4}
+    )
     summary = run_case(case, tmp_path / "run", figures=False).summary
     assert summary["restitution"] == pytest.approx(restitution, abs=1e-3)
     assert summary["energy_balance_error"] < 1e-5
     lost = (1 - restitution**2) * (0.5 if name == "two-spheres" else 1.0)
     assert summary["dissipated_fraction"] == pytest.approx(lost, abs=2e-3)
-    assert (summary["viscous_fraction"] == pytest.approx(summary["dissipated_fraction"])) == (law == "hertz")
+    assert (summary["viscous_fraction"] == pytest.approx(summary["dissipated_fraction"])) == (
+        law == "hertz"
+    )
 
 
 @pytest.mark.parametrize("restitution", [0.05, 0.5, 0.97, 1.0])
 def test_dashpot_of_a_restitution(restitution: float) -> None:
-    """The factor is found to better than 1e-6, near Antypov and Elliott's closed form, which may pull."""
+    """The factor is found to better than 1e-6, near Antypov and Elliott's closed form, which may
+    pull.
+    """
     factor = dashpot_factor(restitution)
     closed = -np.sqrt(5) * np.log(restitution) / np.hypot(np.log(restitution), np.pi)
     assert factor == pytest.approx(closed, rel=0.05 if restitution > 0.9 else 10)
@@ -67,16 +75,22 @@ def directory(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_the_ledger_is_the_sum_of_contacts_and_walls(directory: Path) -> None:
     with Result(directory) as result:
-        viscous, dissipated = result["energy/viscous"][-1], result["energy/dissipated"][-1]
-        contacts, planes = result["contacts/viscous_energy"].sum(), result["wall_contacts/viscous_energy"].sum()
+        viscous = result["energy/viscous"][-1]
+        dissipated = result["energy/dissipated"][-1]
+        contacts = result["contacts/viscous_energy"].sum()
+        planes = result["wall_contacts/viscous_energy"].sum()
         assert contacts + planes == pytest.approx(viscous, rel=1e-9)
-        assert min(contacts, planes) > 0 and np.all(np.diff(result["energy/viscous"]) > -1e-9 * viscous)
+        assert min(contacts, planes) > 0 and np.all(
+            np.diff(result["energy/viscous"]) > -1e-9 * viscous
+        )
         assert result["spheres/viscous_energy"].sum() == pytest.approx(viscous, rel=1e-9)
         assert result["spheres/dissipated_energy"].sum() == pytest.approx(dissipated, rel=1e-9)
         parts = result.yield_ledger[-1] + viscous + result["energy/friction"][-1]
         assert parts == pytest.approx(dissipated, rel=1e-9)
         assert result.yield_energy.sum() == pytest.approx(result.yield_ledger[-1], rel=1e-6)
-        assert result.frame(result.n_frames - 1, "viscous_energy").sum() == pytest.approx(contacts, rel=1e-6)
+        assert result.frame(result.n_frames - 1, "viscous_energy").sum() == pytest.approx(
+            contacts, rel=1e-6
+        )
         total = result["energy/kinetic"] + result["energy/elastic"] + result["energy/dissipated"]
         assert np.abs(total / result["energy/input"] - 1).max() < 1e-5
 
@@ -97,7 +111,9 @@ def test_a_pair_has_its_own_loss(tmp_path: Path) -> None:
     write_deck(case_from_dict(data, "case"), tmp_path)
     script = (tmp_path / "in.granwave").read_text().splitlines()
     words = {tuple(line.split()[1:3]): line for line in script if line.startswith("pair_coeff")}
-    assert words["1", "1"].endswith("loss time 1e-06") and words["1", "2"].endswith("loss dashpot 0.2")
+    assert words["1", "1"].endswith("loss time 1e-06") and words["1", "2"].endswith(
+        "loss dashpot 0.2"
+    )
     assert "elastoplastic" in words["2", "3"] and words["2", "3"].endswith("loss time 1e-06")
     assert not any("loss" in line for line in script if line.startswith("fix             bottom"))
     assert "comm_modify     vel yes" in script
@@ -105,7 +121,9 @@ def test_a_pair_has_its_own_loss(tmp_path: Path) -> None:
 
 def test_what_yielding_leaves_cannot_be_more() -> None:
     wanted = {"contact.loss": {"restitution": 0.95, "velocity": 5.0}}
-    with pytest.raises(InputError, match=r"contact\.loss: .*at most 0\.5\d+, which law elastoplastic alone leaves"):
+    with pytest.raises(
+        InputError, match=r"contact\.loss: .*at most 0\.5\d+, which law elastoplastic alone leaves"
+    ):
         load_case("two-spheres", wanted)
 
 
@@ -116,9 +134,18 @@ def test_ranks_and_resumed_runs_are_alike(granwave, directory: Path, tmp_path: P
         "packing.size": "[6,6,4]", "contact.loss": "{restitution=0.45,velocity=2.0}", "contact.friction": 0.2,
         "run.end_time": 1e-4, "run.frames": 3,
     }.items()]  # fmt: skip
-    assert granwave("run", "fcc-small", *words, "-o", tmp_path / "two", "--np", 2, "--no-figures").returncode == 0
+    assert (
+        granwave(
+            "run", "fcc-small", *words, "-o", tmp_path / "two", "--np", 2, "--no-figures"
+        ).returncode
+        == 0
+    )
     with Result(directory) as one, Result(tmp_path / "two") as two:
-        for name in ("contacts/viscous_energy", "contacts/peak_force", "wall_contacts/viscous_energy"):
+        for name in (
+            "contacts/viscous_energy",
+            "contacts/peak_force",
+            "wall_contacts/viscous_energy",
+        ):
             assert np.array_equal(one[name], two[name])
         assert np.array_equal(one.frame(2, "displacement"), two.frame(2, "displacement"))
 
@@ -131,14 +158,25 @@ def test_a_chain_knows_its_loss(tmp_path: Path) -> None:
         "output.history": 0,
         "contact.loss": {"restitution": 0.9, "velocity": 1.0},
     }
-    chain = gw.measures.Chain(gw.run("elastic-impact", changes, directory=tmp_path / "run", progress=False))
+    chain = gw.measures.Chain(
+        gw.run("elastic-impact", changes, directory=tmp_path / "run", progress=False)
+    )
     kind, time = chain.loss
     assert kind == "time"
-    assert chain.law.collide(chain.mass / 2, 1.0, loss_time=time)["restitution"] == pytest.approx(0.9, abs=1e-5)
+    assert chain.law.collide(chain.mass / 2, 1.0, loss_time=time)["restitution"] == pytest.approx(
+        0.9, abs=1e-5
+    )
 
 
-N, MU, G, SPEED, END = 8, 40.0, 9.81, 0.3, 4e-4
-DIAMETER, MODULUS, RATIO, DENSITY = 0.01, 209e9, 0.28, 7925.0
+N = 8
+MU = 40.0
+G = 9.81
+SPEED = 0.3
+END = 4e-4
+DIAMETER = 0.01
+MODULUS = 209e9
+RATIO = 0.28
+DENSITY = 7925.0
 CASE = {
     "packing.size": N,
     "packing.diameter": DIAMETER,
@@ -182,20 +220,33 @@ def held(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_motion_is_that_of_an_independent_chain(held: Path) -> None:
-    """Within 1e-4 of the impact's speed, while friction takes a large part of the energy and beads come to rest."""
+    """Within 1e-4 of the impact's speed, while friction takes a large part of the energy and beads
+    come to rest.
+    """
     with Result(held) as result:
-        times, ours = result["chain/time"], result["chain/velocity"]
+        times = result["chain/time"]
+        ours = result["chain/velocity"]
     assert 0 < np.count_nonzero(ours[-1] == 0) < N
     assert np.abs(ours - independent(times)).max() < 1e-4 * SPEED
 
 
 def test_the_ledger_has_what_the_holder_took(held: Path) -> None:
-    """A column and a share of its own, equal to friction times weight times the path, none of it by yielding."""
+    """A column and a share of its own, equal to friction times weight times the path, none of it by
+    yielding.
+    """
     summary = json.loads((held / "summary.json").read_text())
     with Result(held) as result:
-        time, velocity = result["chain/time"], result["chain/velocity"]
-        work = MU * result["spheres/mass"].sum() / N * G * np.trapezoid(np.abs(velocity), time, axis=0).sum()
-        holder, dissipated = result["energy/holder"][-1], result["energy/dissipated"][-1]
+        time = result["chain/time"]
+        velocity = result["chain/velocity"]
+        work = (
+            MU
+            * result["spheres/mass"].sum()
+            / N
+            * G
+            * np.trapezoid(np.abs(velocity), time, axis=0).sum()
+        )
+        holder = result["energy/holder"][-1]
+        dissipated = result["energy/dissipated"][-1]
         assert np.all(result.yield_ledger == 0)
     assert holder == pytest.approx(work, rel=2e-3)
     assert dissipated == pytest.approx(holder, rel=1e-12)
@@ -206,7 +257,9 @@ def test_the_ledger_has_what_the_holder_took(held: Path) -> None:
 
 def test_a_smooth_holder_is_none(tmp_path: Path) -> None:
     smooth = CASE | {"boundary.holder_friction": 0.0, "run.end_time": 5e-5}
-    summary = run_case(load_case("homogeneous-chain", smooth), tmp_path / "run", figures=False).summary
+    summary = run_case(
+        load_case("homogeneous-chain", smooth), tmp_path / "run", figures=False
+    ).summary
     assert summary["holder_fraction"] is None and summary["energy_dissipated_holder_J"] is None
     assert "gran/holder" not in (tmp_path / "run" / "in.granwave").read_text()
 
@@ -224,13 +277,17 @@ def case_of(table: list[list[float]], **changes: Any) -> dict[str, Any]:
 
 
 def test_a_displacement_that_stops_has_one_balance(tmp_path: Path) -> None:
-    """The grain gives back 0.22 J when it stops, of which the packing keeps 4e-4 J: errors are of the latter."""
+    """The grain gives back 0.22 J when it stops, of which the packing keeps 4e-4 J: errors are of
+    the latter.
+    """
     outcome = run_case(case_from_dict(case_of(PUSH)), tmp_path / "run", figures=False)
     summary = outcome.summary
     assert summary["energy_input_J"] == pytest.approx(4.2e-4, rel=0.02)
     record = json.loads((tmp_path / "run/run.json").read_text())
     assert summary["energy_balance_error"] <= 1e-5 and outcome.state == "finished"
-    assert [try_["energy_balance_error"] > 1e-5 for try_ in record["attempts"]] == [True] * len(record["attempts"])
+    assert [try_["energy_balance_error"] > 1e-5 for try_ in record["attempts"]] == [True] * len(
+        record["attempts"]
+    )
     grain = 8500 * 3.141592653589793 / 6 * 0.01**3
     seen = Balance(tmp_path / "run/dumps/energy.txt", moved=grain).read()
     assert seen.error == pytest.approx(summary["energy_balance_error"], rel=1e-9)
@@ -239,7 +296,9 @@ def test_a_displacement_that_stops_has_one_balance(tmp_path: Path) -> None:
 @pytest.mark.parametrize("law", ["elastoplastic", "hertz"])
 @pytest.mark.parametrize("table", [[[0, 1e-6], [1e-4, 1e-6]], [[1e-5, 1e-6], [1e-4, 2e-6]]])
 def test_a_displacement_begins_at_zero(table: list[list[float]], law: str) -> None:
-    with pytest.raises(InputError, match=r"load\.table: found 1e-06 m at first, expected 0: .* subtract 1e-06"):
+    with pytest.raises(
+        InputError, match=r"load\.table: found 1e-06 m at first, expected 0: .* subtract 1e-06"
+    ):
         case_from_dict(case_of(table, contact={"law": law}))
 
 
@@ -260,7 +319,8 @@ def test_the_ledger_has_columns_of_rolling_and_twisting(tmp_path: Path) -> None:
     with Result(tmp_path / "run") as result:
         lost = {name: result[f"energy/{name}"] for name in ("friction", "rolling", "twisting")}
         whole = sum(values[-1] for values in lost.values())
-        contacts, walls = result["contacts/friction_energy"].sum(), result["wall_contacts/friction_energy"].sum()
+        contacts = result["contacts/friction_energy"].sum()
+        walls = result["wall_contacts/friction_energy"].sum()
         assert contacts + walls == pytest.approx(whole, rel=1e-9)
         assert result["spheres/friction_energy"].sum() == pytest.approx(whole, rel=1e-9)
         assert result.yield_energy.sum() == pytest.approx(result.yield_ledger[-1], rel=1e-6)
@@ -285,7 +345,11 @@ PARTIAL = {"friction": 0.2, "tangential": "partial_slip"}
             "",
         ),
         ({"friction": 0.3, "rolling": 0.0, "twisting": "marshall"}, "twisting marshall", "rolling"),
-        ({"rolling": {"coefficient": 0.05, "damping": 0.5}}, "rolling sds mindlin 0.5 0.05", "twisting"),
+        (
+            {"rolling": {"coefficient": 0.05, "damping": 0.5}},
+            "rolling sds mindlin 0.5 0.05",
+            "twisting",
+        ),
         (PARTIAL, "friction 0.2 tangential partial_slip", "rolling"),
         (PARTIAL | {"friction": 0.0}, "", "tangential"),
         ({"law": "hertz", "cohesion": {"kind": "jkr", "energy": 10.0}}, "cohesion jkr 10", "dmt"),
@@ -302,7 +366,11 @@ def test_words_of_pair_style_and_walls(changes: dict, has: str, has_not: str) ->
 
 
 def test_a_pair_has_its_own_words() -> None:
-    soft = {"materials": {"soft": {"preset": "aluminium"}}, "material": "soft", "contact.friction": 0.2}
+    soft = {
+        "materials": {"soft": {"preset": "aluminium"}},
+        "material": "soft",
+        "contact.friction": 0.2,
+    }
     for own, words in (({"tangential": "partial_slip"}, "tangential partial_slip"),
                        ({"cohesion": {"kind": "dmt", "energy": 0.5}}, "cohesion dmt 0.5")):  # fmt: skip
         case = load_case("fcc-small", soft | {"pair": [{"materials": ["soft", "soft"]} | own]})

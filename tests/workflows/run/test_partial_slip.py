@@ -1,4 +1,6 @@
-"""Runs with partial slip: ledger and tables, words of the deck, pairs, and the impact of a sphere on a plate."""
+"""Runs with partial slip: ledger and tables, words of the deck, pairs, and the impact of a sphere
+on a plate.
+"""
 
 from __future__ import annotations
 
@@ -21,12 +23,18 @@ PARTIAL = {"contact.friction": 0.2, "contact.tangential": "partial_slip"}
 
 def test_the_ledger_closes(tmp_path: Path) -> None:
     """In a packing that yields, with spin, walls and losses."""
-    extra = {"packing.size": [6, 6, 4], "load.spin": [300.0, 0.0, 600.0], "contact.loss": {"time": 1e-7}}
+    extra = {
+        "packing.size": [6, 6, 4],
+        "load.spin": [300.0, 0.0, 600.0],
+        "contact.loss": {"time": 1e-7},
+    }
     case = load_case("fcc-small", {**PARTIAL, **extra, "run.end_time": 1e-4, "run.frames": 3})
     found = run_case(case, tmp_path / "run", figures=False).summary
     assert found["energy_balance_error"] < 1e-5 and found["friction_fraction"] > 1e-3
     with Result(tmp_path / "run") as result:
-        lost = result["contacts/friction_energy"].sum() + result["wall_contacts/friction_energy"].sum()
+        lost = (
+            result["contacts/friction_energy"].sum() + result["wall_contacts/friction_energy"].sum()
+        )
         assert lost == pytest.approx(result["energy/friction"][-1], rel=1e-9)
 
 
@@ -44,7 +52,8 @@ def test_an_oblique_impact(tmp_path: Path) -> None:
          "run.end_time": 1e-4, "run.frames": 2},
     )  # fmt: skip
     run_case(case, tmp_path / "run", figures=False)
-    radius, material = case.packing.diameter / 2, case.material
+    radius = case.packing.diameter / 2
+    material = case.material
     with Result(tmp_path / "run") as result:
         inertia = 0.4 * material.density * 4 / 3 * np.pi * radius**5
         spin = (2 * result["energy/rotational"][-1] / inertia) ** 0.5
@@ -74,7 +83,8 @@ def test_its_cost_is_planned() -> None:
 def test_after_a_static_stage(tmp_path: Path) -> None:
     """It begins without friction; the cells come with the laws that follow."""
     case = load_case(
-        "precompressed-fcc", {**PARTIAL, "contact.friction": 0.2, "packing.size": [6, 6, 4], "run.end_time": 5e-5}
+        "precompressed-fcc",
+        {**PARTIAL, "contact.friction": 0.2, "packing.size": [6, 6, 4], "run.end_time": 5e-5},
     )
     found = run_case(case, tmp_path / "run", figures=False).summary
     assert found["energy_balance_error"] < 1e-5 and found["friction_fraction"] > 0

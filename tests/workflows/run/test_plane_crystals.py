@@ -22,7 +22,8 @@ from granwave.workflows.run.driver import run_case
 from tests.helpers.twins.plane_twin import Discs, crystal
 from tests.helpers.twins.square_twin import Plane, Spheres
 
-D, L = 0.0127, 0.0254
+D = 0.0127
+L = 0.0254
 LINES = [{"name": "down"}, {"name": "all", "index": "all"}]
 RECORDED = 400  # instants
 
@@ -42,7 +43,8 @@ def made(place: Path, end: float = 4e-4, **changes: Any) -> Path:
         "output": {"history": RECORDED, "contact_forces": True},
     }  # fmt: skip
     tables = {
-        name: table | changes.get(name, {}) if isinstance(table, dict) else table for name, table in tables.items()
+        name: table | changes.get(name, {}) if isinstance(table, dict) else table
+        for name, table in tables.items()
     }
     run_case(case_from_dict({"name": "crystal", **tables}), place, figures=False)
     return place
@@ -57,8 +59,11 @@ def test_every_grain_moves_as_in_an_independent_solver(run: Path) -> None:
     twin = Discs(crystal("hexagonal", 4, 5, True), D / 2, 70e6, 0.48, 1130, 0.3, 12e-6, 10.0, 6.0)
     time, velocity = twin.run(4e-4)
     with Result(run) as result:
-        own, ours = result["lines/all/time"], result["lines/all/velocity"]
-    expected = np.stack([[np.interp(own, time, v) for v in one.T] for one in velocity.transpose(1, 0, 2)])
+        own = result["lines/all/time"]
+        ours = result["lines/all/velocity"]
+    expected = np.stack(
+        [[np.interp(own, time, v) for v in one.T] for one in velocity.transpose(1, 0, 2)]
+    )
     assert (
         np.abs(ours[:, :, [0, 2]] - expected.transpose(2, 0, 1)).max() < 0.05
     )  # of 6 m/s; the solver is of first order in the loss
@@ -67,16 +72,21 @@ def test_every_grain_moves_as_in_an_independent_solver(run: Path) -> None:
 
 def test_energy_momentum_and_symmetry(run: Path) -> None:
     with Result(run) as result:
-        energy = {name: result[f"energy/{name}"] for name in ("kinetic", "elastic", "dissipated", "input", "plate")}
-        speed, impulse = result["walls/plate/velocity"], result["walls/plate/impulse"]
+        energy = {
+            name: result[f"energy/{name}"]
+            for name in ("kinetic", "elastic", "dissipated", "input", "plate")
+        }
+        speed = result["walls/plate/velocity"]
+        impulse = result["walls/plate/impulse"]
         sides = [result[f"walls/{name}/force"] for name in ("xlo", "xhi")]
-        position, moved = result["lines/all/position"], result["lines/all/displacement"]
+        position = result["lines/all/position"]
+        moved = result["lines/all/displacement"]
     total = energy["kinetic"] + energy["elastic"] + energy["dissipated"]
     assert np.abs(total - energy["input"]).max() < 2e-5 * energy["input"][-1]
     mass = 10 * L
-    assert energy["input"][-1] == pytest.approx(0.5 * mass * 36) and energy["plate"][0] == pytest.approx(
-        0.5 * mass * 36
-    )
+    assert energy["input"][-1] == pytest.approx(0.5 * mass * 36) and energy["plate"][
+        0
+    ] == pytest.approx(0.5 * mass * 36)
     assert mass * (speed[-1] - speed[0]) == pytest.approx(impulse[-1], rel=1e-3)
     assert sides[0] == pytest.approx(sides[1], rel=1e-6, abs=1e-6) and sides[0].max() > 0
     order = np.lexsort((position[:, 0], position[:, 2].round(9)))
@@ -103,12 +113,20 @@ def test_contact_forces_of_snapshots_as_a_table(run: Path) -> None:
     end = opened.contacts.set_index(["i", "j"]).loc[last.index]
     assert len(last) and np.array_equal(last["force"], end["force"])
     sliding = np.linalg.norm(last[["tx", "ty", "tz"]], axis=1)
-    assert np.allclose(sliding, end["tangential_force"], rtol=1e-9, atol=1e-12) and sliding.max() > 0
-    assert table.attrs["units"] == {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(["force", "tx", "ty", "tz"], "N")
+    assert (
+        np.allclose(sliding, end["tangential_force"], rtol=1e-9, atol=1e-12) and sliding.max() > 0
+    )
+    assert table.attrs["units"] == {"time": "s", "i": "1", "j": "1"} | dict.fromkeys(
+        ["force", "tx", "ty", "tz"], "N"
+    )
 
 
-def test_inferred_forces_are_those_of_the_run(run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    """The plate, rough side walls and the floor are walls of the measurement; cylinders have their own inertia."""
+def test_inferred_forces_are_those_of_the_run(
+    run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """The plate, rough side walls and the floor are walls of the measurement; cylinders have their
+    own inertia.
+    """
     assert main(["infer", str(run), "--no-figures", "--json", "-o", str(tmp_path / "infer")]) == 0
     found = json.loads(capsys.readouterr().out)
     assert found["n_contacts"] > 30 and found["true_force_error"] < 1e-11
@@ -122,9 +140,12 @@ def test_contacts_deeper_than_a_tenth_of_the_radius_are_counted(run: Path) -> No
 
 
 def test_pressed_sides_and_a_gap(tmp_path: Path) -> None:
-    pressed = made(tmp_path / "pressed", 5e-5, boundary={"side_gap": -2e-5}, contact={"friction": 0.0})
+    pressed = made(
+        tmp_path / "pressed", 5e-5, boundary={"side_gap": -2e-5}, contact={"friction": 0.0}
+    )
     with Result(pressed) as result:
-        force, kinetic = result["walls/xlo/force"], result["energy/kinetic"]
+        force = result["walls/xlo/force"]
+        kinetic = result["energy/kinetic"]
         total = kinetic + result["energy/elastic"] + result["energy/dissipated"]
         assert force[0] > 1.0  # the walls press before the plate does
         assert np.abs(total - result["energy/input"]).max() < 1e-5 * result.energy_input
@@ -137,16 +158,22 @@ def test_long_waves_slide_in_both_crystals(tmp_path: Path, friction: float) -> N
     """Friction 0.3 lets contacts slide, 2 holds them. BCC bears less: softer line contacts."""
     fronts = []
     for kind, spacing, rows in (("centred-square", 2**0.5, 10), ("hexagonal", 1.0, 8)):
-        packing, load = {"kind": kind, "size": [round(16 / spacing), rows]}, {"mass": 40 * L}
-        run = made(tmp_path / kind, 8e-4, packing=packing, load=load, contact={"friction": friction})
+        packing = {"kind": kind, "size": [round(16 / spacing), rows]}
+        load = {"mass": 40 * L}
+        run = made(
+            tmp_path / kind, 8e-4, packing=packing, load=load, contact={"friction": friction}
+        )
         with Result(run) as result:
             down = lines_of(result)[0]
         fronts.append(np.polyfit(down.arrival[1:4], down.distance[1:4], 1)[0])
-    # contacts lie 45 and 30 degrees off the way of the wave, and slide where friction is below the ratio of stiffnesses
-    # (tangential over normal) times the tangent of that angle; rows approach each other without moving sideways
+    # contacts lie 45 and 30 degrees off the way of the wave, and slide where friction is below the
+    # ratio of stiffnesses (tangential over normal) times the tangent of that angle; rows approach
+    # each other without moving sideways
     angle = np.radians([45.0, 30.0])
     tangential = np.minimum(2 * (1 - 0.48) / (2 - 0.48) * np.tan(angle), friction)
-    speed = np.cos(angle) * np.sqrt(2 * np.cos(angle) * (np.cos(angle) + tangential * np.sin(angle)))
+    speed = np.cos(angle) * np.sqrt(
+        2 * np.cos(angle) * (np.cos(angle) + tangential * np.sin(angle))
+    )
     assert 0.95 < fronts[0] / fronts[1] / (speed[0] / speed[1]) < 1.0
 
 
@@ -165,7 +192,16 @@ def test_front_speeds_of_both_crystals(
     assert down.front_speed == pytest.approx(speed, rel=0.01)
     for constant in (False, True):
         twin = Discs(
-            crystal(kind, *size, True), D / 2, 70e6, 0.48, 1130, 0.3, 12e-6, 20.0, 6.0, constant_spring=constant
+            crystal(kind, *size, True),
+            D / 2,
+            70e6,
+            0.48,
+            1130,
+            0.3,
+            12e-6,
+            20.0,
+            6.0,
+            constant_spring=constant,
         )
         time, velocity = twin.run(1.6e-3)
         middle = np.abs(twin.centres[:, 0] - twin.centres[:, 0].mean()) < 0.1
@@ -176,9 +212,13 @@ def test_front_speeds_of_both_crystals(
 
 
 def test_figures_show_what_dissipates(run: Path) -> None:
-    """Friction and losses, no yielding of an elastic law; no wave speed of contacts whose first force has no front."""
+    """Friction and losses, no yielding of an elastic law; no wave speed of contacts whose first
+    force has no front.
+    """
     with Result(run) as result:
-        figures = {name: FIGURES[name].draw(result) for name in ("dissipation_parts_principal", "energies")}
+        figures = {
+            name: FIGURES[name].draw(result) for name in ("dissipation_parts_principal", "energies")
+        }
         whole = result["spheres/dissipated_energy"] / result.energy_input
         assert not result.yield_energy.any()
     parts, energies = (figures[name].columns for name in figures)
@@ -187,9 +227,13 @@ def test_figures_show_what_dissipates(run: Path) -> None:
     assert json.loads((run / "summary.json").read_text())["wave_speed_m_s"] is None
 
 
-E, NU, RHO = 193e9, 0.3, 8000.0
+E = 193e9
+NU = 0.3
+RHO = 8000.0
 DELRIN = {"youngs_modulus": 3.1e9, "poisson_ratio": 0.35, "density": 1400.0}
-NX, NY, BEAD = 4, 4, 0.01906
+NX = 4
+NY = 4
+BEAD = 0.01906
 SCATTERED = {"diameter_scatter": 2e-5, "seed": 4}
 IN_PLANE = [{"touches": [5, 9]}, {"touches": 17, "velocity": [0.29, 0.0, 0.0]}]
 FROM_ABOVE = [{"touches": [6, 7, 10, 11]}, {"touches": 17, "velocity": [0.0, 0.0, 0.65]}]
@@ -198,15 +242,22 @@ FROM_ABOVE = [{"touches": [6, 7, 10, 11]}, {"touches": 17, "velocity": [0.0, 0.0
 @pytest.mark.parametrize(
     ("strikers", "packing"),
     [
-        pytest.param([IN_PLANE[0], IN_PLANE[1] | {"offset": [0.0, 1.5e-3, 0.0]}], {}, id="off centre"),
         pytest.param(
-            [IN_PLANE[0] | {"offset": [0.0, 5e-6, 0.0]}, IN_PLANE[1]], {}, id="aside", marks=pytest.mark.validation
+            [IN_PLANE[0], IN_PLANE[1] | {"offset": [0.0, 1.5e-3, 0.0]}], {}, id="off centre"
+        ),
+        pytest.param(
+            [IN_PLANE[0] | {"offset": [0.0, 5e-6, 0.0]}, IN_PLANE[1]],
+            {},
+            id="aside",
+            marks=pytest.mark.validation,
         ),
         pytest.param(IN_PLANE, SCATTERED, id="gaps", marks=pytest.mark.validation),
         pytest.param(FROM_ABOVE, SCATTERED | {"tilt": [1, 1]}, id="leaning"),
     ],
 )
-def test_as_the_independent_solver(strikers: list[dict[str, Any]], packing: dict[str, Any], tmp_path: Path) -> None:
+def test_as_the_independent_solver(
+    strikers: list[dict[str, Any]], packing: dict[str, Any], tmp_path: Path
+) -> None:
     case = case_from_dict(
         {
             "name": "square",
@@ -223,13 +274,22 @@ def test_as_the_independent_solver(strikers: list[dict[str, Any]], packing: dict
     built = build_packing(case)
     with Result(tmp_path / "run") as result:
         time = result["probes/time"]
-        ours = [np.stack(list(one(result).values())) for one in (sensor_velocities, sensor_accelerations)]
+        ours = [
+            np.stack(list(one(result).values()))
+            for one in (sensor_velocities, sensor_accelerations)
+        ]
         (early, first), (late, second) = (
             first_peak(time, sensor_accelerations(result)[name][:, 0], floor=0.5) for name in "AB"
         )
-    modulus, soft = E / (1 - NU**2), DELRIN["youngs_modulus"] / (1 - DELRIN["poisson_ratio"] ** 2)
-    low, high = -BEAD / 2, (np.array([NX, NY]) - 0.5) * BEAD
-    planes = [Plane(axis, edge, side, soft, NX * NY) for axis in (0, 1) for edge, side in ((low, 1), (high[axis], -1))]
+    modulus = E / (1 - NU**2)
+    soft = DELRIN["youngs_modulus"] / (1 - DELRIN["poisson_ratio"] ** 2)
+    low = -BEAD / 2
+    high = (np.array([NX, NY]) - 0.5) * BEAD
+    planes = [
+        Plane(axis, edge, side, soft, NX * NY)
+        for axis in (0, 1)
+        for edge, side in ((low, 1), (high[axis], -1))
+    ]
     velocity = np.zeros((NX * NY + 2, 3))
     velocity[-1] = strikers[1]["velocity"]
     twin = Spheres(built.positions, built.atoms.get_array("diameters") / 2, velocity, RHO, modulus,
@@ -240,7 +300,9 @@ def test_as_the_independent_solver(strikers: list[dict[str, Any]], packing: dict
         theirs = np.moveaxis(expected[:, rows], 0, 1)
         largest = np.abs(theirs).max()
         assert largest > 0
-        np.testing.assert_allclose(found[:, :: max(1, len(time) // 120)], theirs, atol=2e-3 * largest)
+        np.testing.assert_allclose(
+            found[:, :: max(1, len(time) // 120)], theirs, atol=2e-3 * largest
+        )
     if "offset" in strikers[1]:  # it pushes the one at rest to the other side, on which A is
         assert first > 1.1 * second and early < late
     if "offset" in strikers[0]:  # B is on the side that is touched

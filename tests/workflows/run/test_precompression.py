@@ -33,7 +33,9 @@ def make(kind: str = "chain", size: Any = 12, **sections: Any) -> Case:
     packing = {"kind": kind, "size": size, "diameter": D} | sections.pop("packing", {})
     sections.setdefault("precompression", {"kind": "uniaxial", "force": FORCE})
     sections.setdefault("run", QUIET)
-    return case_from_dict({"name": "static", "packing": packing, **{"material": "brass", **sections}})
+    return case_from_dict(
+        {"name": "static", "packing": packing, **{"material": "brass", **sections}}
+    )
 
 
 def ran(case: Case, directory: Path, **options: Any) -> dict[str, Any]:
@@ -88,26 +90,33 @@ class TestChain:
         found = table(directory / "dumps" / "prestage.txt")
         assert found["contacts"] == 79 and found["yielded"] == 0 and found["residual"] <= 1e-6
         assert found["largest_force"] == pytest.approx(FORCE, rel=1e-7)
-        stored = 79 * 0.4 * FORCE ** (5 / 3) / hertz(case) ** (2 / 3) + 0.4 * FORCE ** (5 / 3) / stiff ** (2 / 3)
+        stored = 79 * 0.4 * FORCE ** (5 / 3) / hertz(case) ** (2 / 3) + 0.4 * FORCE ** (
+            5 / 3
+        ) / stiff ** (2 / 3)
         assert found["stored"] == pytest.approx(stored, rel=1e-6)
-        assert stored > 1e6 * summary["energy_input_J"] and summary["energy_balance_error"] < TOLERANCE
+        assert (
+            stored > 1e6 * summary["energy_input_J"] and summary["energy_balance_error"] < TOLERANCE
+        )
 
     def test_velocity_of_small_waves(self, chain: tuple[Case, Path, dict[str, Any]]) -> None:
         """Long waves travel at c = D sqrt(k_t/m), k_t = 3/2 k alpha^0.5 (composite source, eq. 3).
 
-        An impulse causes a step of the displacement of height v sqrt(m/k_t), whose front is the integral of the Airy
-        function: long waves are at one third of its height.
+        An impulse causes a step of the displacement of height v sqrt(m/k_t), whose front is the
+        integral of the Airy function: long waves are at one third of its height.
         """
         case, directory, _ = chain
         with h5py.File(directory / "result.h5") as file:
-            time, moved = file["chain/time"][()], file["chain/displacement"][()]
+            time = file["chain/time"][()]
+            moved = file["chain/displacement"][()]
         stiffness = 1.5 * hertz(case) ** (2 / 3) * FORCE ** (1 / 3)
         level = case.load.velocity * math.sqrt(case.sphere_mass / stiffness) / 3
 
         def arrival(bead: int) -> float:
             risen = moved[:, bead] - moved[0, bead]
             first = int(np.argmax(risen > level))
-            return float(np.interp(level, risen[first - 1 : first + 1], time[first - 1 : first + 1]))
+            return float(
+                np.interp(level, risen[first - 1 : first + 1], time[first - 1 : first + 1])
+            )
 
         expected = D * math.sqrt(stiffness / case.sphere_mass)
         assert 40 * D / (arrival(60) - arrival(20)) == pytest.approx(expected, rel=2e-3)
@@ -116,7 +125,10 @@ class TestChain:
 def test_a_long_chain_shortens_by_more_than_a_tenth_of_a_bead(tmp_path: Path) -> None:
     """Overlaps and residual overlaps sum to a displacement that is not a disorder of the packing."""
     sections = {"material": "steel", "contact": {"initial_overlap": {"force": 2e3}}}
-    ran(make(size=150, precompression={"kind": "uniaxial", "force": 100.0}, **sections), tmp_path / "r")
+    ran(
+        make(size=150, precompression={"kind": "uniaxial", "force": 100.0}, **sections),
+        tmp_path / "r",
+    )
     assert table(tmp_path / "r" / "dumps" / "prestage.txt")["displacement"] > 0.1 * D
 
 
@@ -136,12 +148,19 @@ class TestPackings:
         assert initial.max() == pytest.approx(found["largest_force"][0], rel=1e-8)
         pairs = assemble(case).contacts() - 1
         apart = np.linalg.norm(np.diff((position + displacement)[pairs], axis=1)[:, 0], axis=1)
-        assert D - apart == pytest.approx((force_of_contact(assemble(case)) / hertz(case)) ** (2 / 3), rel=2e-3)
+        assert D - apart == pytest.approx(
+            (force_of_contact(assemble(case)) / hertz(case)) ** (2 / 3), rel=2e-3
+        )
 
     def test_periodic_fcc_under_a_uniaxial_pressure(self, tmp_path: Path) -> None:
-        """Three contacts transmit the load of a sphere; layers approach each other, spheres in one stay a diameter apart."""
+        """Three contacts transmit the load of a sphere; layers approach each other, spheres in one
+        stay a diameter apart.
+        """
         case = make(
-            "fcc", [4, 4, 6], boundary={"sides": "periodic"}, precompression={"kind": "uniaxial", "pressure": 1e5}
+            "fcc",
+            [4, 4, 6],
+            boundary={"sides": "periodic"},
+            precompression={"kind": "uniaxial", "pressure": 1e5},
         )
         top = 1e5 * D**2 * math.sqrt(3) / 2
 
@@ -158,11 +177,20 @@ class TestPackings:
 
     def test_dead_loads_of_faces(self) -> None:
         """The force on each face is pressure times area; their sum is zero."""
-        for kind, size in (("fcc", [9, 10, 8]), ("hcp", [8, 8, 8]), ("sc", [5, 6, 7]), ("square", [6, 7])):
+        for kind, size in (
+            ("fcc", [9, 10, 8]),
+            ("hcp", [8, 8, 8]),
+            ("sc", [5, 6, 7]),
+            ("square", [6, 7]),
+        ):
             stage = {"kind": "uniform", "pressure": 1e3}
-            _, force = dead_loads(assemble(make(kind, size, precompression=stage, boundary={"bottom": "free"})))
+            _, force = dead_loads(
+                assemble(make(kind, size, precompression=stage, boundary={"bottom": "free"}))
+            )
             assert np.abs(force.sum(axis=0)).max() < 1e-9
-        _, force = dead_loads(assemble(make("sc", [5, 6, 7], precompression={"kind": "uniform", "pressure": 1000.0})))
+        _, force = dead_loads(
+            assemble(make("sc", [5, 6, 7], precompression={"kind": "uniform", "pressure": 1000.0}))
+        )
         assert force[:, 2].sum() == pytest.approx(1e3 * 30 * D**2)
         assert force[force[:, 0] > 0, 0].sum() == pytest.approx(1e3 * 42 * D**2)
 
@@ -174,14 +202,22 @@ class TestPackings:
         ],
     )
     def test_scattered_diameters_settle(self, tmp_path: Path, stage: dict, boundary: dict) -> None:
-        case = make("fcc", [6, 6, 4], packing={"diameter_scatter": 2e-6}, precompression=stage, boundary=boundary)
+        case = make(
+            "fcc",
+            [6, 6, 4],
+            packing={"diameter_scatter": 2e-6},
+            precompression=stage,
+            boundary=boundary,
+        )
         summary = ran(case, tmp_path / "r")
         found = table(tmp_path / "r" / "dumps" / "prestage.txt")
         assert found["residual"] <= 1e-6
         assert summary["energy_balance_error"] < TOLERANCE
         if stage["kind"] == "gravity":
             weight = assemble(case).sphere_masses().sum() * 9.81
-            assert table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0] == pytest.approx(weight, rel=1e-6)
+            assert table(tmp_path / "r" / "dumps" / "walls.txt")["bottom"][0] == pytest.approx(
+                weight, rel=1e-6
+            )
 
     def test_scattered_diameters_where_nothing_holds_the_packing(self, tmp_path: Path) -> None:
         """The packing neither drifts nor rotates."""
@@ -231,21 +267,39 @@ class TestContinuation:
         self.stopped(case, tmp_path / "cut", monkeypatch)
         assert 0 < json.loads((tmp_path / "cut" / "run.json").read_text())["n_steps"] < 1000
         ran(case, tmp_path / "cut", resume=True)
-        names = ["energy.txt", "spheres.dump", "contacts.dump", "walls.txt", "wall_bottom.dump", "prestage.txt"]
+        names = [
+            "energy.txt",
+            "spheres.dump",
+            "contacts.dump",
+            "walls.txt",
+            "wall_bottom.dump",
+            "prestage.txt",
+        ]
         names += ["initial_forces.dump", "initial_forces_bottom.dump"]
         for name in names:
             whole, cut = ((tmp_path / one / "dumps" / name).read_text() for one in ("whole", "cut"))
-            rows = [{line for line in text.splitlines() if line[:1] != "#"} for text in (whole, cut)]
+            rows = [
+                {line for line in text.splitlines() if line[:1] != "#"} for text in (whole, cut)
+            ]
             assert rows[0] == rows[1], name  # the row of the checkpoint step may occur twice
         whole, cut = (initial_forces(tmp_path / one) for one in ("whole", "cut"))
-        assert all(len(forces) and np.array_equal(forces, cut[name]) for name, forces in whole.items())
+        assert all(
+            len(forces) and np.array_equal(forces, cut[name]) for name, forces in whole.items()
+        )
 
     def test_two_ranks(self, granwave, tmp_path: Path) -> None:
-        case = make("fcc", [4, 4, 3], precompression={"kind": "uniform", "pressure": 1e5}, load={"velocity": 5.0})
+        case = make(
+            "fcc",
+            [4, 4, 3],
+            precompression={"kind": "uniform", "pressure": 1e5},
+            load={"velocity": 5.0},
+        )
         (tmp_path / "case.toml").write_text(case.to_toml())
         for ranks in (1, 2):
             both = ["--np", 2, "--set", "output.parts=true"] * (ranks - 1)
-            done = granwave("run", tmp_path / "case.toml", "-o", tmp_path / str(ranks), "--no-figures", *both)
+            done = granwave(
+                "run", tmp_path / "case.toml", "-o", tmp_path / str(ranks), "--no-figures", *both
+            )
             assert done.returncode == 0, done.stderr
         ledgers = [table(tmp_path / str(ranks) / "dumps" / "energy.txt") for ranks in (1, 2)]
         for name in ("kinetic", "elastic", "dissipated"):
@@ -257,11 +311,14 @@ class TestContinuation:
         noted = tmp_path / "2" / "dumps" / "initial_forces.txt"
         noted.write_text(f"{int(noted.read_text()) + 1}\n")
         with pytest.raises(
-            OutputFormatError, match=r"initial_forces\.%\.dump \(all ranks\): found \d+ contacts, initial_"
+            OutputFormatError,
+            match=r"initial_forces\.%\.dump \(all ranks\): found \d+ contacts, initial_",
         ):
             write_result(tmp_path / "2")
         (tmp_path / "2" / "dumps" / "initial_forces.0.dump").unlink()
-        with pytest.raises(MissingOutputError, match=r"initial_forces\.0\.dump is missing: each of 2 ranks"):
+        with pytest.raises(
+            MissingOutputError, match=r"initial_forces\.0\.dump is missing: each of 2 ranks"
+        ):
             write_result(tmp_path / "2")
 
     def test_deck_runs_by_hand(self, lmp, tmp_path: Path) -> None:
@@ -281,12 +338,16 @@ class TestRefused:
             precompression={"kind": "uniaxial", "pressure": 1e5},
         )  # fmt: skip
         advice = r'boundary.sides = "periodic", or precompression.kind = "uniform"'
-        with pytest.raises(RunError, match=rf"moved by .* diameters.*not confined: take {advice} .*walls.*hold\)$"):
+        with pytest.raises(
+            RunError, match=rf"moved by .* diameters.*not confined: take {advice} .*walls.*hold\)$"
+        ):
             driver.run_case(case, tmp_path / "r", figures=False)
 
     def test_a_bottom_that_gave_way(self, tmp_path: Path) -> None:
         plate = {"plate": {"mass": 0.1, "stiffness": 1e2, "damping": 0.0}}
-        with pytest.raises(RunError, match=r"or the bottom gave way: take a stiffer boundary.bottom$"):
+        with pytest.raises(
+            RunError, match=r"or the bottom gave way: take a stiffer boundary.bottom$"
+        ):
             driver.run_case(make(boundary={"bottom": plate}), tmp_path / "r", figures=False)
 
     def test_what_can_be_in_balance_is_accepted(self) -> None:

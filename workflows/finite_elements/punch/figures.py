@@ -16,12 +16,24 @@ from numpy.typing import NDArray
 
 from granwave.analysis.figures.dissipation import draw_zone_size
 from granwave.analysis.figures.series import against_time, label, one_panel, panels
-from granwave.analysis.figures.style import BLANK, BLUE, FORCE_MAP, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
+from granwave.analysis.figures.style import (
+    BLANK,
+    BLUE,
+    FORCE_MAP,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    SKY,
+    Drawing,
+)
 from granwave.analysis.measures.zone_size import BOTTOM, SIDES
 from granwave.workflows.finite_elements.punch.solver import AT_YIELD
 from granwave.workflows.finite_elements.runner import ElementResult
 
-_MICRO, _MILLI, _MEGA = 1e6, 1e3, 1e-6
+_MICRO = 1e6
+_MILLI = 1e3
+_MEGA = 1e-6
 _SHOWN = 1.5  # smallest depth, and width, of a section in punch diameters
 _PANELS = 6
 _LINES = {  # of the energies
@@ -51,7 +63,8 @@ class ContinuumResult(ElementResult):
 
 def energies(result: ContinuumResult) -> Drawing:
     """Draw all energies, and the residual of their sum."""
-    time, given = result["energy/time"], result["energy/input"]
+    time = result["energy/time"]
+    given = result["energy/input"]
     parts = {name: result[f"energy/{name}"] for name in _LINES}
     residual = np.abs(np.sum(list(parts.values()), axis=0) - given) / given
     figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
@@ -71,7 +84,8 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
     """Draw the volumes at yield and ever yielded over that of a sphere of the punch's diameter."""
     time = result["plastic_zone/time"]
     sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
-    now, ever = result["plastic_zone/volume"], result["plastic_zone/volume_ever"]
+    now = result["plastic_zone/volume"]
+    ever = result["plastic_zone/volume_ever"]
     figure, axes = one_panel(2.3, "", "Plastic volume / ($\\pi D^3/6$)")
     against_time(axes, time, now / sphere, color=ORANGE, label="at yield now")
     against_time(axes, time, ever / sphere, "--", color=BLUE, label="ever at yield")
@@ -81,13 +95,18 @@ def plastic_zone_volume(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone_size(result: ContinuumResult) -> Drawing | None:
-    """Draw the shares of plastic work beyond a depth and a radius, with the sizes of the zone; None without any."""
-    centres, ever = result.centres, result.grid(result["fields/ever_yielded"])
+    """Draw the shares of plastic work beyond a depth and a radius, with the sizes of the zone; None
+    without any.
+    """
+    centres = result.centres
+    ever = result.grid(result["fields/ever_yielded"])
     distances = {"depth": centres["z_m"], "radius": centres["r_m"]}
     bounds = {BOTTOM: float(result.z[-1])} if ever[-1].any() else {}
     bounds |= {SIDES: float(result.r[-1])} if ever[:, -1].any() else {}
     work = result["fields/plastic_energy"] * result["element_volume"]
-    return draw_zone_size(work, distances, result.tables["punch"]["diameter"], "D_\\mathrm{punch}", bounds)
+    return draw_zone_size(
+        work, distances, result.tables["punch"]["diameter"], "D_\\mathrm{punch}", bounds
+    )
 
 
 def punch(result: ContinuumResult) -> Drawing:
@@ -104,19 +123,24 @@ def punch(result: ContinuumResult) -> Drawing:
 
 
 def von_mises(result: ContinuumResult) -> Drawing:
-    """Draw the von Mises stress in a section, at the snapshot nearest to the time of the largest plastic zone."""
+    """Draw the von Mises stress in a section, at the snapshot nearest to the time of the largest
+    plastic zone.
+    """
     largest = result["plastic_zone/time"][result["plastic_zone/volume"].argmax()]
     frame = int(np.abs(result["fields/time"] - largest).argmin())
     stress = result["fields/von_mises"][frame]
     scale = Normalize(0, result.tables["material"]["yield_strength"] * _MEGA)
-    figure, axes = _section_with_bar(result, stress * _MEGA, FORCE_MAP, scale, "Von Mises stress (MPa)")
+    figure, axes = _section_with_bar(
+        result, stress * _MEGA, FORCE_MAP, scale, "Von Mises stress (MPa)"
+    )
     axes.set_title(f"{result['fields/time'][frame] * _MICRO:.1f} µs")
     return Drawing(figure, result.centres | {"von_mises_Pa": stress})
 
 
 def plastic_zone(result: ContinuumResult) -> Drawing:
     """Draw the elements at yield, now and earlier, at several times of the growth of the zone."""
-    times, stresses = result["fields/time"], result["fields/von_mises"]
+    times = result["fields/time"]
+    stresses = result["fields/von_mises"]
     at_yield = stresses >= AT_YIELD * result.tables["material"]["yield_strength"]
     active = np.flatnonzero(at_yield.any(axis=1))
     last = int(active[-1]) if len(active) else len(times) - 1
@@ -145,7 +169,12 @@ def plastic_strain(result: ContinuumResult) -> Drawing:
 
 
 def _section_with_bar(
-    result: ContinuumResult, values: NDArray, colours: str, scale: Normalize, label: str, **options: Any
+    result: ContinuumResult,
+    values: NDArray,
+    colours: str,
+    scale: Normalize,
+    label: str,
+    **options: Any,
 ) -> tuple[Figure, Axes]:
     figure, axes = one_panel(2.6, "", "")
     _section(axes, result, values, colours, scale)
@@ -153,19 +182,26 @@ def _section_with_bar(
     return figure, axes
 
 
-def _section(axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale) -> None:
+def _section(
+    axes: Axes, result: ContinuumResult, values: NDArray, colours: str | ListedColormap, scale
+) -> None:
     """Draw a section, mirrored at the axis, below the punch, cropped to the plastic zone."""
     diameter = result.tables["punch"]["diameter"]
     zone = max(result.summary["plastic_zone_depth_m"], result.summary["plastic_zone_radius_m"])
     reach = max(_SHOWN * diameter / 2, 1.3 * zone)
     columns, rows = (int(np.searchsorted(line, reach)) + 1 for line in (result.r, result.z))
-    r, z = result.r[:columns] * _MILLI, result.z[:rows] * _MILLI
+    r = result.r[:columns] * _MILLI
+    z = result.z[:rows] * _MILLI
     part = result.grid(values)[: len(z) - 1, : len(r) - 1]
     for side in (-1, 1):
         axes.pcolormesh(side * r, z, part, cmap=colours, norm=scale, rasterized=True)
     half = diameter / 2 * _MILLI
     axes.fill_between([-half, half], 0, -0.15 * reach * _MILLI, color=GREY, linewidth=0)
-    axes.set(xlim=(-reach * _MILLI, reach * _MILLI), ylim=(reach * _MILLI, -0.15 * reach * _MILLI), aspect="equal")
+    axes.set(
+        xlim=(-reach * _MILLI, reach * _MILLI),
+        ylim=(reach * _MILLI, -0.15 * reach * _MILLI),
+        aspect="equal",
+    )
     axes.set(xlabel="r (mm)", ylabel="Depth (mm)")
 
 
@@ -173,5 +209,13 @@ RESULT = ContinuumResult
 #: Functions that draw a figure of a result, by name.
 FIGURES: dict[str, Callable[[ContinuumResult], Drawing | None]] = {
     draw.__name__: draw
-    for draw in (energies, plastic_zone, plastic_zone_volume, plastic_zone_size, von_mises, plastic_strain, punch)
+    for draw in (
+        energies,
+        plastic_zone,
+        plastic_zone_volume,
+        plastic_zone_size,
+        von_mises,
+        plastic_strain,
+        punch,
+    )
 }

@@ -4,24 +4,24 @@ Its rectangles, a tensor product, grow in proportion to the distance from the pu
 
     h_r = s (L + |r - a|)        h_z = s (k L + z)        s = sqrt(I_r I_z / elements)
 
-with L = `NEAR` times the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: the number ``elements`` refines
-the whole mesh without changing its grading. The plastic zone begins at the edge and grows from there, and the
-wavelength scales with the contact time, so every length scale gets the same share of elements. If an edge size is
-given, L follows from it.
+with L = `NEAR` times the radius a, k = `ASPECT` and ``I`` the integrals of ``s dx/h``: the number
+``elements`` refines the whole mesh without changing its grading. The plastic zone begins at the
+edge and grows from there, and the wavelength scales with the contact time, so every length scale
+gets the same share of elements. If an edge size is given, L follows from it.
 
 The radius a of the contact area (`contact_end`) lies midway between two nodes, as the contact of a
-mesh ends half an element beyond the last touching node. On the rounded edge it grows with the load, on fine meshes by
-26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones node by node. The stress under the edge needs
-finer elements, not another contact formulation: with forces distributed over the segments between nodes (penalty, 1 to
-8 points each) the scatter is the same. Scatter of the dissipated fraction when nodes are shifted by fractions of an
-element:
+mesh ends half an element beyond the last touching node. On the rounded edge it grows with the load,
+on fine meshes by 26 um at 4 m/s and 60 um at 8 m/s (0.1 kg, taper 0.1 mm), on coarse ones node by
+node. The stress under the edge needs finer elements, not another contact formulation: with forces
+distributed over the segments between nodes (penalty, 1 to 8 points each) the scatter is the same.
+Scatter of the dissipated fraction when nodes are shifted by fractions of an element:
 
     elements at the edge (um)      37      25      18
     0.1 kg, 8 m/s, scatter (%)     3.3     2.3     1.5
     0.1 kg, 4 m/s                  19      14      7
 
-By default the elements there are 32 um wide; finer ones reduce the timestep. Brass, D = 10 mm, taper 0.1 mm, compared
-with 62 500 elements and 8 um at the edge:
+By default the elements there are 32 um wide; finer ones reduce the timestep. Brass, D = 10 mm,
+taper 0.1 mm, compared with 62 500 elements and 8 um at the edge:
 
     kg, m/s     input    fraction dissipated        plastic volume (mm^3)
                          default  finer             default  finer
@@ -32,8 +32,9 @@ with 62 500 elements and 8 um at the edge:
     0.1, 12      2.74    0.296    0.298  -0.6 %         580     577  0.6 %
     0.1, 20      7.60    0.532    0.533  -0.2 %        1550    1505    3 %
 
-With 16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 % and the volume by -2
-and 3 %; half and twice the bulk viscosity change the fraction by up to 1.4 and -0.4 % and the volume by -3 and 0.6 %.
+With 16 000 elements, half and twice the hourglass stiffness change the fraction by 1 and -1.5 % and
+the volume by -2 and 3 %; half and twice the bulk viscosity change the fraction by up to 1.4 and
+-0.4 % and the volume by -3 and 0.6 %.
 """
 
 from __future__ import annotations
@@ -53,7 +54,8 @@ Line = NDArray[np.float64]
 
 _ELEMENT_STEPS_PER_SECOND = 25e6  # measured on one core
 _START = 1.0  # s, set-up and results
-_STEP_OVER_CROSSING = 0.95  # stable timestep over the time that a wave takes through the thinnest element
+# stable timestep over the time that a wave takes through the thinnest element
+_STEP_OVER_CROSSING = 0.95
 _DISK_PER_ELEMENT = 400.0  # bytes, with some 20 compressed snapshots
 _DISK_BASE = 1e6  # bytes, including figures
 NEAR = 0.455  # L over the contact radius
@@ -103,7 +105,9 @@ class Mesh:
         return (self.r[1:] + self.r[:-1]) / 2, (self.z[1:] + self.z[:-1]) / 2
 
 
-def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge_size: float | None = None) -> Mesh:
+def block_mesh(
+    radius: float, height: float, edge: float, elements: int, *, edge_size: float | None = None
+) -> Mesh:
     """Make the mesh of a block under a punch.
 
     Parameters
@@ -115,11 +119,16 @@ def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge
     elements
         Approximate number of elements.
     edge_size
-        Width of the elements at the edge in place of that of the rule, m; too large a width gives equal elements.
+        Width of the elements at the edge in place of that of the rule, m; too large a width gives
+        equal elements.
     """
 
     def counts(near: float) -> tuple[float, float, float]:
-        return math.log1p(edge / near), math.log1p((radius - edge) / near), math.log1p(height / (ASPECT * near))
+        return (
+            math.log1p(edge / near),
+            math.log1p((radius - edge) / near),
+            math.log1p(height / (ASPECT * near)),
+        )
 
     def growth(near: float) -> float:
         inner, outer, deep = counts(near)
@@ -127,7 +136,8 @@ def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge
 
     near = NEAR * edge
     if edge_size is not None:
-        low, high = 1e-9 * radius, 1e3 * radius
+        low = 1e-9 * radius
+        high = 1e3 * radius
         for _ in range(100):
             near = math.sqrt(low * high)
             low, high = (low, near) if growth(near) * near > edge_size else (near, high)
@@ -135,7 +145,8 @@ def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge
     n_r = max(2, round((inner + outer) / growth(near)))
     n_z = max(1, round(elements / n_r))
     n_edge = min(max(1, round(inner / growth(near) + 0.5)), n_r - 1)
-    inside, outside = np.arange(n_edge) / (n_edge - 0.5), (np.arange(n_edge, n_r + 1) - n_edge + 0.5)
+    inside = np.arange(n_edge) / (n_edge - 0.5)
+    outside = np.arange(n_edge, n_r + 1) - n_edge + 0.5
     r = np.concatenate(
         [
             edge - near * np.expm1(inner * (1 - inside)),
@@ -148,10 +159,11 @@ def block_mesh(radius: float, height: float, edge: float, elements: int, *, edge
 
 
 def punch_gap(mesh: Mesh, radius: float, taper: float) -> NDArray[np.float64]:
-    """Return the gaps between punch and nodes of the top surface when the flat part is at the surface.
+    """Return the gaps between punch and nodes of the top surface when the flat part is at the
+    surface.
 
-    The punch is flat up to ``radius - taper``, with an edge of radius ``taper`` beyond; only nodes below the punch,
-    (n_nodes_below,), m.
+    The punch is flat up to ``radius - taper``, with an edge of radius ``taper`` beyond; only nodes
+    below the punch, (n_nodes_below,), m.
     """
     r = mesh.r[mesh.r < radius]
     into = np.clip(r - (radius - taper), 0.0, taper)
@@ -161,18 +173,19 @@ def punch_gap(mesh: Mesh, radius: float, taper: float) -> NDArray[np.float64]:
 def contact_end(radius: float, taper: float, yield_strain: float) -> float:
     """Estimate the radius of the contact area while the block yields, m.
 
-    Indentations scale with the yield strain ``sigma_y/E``, and the edge is a parabola of curvature 1/taper, so that the
-    contact extends ``SPREAD (radius (taper sigma_y/E)^2)^(1/3)`` beyond the flat part. This is not an effect of the
-    mesh: with the same taper, materials of different ``sigma_y/E`` do not collapse on normalised axes near the onset of
-    yield. On meshes with 5 um at the edge (brass, taper 0.1 mm) the dissipated fraction changes by
+    Indentations scale with the yield strain ``sigma_y/E``, and the edge is a parabola of curvature
+    1/taper, so that the contact extends ``SPREAD (radius (taper sigma_y/E)^2)^(1/3)`` beyond the
+    flat part. This is not an effect of the mesh: with the same taper, materials of different
+    ``sigma_y/E`` do not collapse on normalised axes near the onset of yield. On meshes with 5 um at
+    the edge (brass, taper 0.1 mm) the dissipated fraction changes by
 
         normalised input    0.30     1.22     2.74     7.60
         sigma_y/E times 1/4  3.7 %    4.7 %    2.2 %    0.6 %
                         1/2  1.4      2.5      1.2      0.2
                           2 -3.7     -2.7     -0.8     -0.1
 
-    If ``taper sigma_y/E`` and the flat part are kept constant instead, 1/4 and 1/2 differ by less than 0.3 % at an
-    input of 1.22.
+    If ``taper sigma_y/E`` and the flat part are kept constant instead, 1/4 and 1/2 differ by less
+    than 0.3 % at an input of 1.22.
     """
     beyond = SPREAD * (radius * (taper * yield_strain) ** 2) ** (1 / 3)
     return radius - taper + min(beyond, taper)
@@ -180,10 +193,13 @@ def contact_end(radius: float, taper: float, yield_strain: float) -> float:
 
 def mesh_of(case: ContinuumCase) -> Mesh:
     """Make the mesh of a case."""
-    punch, run = case.punch, case.run
+    punch = case.punch
+    run = case.run
     edge = None if isinstance(run.edge_size, str) else run.edge_size
     material = Elastoplastic.of(case.material)
-    end = contact_end(punch.diameter / 2, punch.taper, material.yield_strength / material.youngs_modulus)
+    end = contact_end(
+        punch.diameter / 2, punch.taper, material.yield_strength / material.youngs_modulus
+    )
     return block_mesh(case.block.diameter / 2, case.block.height, end, run.elements, edge_size=edge)
 
 
@@ -209,7 +225,9 @@ def plan(case: ContinuumCase) -> ElementPlan:
 
 
 def _expected_end(case: ContinuumCase) -> float:
-    """Estimate the end time, s: rebound of a mass on an elastic half-space under a flat punch, with a margin."""
+    """Estimate the end time, s: rebound of a mass on an elastic half-space under a flat punch, with
+    a margin.
+    """
     if not isinstance(case.run.end_time, str):
         return case.run.end_time
     material = case.material

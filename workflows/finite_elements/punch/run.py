@@ -7,8 +7,9 @@
     /plastic_zone/{time, volume, volume_ever}
     /fields/{time, von_mises, plastic_strain, plastic_energy, ever_yielded, displacement}
 
-``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has the attributes
-``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data set has a ``unit``.
+``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has
+the attributes ``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data
+set has a ``unit``.
 """
 
 from __future__ import annotations
@@ -26,10 +27,17 @@ from granwave.workflows.finite_elements.material import PLASTIC, STRAIN, Elastop
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.mesh import mesh_of, punch_gap
 from granwave.workflows.finite_elements.punch.solver import Solver
-from granwave.workflows.finite_elements.runner import SUMMARY_NAMES, ElementRun, Tables, run_elements
+from granwave.workflows.finite_elements.runner import (
+    SUMMARY_NAMES,
+    ElementRun,
+    Tables,
+    run_elements,
+)
 
 SAMPLED = 2e-7  # s, longest time between two rows of the ledger
-WINDOW, QUIET = 1e-5, 1e-4  # a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
+# a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
+WINDOW = 1e-5
+QUIET = 1e-4
 MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
 _RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
@@ -56,7 +64,9 @@ class BlockRun(ElementRun):
 
     def __init__(self, case: ContinuumCase) -> None:
         super().__init__(case)
-        mesh, punch, run = mesh_of(case), case.punch, case.run
+        mesh = mesh_of(case)
+        punch = case.punch
+        run = case.run
         self.solver = Solver(
             mesh,
             Elastoplastic.of(case.material),
@@ -71,10 +81,13 @@ class BlockRun(ElementRun):
         self.total = None if isinstance(run.end_time, str) else round(1e6 * run.end_time, 2)
 
     def integrate(self, report: Callable[[], None] = lambda: None) -> None:
-        solver, run = self.solver, self.case.run
-        steps, automatic = solver.every(SAMPLED), isinstance(run.end_time, str)
+        solver = self.solver
+        run = self.case.run
+        steps = solver.every(SAMPLED)
+        automatic = isinstance(run.end_time, str)
         back = math.ceil(WINDOW / (steps * solver.timestep))
-        interval, due = run.frame_interval, 0.0
+        interval = run.frame_interval
+        due = 0.0
         while True:
             if solver.time >= due:
                 if len(self.frame_times) >= MOST_FRAMES:
@@ -109,7 +122,8 @@ class BlockRun(ElementRun):
     def _settled(self, back: int) -> bool:
         if len(self.rows) <= back:
             return False
-        then, now = self.rows[-1 - back], self.rows[-1]
+        then = self.rows[-1 - back]
+        now = self.rows[-1]
         left = 0 < now["touches"] == then["touches"]
         return left and now["plastic"] - then["plastic"] < QUIET * self.case.punch.energy
 
@@ -119,11 +133,16 @@ class BlockRun(ElementRun):
 
     def progress(self) -> tuple[float, str]:
         """Time done, us."""
-        last, given = self.rows[-1], self.case.punch.energy
-        return 1e6 * last["time"], f"dissipated {last['plastic'] / given:.3f}, balance {self.balance_error:.1e}"
+        last = self.rows[-1]
+        given = self.case.punch.energy
+        return 1e6 * last[
+            "time"
+        ], f"dissipated {last['plastic'] / given:.3f}, balance {self.balance_error:.1e}"
 
     def values(self) -> dict[str, Any]:
-        solver, last, given = self.solver, self.rows[-1], self.case.punch.energy
+        solver = self.solver
+        last = self.rows[-1]
+        given = self.case.punch.energy
         volumes = self.column("plastic_volume")
         peak = int(volumes.argmax())
         rows, columns = np.nonzero(solver.ever)
@@ -152,12 +171,15 @@ class BlockRun(ElementRun):
         }
 
     def zone_summary(self) -> dict[str, Any]:
-        """Return the size of the plastic zone, the boundaries that it reaches, and the return of waves from them.
+        """Return the size of the plastic zone, the boundaries that it reaches, and the return of
+        waves from them.
 
-        The fastest wave travels at the longitudinal wave speed from the punch straight to the boundary and back to the
-        zone that holds 99 % of the plastic work.
+        The fastest wave travels at the longitudinal wave speed from the punch straight to the
+        boundary and back to the zone that holds 99 % of the plastic work.
         """
-        solver, edge, block = self.solver, self.case.punch.diameter / 2, self.case.block
+        solver = self.solver
+        edge = self.case.punch.diameter / 2
+        block = self.case.block
         volume = solver.operators.volume
         radius, depth = np.meshgrid(*solver.mesh.centres)
         work = solver.state[:, :, PLASTIC] * volume
@@ -172,14 +194,16 @@ class BlockRun(ElementRun):
         return sizes | cut | wave_returns(times, self.column("time"), self.column("plastic"))
 
     def _zone_strain(self) -> float:
-        """Return the equivalent strain exceeded in 1 % of the volume that ever yielded; 0 if none did.
+        """Return the equivalent strain exceeded in 1 % of the volume that ever yielded; 0 if none
+        did.
 
-        It is the sum of the elastic and the plastic one. The largest strain occurs in one element at the punch's edge
-        and depends on the element size.
+        It is the sum of the elastic and the plastic one. The largest strain occurs in one element
+        at the punch's edge and depends on the element size.
         """
         solver = self.solver
         both = solver.von_mises / solver.material.youngs_modulus + solver.state[:, :, STRAIN]
-        strain, volume = both[solver.ever], solver.operators.volume[solver.ever]
+        strain = both[solver.ever]
+        volume = solver.operators.volume[solver.ever]
         if not len(strain):
             return 0.0
         order = np.argsort(strain)[::-1]
@@ -187,7 +211,9 @@ class BlockRun(ElementRun):
         return float(strain[order][reached.argmax()])
 
     def tables(self) -> Tables:
-        solver, column, state = self.solver, self.column, self.solver.state
+        solver = self.solver
+        column = self.column
+        state = self.solver.state
         time = column("time")
         return {
             "nodes": (solver.mesh.nodes, "m"),
@@ -208,7 +234,10 @@ class BlockRun(ElementRun):
             "fields/plastic_strain": (state[:, :, STRAIN].ravel(), "1"),
             "fields/plastic_energy": (state[:, :, PLASTIC].ravel(), "J m-3"),
             "fields/ever_yielded": (solver.ever.ravel().astype(np.uint8), "1"),
-            "fields/displacement": (np.column_stack([part.ravel() for part in solver.motion[:2]]), "m"),
+            "fields/displacement": (
+                np.column_stack([part.ravel() for part in solver.motion[:2]]),
+                "m",
+            ),
         }
 
     def warning(self, summary: Mapping[str, Any]) -> str:

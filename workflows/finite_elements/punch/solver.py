@@ -2,15 +2,17 @@
 
     v(n+1/2) = v(n-1/2) + dt (f_contact - f_internal(n))/m        u(n+1) = u(n) + dt v(n+1/2)
 
-The operators of the one-point quadrilateral and the lumped masses are those of scikit-fem. One quadrature point does
-not lock in plastic flow, as it imposes one incompressibility condition per element. The two hourglass modes, which it
-does not see, are resisted by `hourglass_stiffness`. The radius at the centre of an element is never zero, so that the
-axis needs no special treatment; for rectangles one point integrates the volume 2 pi r dr dz exactly, and a field of
-equal radial and hoop stress is exactly in equilibrium. The mass is lumped with the same point, a quarter of the element
-to each node; as forces are distributed alike, a plane wave stays plane up to the axis.
+The operators of the one-point quadrilateral and the lumped masses are those of scikit-fem. One
+quadrature point does not lock in plastic flow, as it imposes one incompressibility condition per
+element. The two hourglass modes, which it does not see, are resisted by `hourglass_stiffness`. The
+radius at the centre of an element is never zero, so that the axis needs no special treatment; for
+rectangles one point integrates the volume 2 pi r dr dz exactly, and a field of equal radial and
+hoop stress is exactly in equilibrium. The mass is lumped with the same point, a quarter of the
+element to each node; as forces are distributed alike, a plane wave stays plane up to the axis.
 
-All energies are computed independently, so that their sum checks the solution: elastic from the stresses, plastic from
-stress times plastic strain increment, viscous and contact losses from their work, kinetic at whole steps.
+All energies are computed independently, so that their sum checks the solution: elastic from the
+stresses, plastic from stress times plastic strain increment, viscous and contact losses from their
+work, kinetic at whole steps.
 """
 
 from __future__ import annotations
@@ -32,8 +34,12 @@ from granwave.workflows.finite_elements.punch import kernels
 from granwave.workflows.finite_elements.punch.mesh import Mesh
 
 QUADRATIC_VISCOSITY = 1.2
-ONE_POINT = (np.array([[0.5], [0.5]]), np.array([1.0]))  # centre of the reference square, and its weight
-_NEAR_STIFFEST = 0.7  # elements whose bound is below this fraction of the largest cannot limit the timestep
+ONE_POINT = (
+    np.array([[0.5], [0.5]]),
+    np.array([1.0]),
+)  # centre of the reference square, and its weight
+# elements whose bound is below this fraction of the largest cannot limit the timestep
+_NEAR_STIFFEST = 0.7
 _SAFETY = 0.98  # timestep over the stability limit
 
 Grid = NDArray[np.float64]
@@ -61,11 +67,15 @@ class Operators:
         rows, columns = mesh.shape
         point = library_basis(mesh)
         gradient = np.abs(point.basis[0][0].grad[:, :, 0]).reshape(2, rows, columns)
-        value = np.broadcast_to(np.asarray(point.basis[0][0])[..., 0], rows * columns).reshape(rows, columns)
+        value = np.broadcast_to(np.asarray(point.basis[0][0])[..., 0], rows * columns).reshape(
+            rows, columns
+        )
         radius = np.asarray(point.global_coordinates())[0, :, 0].reshape(rows, columns)
         volume = 2 * math.pi * radius * point.dx[:, 0].reshape(rows, columns)
         mass = LinearForm(lambda v, w: 2 * math.pi * material.density * w.x[0] * v).assemble(point)
-        self.br, self.bz, self.bt = gradient[0, 0].copy(), gradient[1, :, 0].copy(), (value / radius)[0].copy()
+        self.br = gradient[0, 0].copy()
+        self.bz = gradient[1, :, 0].copy()
+        self.bt = (value / radius)[0].copy()
         self.height = 0.5 / gradient[1, :, 0]
         self.area = volume[0] / self.height[0]
         self.length = 0.5 / gradient.max(axis=0)
@@ -80,14 +90,17 @@ class Operators:
 
 def library_basis(mesh: Mesh) -> Basis:
     """Return scikit-fem's bilinear basis on the mesh, with one quadrature point."""
-    return Basis(MeshQuad(mesh.nodes.T.copy(), mesh.elements.T.copy()), ElementQuad1(), quadrature=ONE_POINT)
+    return Basis(
+        MeshQuad(mesh.nodes.T.copy(), mesh.elements.T.copy()), ElementQuad1(), quadrature=ONE_POINT
+    )
 
 
 def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     """Return a timestep below the stability limit of central differences, s.
 
-    ``dt = (2/omega) (sqrt(1 + xi^2) - xi)`` with xi the share of critical damping that the linear bulk viscosity adds
-    and omega the highest frequency of any single element, which bounds that of the mesh.
+    ``dt = (2/omega) (sqrt(1 + xi^2) - xi)`` with xi the share of critical damping that the linear
+    bulk viscosity adds and omega the highest frequency of any single element, which bounds that of
+    the mesh.
     """
     br, bz = np.meshgrid(operators.br, operators.bz)
     bt = np.broadcast_to(operators.bt, br.shape)
@@ -96,18 +109,27 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     on_axis = np.zeros_like(near)
     on_axis[:, 0] = True
     axis = on_axis[near]
-    br, bz, bt = br[near], bz[near], bt[near]
-    volume, hourglass = operators.volume[near], operators.hourglass[near]
-    sr, sz, h = np.array([-1, 1, 1, -1.0]), np.array([-1, -1, 1, 1.0]), np.array([1, -1, 1, -1.0])
+    br = br[near]
+    bz = bz[near]
+    bt = bt[near]
+    volume = operators.volume[near]
+    hourglass = operators.hourglass[near]
+    sr = np.array([-1, 1, 1, -1.0])
+    sz = np.array([-1, -1, 1, 1.0])
+    h = np.array([1, -1, 1, -1.0])
     strain = np.zeros((len(br), 4, 8))
     strain[:, 0, :4] = strain[:, 3, 4:] = br[:, None] * sr
     strain[:, 1, 4:] = strain[:, 3, :4] = bz[:, None] * sz
     strain[:, 2, :4] = bt[:, None]
-    stiffness = volume[:, None, None] * np.einsum("eki,kl,elj->eij", strain, material.stiffness, strain, optimize=True)
+    stiffness = volume[:, None, None] * np.einsum(
+        "eki,kl,elj->eij", strain, material.stiffness, strain, optimize=True
+    )
     mode = np.outer(h, h) / 16 * hourglass[:, None, None]
     stiffness[:, :4, :4] += mode
     stiffness[:, 4:, 4:] += mode
-    scale = np.repeat(2 / np.sqrt(material.density * volume)[:, None], 8, axis=1)  # for a quarter of the mass
+    scale = np.repeat(
+        2 / np.sqrt(material.density * volume)[:, None], 8, axis=1
+    )  # for a quarter of the mass
     scale[np.ix_(axis, [0, 3])] = 0.0  # no radial motion on the axis
     scaled = stiffness * scale[:, :, None] * scale[:, None, :]
     omega = math.sqrt(np.linalg.eigvalsh(scaled)[:, -1].max())
@@ -121,7 +143,8 @@ class Solver:
     Parameters
     ----------
     gap
-        Gaps between the nodes of the top, from the axis outwards, and the punch, m; only nodes that it can touch.
+        Gaps between the nodes of the top, from the axis outwards, and the punch, m; only nodes that
+        it can touch.
     punch_mass, punch_velocity
         Mass of the punch, kg, and initial velocity along +z, into the block, m/s.
     sides
@@ -144,7 +167,8 @@ class Solver:
         bottom: str = "fixed",
         timestep: float | None = None,
     ) -> None:
-        self.mesh, self.material = mesh, material
+        self.mesh = mesh
+        self.material = material
         self.operators = Operators(mesh, material)
         self.timestep = stable_timestep(self.operators, material) if timestep is None else timestep
         self.n_steps = 0
@@ -163,7 +187,8 @@ class Solver:
         if sides == "roller":
             self._mobility[0, :, -1] = 0.0
         of = self.operators
-        self._tables, self._fields = (of.br, of.bz, of.bt, of.area, of.height), (of.length, of.hourglass)
+        self._tables = (of.br, of.bz, of.bt, of.area, of.height)
+        self._fields = (of.length, of.hourglass)
         lam, mu = material.lame
         damping = LINEAR_VISCOSITY * material.density * material.longitudinal_speed
         quadratic = QUADRATIC_VISCOSITY**2 * material.density
@@ -200,14 +225,19 @@ class Solver:
         Returns
         -------
         dict
-            Time (s), energies and their ``total`` (J), volumes (m^3), largest strain and state of the punch, by name.
+            Time (s), energies and their ``total`` (J), volumes (m^3), largest strain and state of
+            the punch, by name.
         """
         elastic, plastic, now, ever, strain = kernels.measure(
             self.state, self._tables, self._constants, AT_YIELD, self.ever
         )
-        time, tally = self.time, self._tally
-        viscous, hourglass = tally[kernels.VISCOUS], tally[kernels.HOURGLASS]
-        place, speed, force = tally[kernels.PUNCH_Z], tally[kernels.PUNCH_V], tally[kernels.FORCE]
+        time = self.time
+        tally = self._tally
+        viscous = tally[kernels.VISCOUS]
+        hourglass = tally[kernels.HOURGLASS]
+        place = tally[kernels.PUNCH_Z]
+        speed = tally[kernels.PUNCH_V]
+        force = tally[kernels.FORCE]
         kernels.advance(
             n_steps,
             self.motion,

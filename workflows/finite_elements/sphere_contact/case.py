@@ -20,7 +20,9 @@ if TYPE_CHECKING:
     from granwave._contact_laws import ContactLaw
 
 _FIRST_PEAK = 4.0  # overlap of the first unloading over alpha_y
-_ELASTIC_UNIT = 1 / 400  # unit in place of alpha_y, if that is not reached, over the largest overlap
+_ELASTIC_UNIT = (
+    1 / 400
+)  # unit in place of alpha_y, if that is not reached, over the largest overlap
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -44,12 +46,20 @@ class SphereContactRun:
 
     max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=1.0, default=0.2)
     unloadings: int = count(
-        "unload-reload cycles, the last from the largest overlap", at_least=0, at_most=1000, default=10
+        "unload-reload cycles, the last from the largest overlap",
+        at_least=0,
+        at_most=1000,
+        default=10,
     )
     elements: int = count(
-        "about how many elements the mesh has, both spheres together", at_least=100, at_most=1_000_000_000, default=6000
+        "about how many elements the mesh has, both spheres together",
+        at_least=100,
+        at_most=1_000_000_000,
+        default=6000,
     )
-    speed: float = number("1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0)
+    speed: float = number(
+        "1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0
+    )
     velocity: float = number(
         "velocity of approach and of separation, m/s, that gives strain rates to a material with rate_sensitivity; "
         "inertia is left out; 0: slow",
@@ -78,7 +88,10 @@ class SphereContactCase(ElementCase):
     @property
     def radii(self) -> tuple[float, float]:
         """Radii of the first and the second sphere, m."""
-        return self.sphere.radius, self.sphere.radius if self.partner is None else self.partner.radius
+        return (
+            self.sphere.radius,
+            self.sphere.radius if self.partner is None else self.partner.radius,
+        )
 
     @property
     def materials(self) -> tuple[Material, Material]:
@@ -87,9 +100,17 @@ class SphereContactCase(ElementCase):
 
     @property
     def identical(self) -> bool:
-        """True if both spheres are equal, so that one of them on the plane of symmetry is sufficient."""
+        """True if both spheres are equal, so that one of them on the plane of symmetry is
+        sufficient.
+        """
         first, second = (
-            (one.youngs_modulus, one.poisson_ratio, one.yield_strength, one.hardening or 0.0, one.rate)
+            (
+                one.youngs_modulus,
+                one.poisson_ratio,
+                one.yield_strength,
+                one.hardening or 0.0,
+                one.rate,
+            )
             for one in self.materials
         )
         return self.radii[0] == self.radii[1] and first == second
@@ -110,7 +131,8 @@ class SphereContactCase(ElementCase):
 
         limits = [one.yield_strength or math.inf for one in self.materials]
         materials = [
-            dataclasses.replace(one, yield_strength=limit) for one, limit in zip(self.materials, limits, strict=True)
+            dataclasses.replace(one, yield_strength=limit)
+            for one, limit in zip(self.materials, limits, strict=True)
         ]
         return contact_of(materials, self.radii, name)
 
@@ -127,15 +149,22 @@ class SphereContactCase(ElementCase):
 
     @property
     def peaks(self) -> NDArray[np.float64]:
-        """Overlaps at which to unload, m: evenly spaced in their logarithm up to the largest overlap."""
-        number, largest = self.run.unloadings, self.max_overlap
+        """Overlaps at which to unload, m: evenly spaced in their logarithm up to the largest
+        overlap.
+        """
+        number = self.run.unloadings
+        largest = self.max_overlap
         first = min(_FIRST_PEAK * self.yield_unit, 0.5 * largest)
         return np.geomspace(first, largest, number) if number > 1 else np.full(number, largest)
 
 
 def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Partner | None:
     """Read the partner; values that it does not give are those of the first sphere."""
-    own = {key: value for key, value in table.items() if key != "material"} if isinstance(table, Mapping) else table
+    own = (
+        {key: value for key, value in table.items() if key != "material"}
+        if isinstance(table, Mapping)
+        else table
+    )
     sphere: Sphere | None = parts.get("sphere")
     if isinstance(own, Mapping) and "radius" not in own and sphere is not None:
         own = {**own, "radius": sphere.radius}
@@ -143,4 +172,6 @@ def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Pa
     material: Material | None = parts.get("material")
     if isinstance(table, Mapping) and "material" in table:
         material = read_material(table["material"], errors, "partner.material")
-    return None if body is None or material is None else Partner(radius=body.radius, material=material)
+    return (
+        None if body is None or material is None else Partner(radius=body.radius, material=material)
+    )

@@ -1,7 +1,7 @@
 """Inner loops of the quasi-static explicit solver with updated geometry, compiled by numba.
 
-Time is counted in steps: a velocity is a displacement per step (m), a mass has the unit N/(m/step^2). As the problem is
-static, the masses can be chosen freely (`masses`).
+Time is counted in steps: a velocity is a displacement per step (m), a mass has the unit
+N/(m/step^2). As the problem is static, the masses can be chosen freely (`masses`).
 
 Each element has one quadrature point, its centre. With b = grad N there, from current coordinates,
 
@@ -9,9 +9,10 @@ Each element has one quadrature point, its centre. With b = grad N there, from c
     sigma <- Q sigma Q^T, + C : D    Q: rotation by Hughes and Winget (1980); then radial return
     f = V b^T sigma                  at the end of the step, V = 2 pi r A
 
-Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form; the hourglass displacement rotates with
-the element and is reduced by plastic flow like the deviator. The state of an element has the layout of
-`granwave.workflows.finite_elements.material`, but ``PLASTIC`` is in J, as volumes change.
+Hourglass control is that of Flanagan and Belytschko (1981) in stiffness form; the hourglass
+displacement rotates with the element and is reduced by plastic flow like the deviator. The state of
+an element has the layout of `granwave.workflows.finite_elements.material`, but ``PLASTIC`` is in J,
+as volumes change.
 """
 
 from __future__ import annotations
@@ -36,21 +37,24 @@ OVERLAP, RATE, TARGET_RATE, FORCE, WORK, VISCOUS, HOURGLASS, DAMPING, KINETIC, P
 N_TALLY = 10
 STABLE = 0.9  # timestep over the stability limit of central differences
 #: positions of the two Gauss points on a segment of a surface
-NEAR_END, FAR_END = 0.5 - 0.5 / math.sqrt(3), 0.5 + 0.5 / math.sqrt(3)
+NEAR_END = 0.5 - 0.5 / math.sqrt(3)
+FAR_END = 0.5 + 0.5 / math.sqrt(3)
 
 
 @compiled
 def plastic_increment(mises, limit, hardening, shear, sensitivity, least):
-    """Return the increment m of the equivalent plastic strain, and the factor of the yield strength at its rate.
+    """Return the increment m of the equivalent plastic strain, and the factor of the yield strength
+    at its rate.
 
-    With Johnson and Cook's factor, m solves ``(limit + hardening m)(1 + C ln(m/least)) + 3 mu m = mises``, where least
-    is the increment at the reference rate, below which the factor is 1. The left side is concave in m, so that Newton's
-    method from ``least`` converges from below.
+    With Johnson and Cook's factor, m solves ``(limit + hardening m)(1 + C ln(m/least)) + 3 mu m =
+    mises``, where least is the increment at the reference rate, below which the factor is 1. The
+    left side is concave in m, so that Newton's method from ``least`` converges from below.
     """
     more = (mises - limit) / (3 * shear + hardening)
     if sensitivity == 0.0 or more <= least:
         return more, 1.0
-    m, factor = least, 1.0
+    m = least
+    factor = 1.0
     for _ in range(50):
         yielding = limit + hardening * m
         missing = mises - yielding * factor - 3 * shear * m
@@ -70,8 +74,8 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
     x, v
         Positions at the end of the step and displacements in it, (n_nodes, 2), m.
     kind, constants
-        Material index of each element; for each material lambda, mu, yield strength (Pa), viscosity (Pa step),
-        hardening modulus (Pa), rate sensitivity and reference rate (1/s).
+        Material index of each element; for each material lambda, mu, yield strength (Pa), viscosity
+        (Pa step), hardening modulus (Pa), rate sensitivity and reference rate (1/s).
     pace
         Steps in a second, for rates; 0: at rest.
 
@@ -83,21 +87,29 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
     f[:, :] = 0.0
     viscous = artificial = 0.0
     for e in range(len(elements)):
-        lam, mu, viscosity, hardening = (
-            constants[kind[e], 0],
-            constants[kind[e], 1],
-            constants[kind[e], 3],
-            constants[kind[e], 4],
-        )
-        n0, n1, n2, n3 = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
+        lam = constants[kind[e], 0]
+        mu = constants[kind[e], 1]
+        viscosity = constants[kind[e], 3]
+        hardening = constants[kind[e], 4]
+        n0 = elements[e, 0]
+        n1 = elements[e, 1]
+        n2 = elements[e, 2]
+        n3 = elements[e, 3]
         s = state[e]
         limit = constants[kind[e], 2] + hardening * s[STRAIN]
         # differences over the diagonals, at the end and at the middle of the step
-        u_r, u_z = v[n0, 0] - v[n2, 0], v[n0, 1] - v[n2, 1]
-        w_r, w_z = v[n1, 0] - v[n3, 0], v[n1, 1] - v[n3, 1]
-        p_r, p_z = x[n0, 0] - x[n2, 0], x[n0, 1] - x[n2, 1]
-        q_r, q_z = x[n1, 0] - x[n3, 0], x[n1, 1] - x[n3, 1]
-        pm_r, pm_z, qm_r, qm_z = p_r - 0.5 * u_r, p_z - 0.5 * u_z, q_r - 0.5 * w_r, q_z - 0.5 * w_z
+        u_r = v[n0, 0] - v[n2, 0]
+        u_z = v[n0, 1] - v[n2, 1]
+        w_r = v[n1, 0] - v[n3, 0]
+        w_z = v[n1, 1] - v[n3, 1]
+        p_r = x[n0, 0] - x[n2, 0]
+        p_z = x[n0, 1] - x[n2, 1]
+        q_r = x[n1, 0] - x[n3, 0]
+        q_z = x[n1, 1] - x[n3, 1]
+        pm_r = p_r - 0.5 * u_r
+        pm_z = p_z - 0.5 * u_z
+        qm_r = q_r - 0.5 * w_r
+        qm_z = q_z - 0.5 * w_z
         sum_v = v[n0, 0] + v[n1, 0] + v[n2, 0] + v[n3, 0]
         sum_r = x[n0, 0] + x[n1, 0] + x[n2, 0] + x[n3, 0]
         # b of nodes 0 and 1; that of nodes 2 and 3 is opposite
@@ -112,8 +124,11 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
         # rotation
         half = 0.25 * (g_rz - g_zr)
         scale = 1.0 / (1.0 + half * half)
-        cosine, sine = (1.0 - half * half) * scale, 2.0 * half * scale
-        cc, ss, cs = cosine * cosine, sine * sine, cosine * sine
+        cosine = (1.0 - half * half) * scale
+        sine = 2.0 * half * scale
+        cc = cosine * cosine
+        ss = sine * sine
+        cs = cosine * sine
         o_rr = cc * s[RR] + ss * s[ZZ] + 2 * cs * s[RZ]
         o_zz = ss * s[RR] + cc * s[ZZ] - 2 * cs * s[RZ]
         o_rz = (cc - ss) * s[RZ] + cs * (s[ZZ] - s[RR])
@@ -126,7 +141,9 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
         area = 0.5 * (p_r * q_z - q_r * p_z)
         volume = 0.5 * math.pi * sum_r * area
         mean = (s_rr + s_zz + s_tt) / 3
-        d_rr, d_zz, d_tt = s_rr - mean, s_zz - mean, s_tt - mean
+        d_rr = s_rr - mean
+        d_zz = s_zz - mean
+        d_tt = s_tt - mean
         square = 1.5 * (d_rr * d_rr + d_zz * d_zz + d_tt * d_tt + 2 * s_rz * s_rz)
         back = 1.0
         if square > limit * limit:
@@ -149,17 +166,24 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
         s[BULK] = bulk
         # hourglass force, orthogonal to linear velocity fields
         factor = 0.5 / area
-        b0_r, b1_r, b0_z, b1_z = factor * q_z, -factor * p_z, -factor * q_r, factor * p_r
+        b0_r = factor * q_z
+        b1_r = -factor * p_z
+        b0_z = -factor * q_r
+        b1_z = factor * p_r
         h_r = x[n0, 0] - x[n1, 0] + x[n2, 0] - x[n3, 0]
         h_z = x[n0, 1] - x[n1, 1] + x[n2, 1] - x[n3, 1]
-        c0, c1 = h_r * b0_r + h_z * b0_z, h_r * b1_r + h_z * b1_z
+        c0 = h_r * b0_r + h_z * b0_z
+        c1 = h_r * b1_r + h_z * b1_z
         t_r = 0.25 * (v[n0, 0] - v[n1, 0] + v[n2, 0] - v[n3, 0] - c0 * u_r - c1 * w_r)
         t_z = 0.25 * (v[n0, 1] - v[n1, 1] + v[n2, 1] - v[n3, 1] - c0 * u_z - c1 * w_z)
-        old_r, old_z = cosine * s[HOUR_R] + sine * s[HOUR_Z], cosine * s[HOUR_Z] - sine * s[HOUR_R]
-        new_r, new_z = back * (old_r + t_r), back * (old_z + t_z)
+        old_r = cosine * s[HOUR_R] + sine * s[HOUR_Z]
+        old_z = cosine * s[HOUR_Z] - sine * s[HOUR_R]
+        new_r = back * (old_r + t_r)
+        new_z = back * (old_z + t_z)
         artificial += 0.5 * hourglass[e] * ((old_r + new_r) * t_r + (old_z + new_z) * t_z)
         s[HOUR_R], s[HOUR_Z] = new_r, new_z
-        h_r, h_z = 0.25 * hourglass[e] * new_r, 0.25 * hourglass[e] * new_z
+        h_r = 0.25 * hourglass[e] * new_r
+        h_z = 0.25 * hourglass[e] * new_z
         # nodal forces
         s_rr += bulk
         s_zz += bulk
@@ -181,17 +205,18 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
 
 @compiled
 def press(x, f, around, weights, line, stiffness, approach, gaps):
-    """Add to ``f`` the contact forces between the Gauss points of a surface and the opposite ``line``.
+    """Add to ``f`` the contact forces between the Gauss points of a surface and the opposite
+    ``line``.
 
-    The gap at the two Gauss points of each segment is g = z + z_line(r) - approach, with each z into its own body. If
-    it is negative, the energy ``stiffness g^2/2`` gives equal and opposite forces on the nodes of both, normal to the
-    line.
+    The gap at the two Gauss points of each segment is g = z + z_line(r) - approach, with each z
+    into its own body. If it is negative, the energy ``stiffness g^2/2`` gives equal and opposite
+    forces on the nodes of both, normal to the line.
 
     Parameters
     ----------
     around, weights
-        Four nodes for each segment, the middle two its ends, (n_segments, 4), and their weights in z at its Gauss
-        points, (n_segments, 2, 4): the surface is curved between nodes.
+        Four nodes for each segment, the middle two its ends, (n_segments, 4), and their weights in
+        z at its Gauss points, (n_segments, 2, 4): the surface is curved between nodes.
     line
         Nodes from the axis outwards, also curved between them; two nodes: straight.
     stiffness
@@ -205,40 +230,57 @@ def press(x, f, around, weights, line, stiffness, approach, gaps):
         Axial force (N) and energy (J).
     """
     total = energy = 0.0
-    j, last = 0, len(line) - 2
+    j = 0
+    last = len(line) - 2
     for k in range(len(around)):
-        a, b = around[k, 1], around[k, 2]
+        a = around[k, 1]
+        b = around[k, 2]
         for side in range(2):
             to_b = NEAR_END if side == 0 else FAR_END
             to_a = 1.0 - to_b
-            r, z = to_a * x[a, 0] + to_b * x[b, 0], 0.0
+            r = to_a * x[a, 0] + to_b * x[b, 0]
+            z = 0.0
             for m in range(4):
                 z += weights[k, side, m] * x[around[k, m], 1]
             while j < last and x[line[j + 1], 0] < r:
                 j += 1
             while j > 0 and x[line[j], 0] > r:
                 j -= 1
-            c, d = line[j], line[j + 1]
-            c_r, d_r = x[c, 0], x[d, 0]
+            c = line[j]
+            d = line[j + 1]
+            c_r = x[c, 0]
+            d_r = x[d, 0]
             to_d = (r - c_r) / (d_r - c_r)
             to_c = 1.0 - to_d
             slope = (x[d, 1] - x[c, 1]) / (d_r - c_r)
             height = x[c, 1] + slope * (r - c_r)
-            before, after, to_before, to_after = c, d, 0.0, 0.0
+            before = c
+            after = d
+            to_before = 0.0
+            to_after = 0.0
             if j < last:  # curved: mean of the two parabolas through three of four nodes
-                before, before_r = line[j - 1], x[line[j - 1], 0]
+                before = line[j - 1]
+                before_r = x[line[j - 1], 0]
                 if j == 0:
-                    before, before_r = d, -d_r
-                after, after_r = line[j + 2], x[line[j + 2], 0]
+                    before = d
+                    before_r = -d_r
+                after = line[j + 2]
+                after_r = x[line[j + 2], 0]
                 from_before = 0.5 / ((before_r - c_r) * (before_r - d_r))
                 from_after = 0.5 / ((after_r - c_r) * (after_r - d_r))
                 from_c = 0.5 / (c_r - d_r) * (1.0 / (c_r - before_r) + 1.0 / (c_r - after_r))
                 from_d = 0.5 / (d_r - c_r) * (1.0 / (d_r - before_r) + 1.0 / (d_r - after_r))
-                bend = from_before * x[before, 1] + from_after * x[after, 1] + from_c * x[c, 1] + from_d * x[d, 1]
+                bend = (
+                    from_before * x[before, 1]
+                    + from_after * x[after, 1]
+                    + from_c * x[c, 1]
+                    + from_d * x[d, 1]
+                )
                 arm = (r - c_r) * (r - d_r)
                 height += arm * bend
                 slope += (2 * r - c_r - d_r) * bend
-                to_before, to_after = arm * from_before, arm * from_after
+                to_before = arm * from_before
+                to_after = arm * from_after
                 to_c += arm * from_c
                 to_d += arm * from_d
             gap = z + height - approach
@@ -264,19 +306,28 @@ def press(x, f, around, weights, line, stiffness, approach, gaps):
 
 @compiled
 def masses(x, elements, kind, constants, extra, mass):
-    """Set the nodal masses so that a step of 1 is `STABLE` times the stability limit of every element.
+    """Set the nodal masses so that a step of 1 is `STABLE` times the stability limit of every
+    element.
 
-    The square of an element's highest frequency is at most ``V (lambda + 2 mu) sum(b^2)`` over a nodal mass.
+    The square of an element's highest frequency is at most ``V (lambda + 2 mu) sum(b^2)`` over a
+    nodal mass.
     """
     mass[:] = extra
     for e in range(len(elements)):
-        n0, n1, n2, n3 = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
-        p_r, p_z = x[n0, 0] - x[n2, 0], x[n0, 1] - x[n2, 1]
-        q_r, q_z = x[n1, 0] - x[n3, 0], x[n1, 1] - x[n3, 1]
+        n0 = elements[e, 0]
+        n1 = elements[e, 1]
+        n2 = elements[e, 2]
+        n3 = elements[e, 3]
+        p_r = x[n0, 0] - x[n2, 0]
+        p_z = x[n0, 1] - x[n2, 1]
+        q_r = x[n1, 0] - x[n3, 0]
+        q_z = x[n1, 1] - x[n3, 1]
         sum_r = x[n0, 0] + x[n1, 0] + x[n2, 0] + x[n3, 0]
         area = 0.5 * (p_r * q_z - q_r * p_z)
         volume = 0.5 * math.pi * sum_r * area
-        squares = 0.5 * (p_r * p_r + p_z * p_z + q_r * q_r + q_z * q_z) / (area * area) + 4.0 / (sum_r * sum_r)
+        squares = 0.5 * (p_r * p_r + p_z * p_z + q_r * q_r + q_z * q_z) / (area * area) + 4.0 / (
+            sum_r * sum_r
+        )
         modulus = constants[kind[e], 0] + 2 * constants[kind[e], 1]
         share = volume * modulus * squares / (4 * STABLE * STABLE)
         mass[n0] += share
@@ -287,7 +338,20 @@ def masses(x, elements, kind, constants, extra, mass):
 
 @compiled
 def advance(
-    n_steps, wanted, growth, smoothing, damping, memory, halves, velocity, tally, motion, mass, free, mesh, contact
+    n_steps,
+    wanted,
+    growth,
+    smoothing,
+    damping,
+    memory,
+    halves,
+    velocity,
+    tally,
+    motion,
+    mass,
+    free,
+    mesh,
+    contact,
 ):
     """Take ``n_steps``; energies and force in ``tally`` are those at the end.
 
@@ -296,28 +360,35 @@ def advance(
     wanted, growth
         Target for the change of the overlap in a step: ``wanted + growth * overlap``.
     smoothing
-        Time constant, in steps, of the two low-pass filters through which the rate follows this target.
+        Time constant, in steps, of the two low-pass filters through which the rate follows this
+        target.
     damping, memory
-        Fraction that a node loses in a step of the difference between its velocity and its mean velocity over about
-        ``memory`` steps: oscillations are damped, steady motion is not.
+        Fraction that a node loses in a step of the difference between its velocity and its mean
+        velocity over about ``memory`` steps: oscillations are damped, steady motion is not.
     halves
         Approach over overlap: 1 for two bodies, 1/2 for one on the plane of symmetry.
     velocity
-        Rate of the overlap in time, m/s, by which steps become time for materials that depend on the rate; 0: at rest.
+        Rate of the overlap in time, m/s, by which steps become time for materials that depend on
+        the rate; 0: at rest.
     motion
-        (4, n_nodes, 2): position (m), displacement in the last step (m), force (N), mean displacement in a step (m).
+        (4, n_nodes, 2): position (m), displacement in the last step (m), force (N), mean
+        displacement in a step (m).
     free
         (n_nodes, 2): 1 for free, 0 for fixed degrees of freedom.
     mesh
         ``elements, kind, constants, hourglass, state``.
     contact
-        For each surface ``line, around, weights, stiffness, gaps``, as in `press`; a plane has no segments.
+        For each surface ``line, around, weights, stiffness, gaps``, as in `press`; a plane has no
+        segments.
     """
-    x, v, f = motion[0], motion[1], motion[2]
+    x = motion[0]
+    v = motion[1]
+    f = motion[2]
     elements, kind, constants, hourglass, state = mesh
     first, second = contact
     steady = motion[3]
-    keep, gain = (1 - 0.5 * damping) / (1 + 0.5 * damping), 1 / (1 + 0.5 * damping)
+    keep = (1 - 0.5 * damping) / (1 + 0.5 * damping)
+    gain = 1 / (1 + 0.5 * damping)
     drift = 1 / memory
     for step in range(n_steps):
         tally[TARGET_RATE] += (wanted + growth * tally[OVERLAP] - tally[TARGET_RATE]) / smoothing
@@ -342,7 +413,9 @@ def advance(
         approach = halves * tally[OVERLAP]
         force, energy = press(x, f, first[1], first[2], second[0], first[3], approach, first[4])
         if len(second[1]) > 0:
-            other, more = press(x, f, second[1], second[2], first[0], second[3], approach, second[4])
+            other, more = press(
+                x, f, second[1], second[2], first[0], second[3], approach, second[4]
+            )
             force += other
             energy += more
         tally[WORK] += 0.5 * (tally[FORCE] + force) * halves * tally[RATE]
@@ -361,9 +434,16 @@ def stored(x, elements, kind, constants, state):
     """Return the present elastic and plastic energy, J."""
     elastic = plastic = 0.0
     for e in range(len(elements)):
-        lam, mu = constants[kind[e], 0], constants[kind[e], 1]
-        n0, n1, n2, n3 = elements[e, 0], elements[e, 1], elements[e, 2], elements[e, 3]
-        area = 0.5 * ((x[n0, 0] - x[n2, 0]) * (x[n1, 1] - x[n3, 1]) - (x[n1, 0] - x[n3, 0]) * (x[n0, 1] - x[n2, 1]))
+        lam = constants[kind[e], 0]
+        mu = constants[kind[e], 1]
+        n0 = elements[e, 0]
+        n1 = elements[e, 1]
+        n2 = elements[e, 2]
+        n3 = elements[e, 3]
+        area = 0.5 * (
+            (x[n0, 0] - x[n2, 0]) * (x[n1, 1] - x[n3, 1])
+            - (x[n1, 0] - x[n3, 0]) * (x[n0, 1] - x[n2, 1])
+        )
         volume = 0.5 * math.pi * (x[n0, 0] + x[n1, 0] + x[n2, 0] + x[n3, 0]) * area
         s = state[e]
         mean = (s[RR] + s[ZZ] + s[TT]) / 3

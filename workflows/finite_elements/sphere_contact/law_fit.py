@@ -1,10 +1,11 @@
-"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, and its errors.
+"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, and its
+errors.
 
     python -m granwave.workflows.finite_elements.sphere_contact.law_fit [HEADER] [PICTURE]
 
-prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first, from the present
-constants on, and writes it; with PICTURE it draws the errors of this law and of the default one. Two equal spheres to
-great depth stand for one on a rigid flat.
+prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first,
+from the present constants on, and writes it; with PICTURE it draws the errors of this law and of
+the default one. Two equal spheres to great depth stand for one on a rigid flat.
 """
 
 from __future__ import annotations
@@ -28,7 +29,9 @@ Array = NDArray[np.float64]
 LAW = "elastoplastic-fe"
 _DEEPEST = 0.205  # over R*, of the points that count
 _PLACES = np.linspace(0, 1, 40)  # of an unloading, from the residual overlap to the peak
-_FIRST = 6.0  # overlap over that at first yield, below which the first unloading tells what dissipation begins with
+# overlap over that at first yield, below which the first unloading tells what dissipation begins
+# with
+_FIRST = 6.0
 _BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
 _POWERS = (2, 4, 6)  # of the errors whose sum is made small, one after the other
 _CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
@@ -38,8 +41,11 @@ class Measured:
     """A contact of the table: points of loading and unloadings in units of R* and E* R*^2."""
 
     def __init__(self, name: str, values: Mapping[str, float], rows: pd.DataFrame) -> None:
-        self.name, self.held = name, name.startswith("held")
-        rigid, nu, hardening = "deepest" in values, values["nu"], values["hardening"]
+        self.name = name
+        self.held = name.startswith("held")
+        rigid = "deepest" in values
+        nu = values["nu"]
+        hardening = values["hardening"]
         radius, modulus, strength = (
             math.inf if rigid else values.get(key, 1.0) for key in ("radius", "modulus", "strength")
         )
@@ -51,7 +57,8 @@ class Measured:
             "hardening": (hardening, 0.0 if math.isinf(strength) else hardening),
         }
         law = self.law(LAW)
-        size, unit = law.effective_radius, law.effective_modulus * law.effective_radius**2
+        size = law.effective_radius
+        unit = law.effective_modulus * law.effective_radius**2
         length, force = (size / 4, unit / 8) if rigid else (size, unit)
         rows = rows.assign(overlap=rows["overlap"] * length, residual=rows["residual"] * length)
         rows = rows.assign(force=rows["force"] * force)[rows["overlap"] <= _DEEPEST * size]
@@ -72,7 +79,9 @@ class Measured:
         return np.asarray(law.loading_force(self.overlap) / self.force - 1)
 
     def unloading_errors(self, law: ContactLaw) -> Array:
-        """Return the errors of the share of the peak force on unloading, at `_PLACES`: (n_unloadings, n_places)."""
+        """Return the errors of the share of the peak force on unloading, at `_PLACES`:
+        (n_unloadings, n_places).
+        """
         found = []
         for peak, residual, exponent in zip(self.peak, self.residual, self.exponent, strict=True):
             overlap = residual + (peak - residual) * _PLACES
@@ -80,8 +89,11 @@ class Measured:
         return np.array(found).reshape(-1, len(_PLACES))
 
     def near_yield(self, law: ContactLaw) -> Array:
-        """Return how far the dissipated share is from a straight line between yield and the first unloading."""
-        peak, first = self.peak[0], self.peak[0] / self.start
+        """Return how far the dissipated share is from a straight line between yield and the first
+        unloading.
+        """
+        peak = self.peak[0]
+        first = self.peak[0] / self.start
         if first > _FIRST:
             return np.zeros(0)
         back = law.loading_force(peak) * (peak - self.residual[0]) / (self.exponent[0] + 1)
@@ -93,13 +105,22 @@ class Measured:
 def measured() -> list[Measured]:
     """Return the contacts of the table."""
     table = pd.read_csv(TABLE)
-    return [Measured(name, values, table[table["contact"] == n]) for n, (name, values) in enumerate(contacts().items())]
+    return [
+        Measured(name, values, table[table["contact"] == n])
+        for n, (name, values) in enumerate(contacts().items())
+    ]
 
 
 def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
-    """Return the constants of the law: of loading first, then those of unloading, whose names are r and n."""
-    constants, used = dict(start), [one for one in found if not one.held]
-    groups = [[name for name in start if (name[0] in "rn" and name[1:].isdigit()) == back] for back in (False, True)]
+    """Return the constants of the law: of loading first, then those of unloading, whose names are r
+    and n.
+    """
+    constants = dict(start)
+    used = [one for one in found if not one.held]
+    groups = [
+        [name for name in start if (name[0] in "rn" and name[1:].isdigit()) == back]
+        for back in (False, True)
+    ]
     for names, powers in zip(groups, (_POWERS, _POWERS[:2]), strict=True):
         for power in powers:
 
@@ -120,10 +141,14 @@ def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
     return constants
 
 
-def errors(found: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None) -> pd.DataFrame:
-    """Return for each kind of contact the largest error of loading by range of the overlap, and of unloading, per cent.
+def errors(
+    found: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None
+) -> pd.DataFrame:
+    """Return for each kind of contact the largest error of loading by range of the overlap, and of
+    unloading, per cent.
 
-    ``within_3`` and ``within_5``: percentage of the points of loading within 3 %, of unloadings within 5 %.
+    ``within_3`` and ``within_5``: percentage of the points of loading within 3 %, of unloadings
+    within 5 %.
     """
     rows = []
     for kind in dict.fromkeys(one.name.partition("_")[0] for one in found):
@@ -131,7 +156,10 @@ def errors(found: list[Measured], name: str = LAW, constants: Mapping[str, float
         at = np.concatenate([one.overlap / one.start for one, _ in laws])
         loading = np.concatenate([one.loading_errors(law) for one, law in laws])
         back = np.concatenate([np.abs(one.unloading_errors(law)).max(axis=1) for one, law in laws])
-        ranges = {f"{low:g}-{high:g}": (at > low) & (at <= high) for low, high in ((1, 10), (10, 100), (100, math.inf))}
+        ranges = {
+            f"{low:g}-{high:g}": (at > low) & (at <= high)
+            for low, high in ((1, 10), (10, 100), (100, math.inf))
+        }
         worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
         rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),
                      "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean()})  # fmt: skip
@@ -150,7 +178,9 @@ def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Pat
             error = np.concatenate([one.loading_errors(one.law(name, own)) for one in chosen])
             axes.plot(overlap, 100 * error, ".", markersize=2, label=label)
         axes.axhspan(-3, 3, color="0.85", zorder=0)
-        axes.set(title=name, xscale="log", ylim=(-80, 80), xlabel="overlap over that at first yield")
+        axes.set(
+            title=name, xscale="log", ylim=(-80, 80), xlabel="overlap over that at first yield"
+        )
     panels[0].set_ylabel("force over finite elements - 1 (%)")
     panels[1].legend()
     figure.savefig(path, dpi=130)
@@ -159,16 +189,23 @@ def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Pat
 
 def main() -> None:
     """Fit if a header is named, and print the errors of this law and of the default one."""
-    found, constants = measured(), None
+    found = measured()
+    constants = None
     headers, pictures = (
-        [Path(one) for one in sys.argv[1:] if one.endswith(".h") == header] for header in (True, False)
+        [Path(one) for one in sys.argv[1:] if one.endswith(".h") == header]
+        for header in (True, False)
     )
     for path in headers:
         text = path.read_text(encoding="utf-8")
         fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
         constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
         for name, value in constants.items():
-            text = re.sub(rf"^  double {name} = .*;$", f"  double {name} = {value!r};", text, flags=re.MULTILINE)
+            text = re.sub(
+                rf"^  double {name} = .*;$",
+                f"  double {name} = {value!r};",
+                text,
+                flags=re.MULTILINE,
+            )
         path.write_text(text, encoding="utf-8")
     for path in pictures:
         draw(found, constants, path)

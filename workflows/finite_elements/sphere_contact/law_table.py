@@ -2,9 +2,10 @@
 
     python -m granwave.workflows.finite_elements.sphere_contact.law_table DIR [--worker K/N]    runs what DIR lacks
 
-leaves a file for each contact in DIR, is stopped and called again at will, and at the end writes ``law_table.csv``
-beside this module: contacts by their number in `contacts`, from 0. Lengths are in units of R*, forces of
-E* R*^2. Each contact is unloaded from several depths; after each, loading goes on from a copy of the state before.
+leaves a file for each contact in DIR, is stopped and called again at will, and at the end writes
+``law_table.csv`` beside this module: contacts by their number in `contacts`, from 0. Lengths are in
+units of R*, forces of E* R*^2. Each contact is unloaded from several depths; after each, loading
+goes on from a copy of the state before.
 """
 
 from __future__ import annotations
@@ -23,12 +24,16 @@ from granwave.workflows.finite_elements.sphere_contact.case import SphereContact
 from granwave.workflows.finite_elements.sphere_contact.deviations import LOADING, UNLOADING
 from granwave.workflows.finite_elements.sphere_contact.run import ContactRun
 
-_MODULUS, _RADIUS = 1e11, 0.01  # Pa, m: of the first sphere; results do not depend on them
+# Pa, m: of the first sphere; results do not depend on them
+_MODULUS = 1e11
+_RADIUS = 0.01
 TABLE = Path(__file__).with_name("law_table.csv")
 CONTACTS = Path(__file__).with_name("law_contacts.csv")
 _DEEPEST = 0.22  # over R*
 _ELEMENTS = 2000  # of each body
-_FIRST_PEAK, _PEAKS = 2.0, 6  # overlap of the first unloading over that at first yield; number of unloadings
+# overlap of the first unloading over that at first yield; number of unloadings
+_FIRST_PEAK = 2.0
+_PEAKS = 6
 _POINTS = 32  # of loading in the table
 _SMOOTHED = 0.12  # width of their smoothing, in the logarithm of the overlap
 _FEWEST = 20  # entries of an unloading
@@ -37,10 +42,10 @@ _FEWEST = 20  # entries of an unloading
 def contacts() -> dict[str, dict[str, float]]:
     """Return the contacts by name, of ``law_contacts.csv``.
 
-    ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and of the second its
-    ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones are left out. A radius of 100 counts
-    as a flat. Names that begin with ``held`` do not enter the fit. Two equal spheres to a depth of 0.88 R* are one on a
-    rigid flat to 0.22 R*.
+    ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
+    of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
+    are left out. A radius of 100 counts as a flat. Names that begin with ``held`` do not enter the
+    fit. Two equal spheres to a depth of 0.88 R* are one on a rigid flat to 0.22 R*.
     """
     table = pd.read_csv(CONTACTS, index_col="name", float_precision="round_trip")
     return {name: row.dropna().to_dict() for name, row in table.iterrows()}
@@ -48,7 +53,9 @@ def contacts() -> dict[str, dict[str, float]]:
 
 def case_of(name: str, values: dict[str, float]) -> SphereContactCase:
     """Return the case of a contact of `contacts`."""
-    nu, ratio, radius = values["nu"], values["ratio"], values.get("radius", 1.0)
+    nu = values["nu"]
+    ratio = values["ratio"]
+    radius = values.get("radius", 1.0)
     first = {
         "youngs_modulus": _MODULUS, "poisson_ratio": nu, "density": 1e4, "yield_strength": _MODULUS / ratio,
         "hardening": values["hardening"],
@@ -78,8 +85,15 @@ class TableRun(ContactRun):
     """Run that unloads from several depths and goes on from each without reloading."""
 
     def _cycle(self, cycle: int, *, last: bool) -> None:
-        solver, rate = self.solver, self._unloading_rate()
-        parts = [solver.motion, solver.state, solver.tally, solver.mass, *(one.gaps for one in solver._surfaces)]
+        solver = self.solver
+        rate = self._unloading_rate()
+        parts = [
+            solver.motion,
+            solver.state,
+            solver.tally,
+            solver.mass,
+            *(one.gaps for one in solver._surfaces),
+        ]
         before = [part.copy() for part in parts]
         every = max(1, round(self._way / 100))
         while solver.rate > 0:
@@ -97,7 +111,9 @@ def run(name: str, values: dict[str, float], path: Path) -> None:
     case = case_of(name, values)
     found = TableRun(case)
     found.integrate()
-    history, radius, modulus = found.history, case.law.effective_radius, case.law.effective_modulus
+    history = found.history
+    radius = case.law.effective_radius
+    modulus = case.law.effective_modulus
     table = pd.DataFrame({
         "branch": history["branch"], "cycle": history["cycle"], "overlap": history["overlap"] / radius,
         "force": history["force"] / (modulus * radius**2), "contact_radius": history["contact_radius"] / radius,
@@ -112,16 +128,22 @@ def run(name: str, values: dict[str, float], path: Path) -> None:
 def reduce(directory: Path) -> pd.DataFrame:
     """Return the table of the contacts in a directory: points of loading, and the unloadings.
 
-    Loading is smoothed over the steps by which the contact grows from node to node. An unloading has the residual
-    overlap and the exponent of its curve, and the largest deviation from that curve over the largest force.
+    Loading is smoothed over the steps by which the contact grows from node to node. An unloading
+    has the residual overlap and the exponent of its curve, and the largest deviation from that
+    curve over the largest force.
     """
     rows: list[tuple[Any, ...]] = []
     for number, (name, values) in enumerate(contacts().items()):
         history = pd.read_csv(directory / f"{name}.csv")
         first = case_of(name, values).contact_law("elastoplastic-fe")
         start = first.yield_overlap / first.effective_radius
-        loading = history[(history["branch"] == LOADING) & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
-        x, y = np.log(loading["overlap"].to_numpy()), np.log((loading["force"] / loading["overlap"]).to_numpy())
+        loading = history[
+            (history["branch"] == LOADING)
+            & (history["overlap"] > 0.3 * start)
+            & (history["force"] > 0)
+        ]
+        x = np.log(loading["overlap"].to_numpy())
+        y = np.log((loading["force"] / loading["overlap"]).to_numpy())
         for at in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
             weight = np.exp(-0.25 * ((x - math.log(at)) / _SMOOTHED) ** 2)
             near = weight > 0.03
@@ -130,23 +152,30 @@ def reduce(directory: Path) -> pd.DataFrame:
         for _, down in history[history["branch"] == UNLOADING].groupby("cycle"):
             part = down.iloc[int(down["overlap"].to_numpy().argmax()) :]
             part = part[part["force"] > 0]
-            overlap, share = part["overlap"].to_numpy(), part["force"].to_numpy() / part["force"].iloc[0]
+            overlap = part["overlap"].to_numpy()
+            share = part["force"].to_numpy() / part["force"].iloc[0]
             if len(part) < _FEWEST:
                 continue
 
-            def misfit(found: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share) -> np.ndarray:
+            def misfit(
+                found: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share
+            ) -> np.ndarray:
                 scaled = (overlap / overlap[0] - found[0]) / (1 - found[0])
                 return np.asarray(np.clip(scaled, 1e-9, None) ** found[1] - share)
 
             fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
             rows.append((number, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
                          np.abs(fitted.fun).max()))  # fmt: skip
-    return pd.DataFrame(rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"])
+    return pd.DataFrame(
+        rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"]
+    )
 
 
 def main() -> None:
     """Run the contacts whose files are not there."""
-    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
     parser.add_argument("directory", type=Path)
     parser.add_argument("--worker", default="0/1", help="K/N: every Nth contact from the Kth")
     parser.add_argument("--most", type=int, default=10**6, help="how many contacts to run")
@@ -161,7 +190,9 @@ def main() -> None:
     if all((options.directory / f"{name}.csv").exists() for name in contacts()):
         with replacing(TABLE) as scratch:
             table = reduce(options.directory)
-            table.map(lambda one: f"{one:.5g}" if isinstance(one, float) else one).to_csv(scratch, index=False)
+            table.map(lambda one: f"{one:.5g}" if isinstance(one, float) else one).to_csv(
+                scratch, index=False
+            )
 
 
 if __name__ == "__main__":

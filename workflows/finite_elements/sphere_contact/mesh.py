@@ -1,15 +1,18 @@
-"""Mesh of a half-sphere, squares at the contact point surrounded by rings that grow with distance, and a run's cost.
+"""Mesh of a half-sphere, squares at the contact point surrounded by rings that grow with distance,
+and a run's cost.
 
-A block of ``n`` by ``n`` equal squares covers the initial contact. Around it lie rings of ``2 n`` elements, each ring
-thicker by the same factor, so that elements stay about square and the contact radius is resolved by the same number of
-elements (``4 n/pi``) at any size. The last ring ends at the flat face.
+A block of ``n`` by ``n`` equal squares covers the initial contact. Around it lie rings of ``2 n``
+elements, each ring thicker by the same factor, so that elements stay about square and the contact
+radius is resolved by the same number of elements (``4 n/pi``) at any size. The last ring ends at
+the flat face.
 
-Coordinates: r from the axis, z from the contact point (0) to the flat face (R). With ``phi`` the arc from the contact
-point over R and ``theta`` the angle from the surface (0) to the axis (pi/2),
+Coordinates: r from the axis, z from the contact point (0) to the flat face (R). With ``phi`` the
+arc from the contact point over R and ``theta`` the angle from the surface (0) to the axis (pi/2),
 
     r = R sin(phi) c      z = S + (A - S) s      S = R (1 - cos phi)      A = R (phi + k phi^2),  A(pi/2) = R
 
-where ``c, s`` change from cos, sin near the contact to linear functions at the face; theta = 0 is exactly the sphere.
+where ``c, s`` change from cos, sin near the contact to linear functions at the face; theta = 0 is
+exactly the sphere.
 """
 
 from __future__ import annotations
@@ -29,8 +32,13 @@ from granwave.workflows.finite_elements.sphere_contact.case import SphereContact
 Array = NDArray[np.float64]
 Indices = NDArray[np.int64]
 
-STEPS_PER_E_FOLD, STEPS_PER_UNLOADING = 600, 300  # times n, at speed 1
-SMOOTHING, DAMPING, MEMORY = 40, 0.1, 20  # times n, over n, times n
+# times n, at speed 1
+STEPS_PER_E_FOLD = 600
+STEPS_PER_UNLOADING = 300
+# times n, over n, times n
+SMOOTHING = 40
+DAMPING = 0.1
+MEMORY = 20
 _CORE = 3.0  # size of the mesh's finest part over the contact radius at first yield
 START = 0.3  # overlap over alpha_y below which the loading rate is about constant
 _ELEMENT_STEPS_PER_SECOND = 18e6  # measured on one core
@@ -78,7 +86,9 @@ def half_sphere(radius: float, core: float, n: int) -> HalfSphere:
     nodes = [_place(radius, x.ravel(), y.ravel())]
     around = np.arange(2 * n + 1)
     right = around <= n
-    square = np.where(right, [np.ones_like(around), around / n], [(2 * n - around) / n, np.ones_like(around)])
+    square = np.where(
+        right, [np.ones_like(around), around / n], [(2 * n - around) / n, np.ones_like(around)]
+    )
     angle = around * _QUARTER / (2 * n)
     circle = np.array([np.cos(angle), np.sin(angle)])
     circle[1, 0] = circle[0, -1] = 0.0
@@ -112,15 +122,21 @@ def core_size(case: SphereContactCase) -> float:
 
 def squares(case: SphereContactCase) -> int:
     """Return the ``n`` of the mesh, at least 4."""
-    radii, core, n = case.radii[:1] if case.identical else case.radii, core_size(case), 4
-    while sum((n + 1) ** 2 + 2 * (n + 1) * _n_rings(radius, core, n + 1) for radius in radii) <= case.run.elements:
+    radii = case.radii[:1] if case.identical else case.radii
+    core = core_size(case)
+    n = 4
+    while (
+        sum((n + 1) ** 2 + 2 * (n + 1) * _n_rings(radius, core, n + 1) for radius in radii)
+        <= case.run.elements
+    ):
         n += 1
     return n
 
 
 def _place(radius: float, x: Array, y: Array) -> Array:
     """Map points at distance x along a flat surface and depth y to (r, z) in the half-sphere."""
-    phi, theta = np.hypot(x, y) / radius, np.arctan2(y, x)
+    phi = np.hypot(x, y) / radius
+    theta = np.arctan2(y, x)
     straight = (phi / _QUARTER) ** 2
     part = theta / _QUARTER
     across = (1 - straight) * np.cos(theta) + straight * (1 - part)
@@ -131,9 +147,13 @@ def _place(radius: float, x: Array, y: Array) -> Array:
 
 
 def _counted(radius: float, core: float, n: int) -> tuple[Array, Array]:
-    """Return distances along the surface from the core to the rim, and the number of rings up to each."""
+    """Return distances along the surface from the core to the rim, and the number of rings up to
+    each.
+    """
     distance = np.geomspace(core, _QUARTER * radius, _SAMPLES)
-    density = 2 * n / _QUARTER / (1 + (distance / (_FAR * radius)) ** 2)  # rings per unit of ln(distance)
+    density = (
+        2 * n / _QUARTER / (1 + (distance / (_FAR * radius)) ** 2)
+    )  # rings per unit of ln(distance)
     steps = 0.5 * (density[1:] + density[:-1]) * np.diff(np.log(distance))
     return distance, np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -152,7 +172,8 @@ def _rings(radius: float, core: float, n: int) -> Array:
 
 def plan(case: SphereContactCase) -> ElementPlan:
     """Plan the run of a case; raise InputError if it has too many steps."""
-    n, start = squares(case), START * case.yield_unit
+    n = squares(case)
+    start = START * case.yield_unit
     loading = STEPS_PER_E_FOLD * math.log1p(case.max_overlap / start)
     cycle = 2 * STEPS_PER_UNLOADING + _TURNS * SMOOTHING
     n_steps = n / case.run.speed * (loading + case.run.unloadings * cycle)

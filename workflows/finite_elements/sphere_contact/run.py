@@ -8,24 +8,26 @@
     /pressure/N/{radius, pressure}                                     profiles, each with its overlap as attribute
     /fields/{position, elements, body, von_mises, plastic_strain}      at the largest overlap, (r, z) from the contact
 
-``branch``: 0 loading, 1 unloading, 2 reloading. The root carries ``kind``, ``name``, ``case`` (TOML), ``summary`` and
-``versions`` (JSON) as attributes; every data set a ``unit``. ``contact.csv`` begins with the columns that
-``granwave law -o x.csv`` writes.
+``branch``: 0 loading, 1 unloading, 2 reloading. The root carries ``kind``, ``name``, ``case``
+(TOML), ``summary`` and ``versions`` (JSON) as attributes; every data set a ``unit``.
+``contact.csv`` begins with the columns that ``granwave law -o x.csv`` writes.
 
-On loading the overlap grows by the same fraction in every step, so that every decade of overlap takes the same time.
-Unloading continues until the contact force vanishes, at a rate chosen from the elastic stiffness 2 E* a. Changes of
-rate are smooth. All this is slow compared with the transit time of waves through the mesh, which is proportional to its
-number of elements in a row; hence the numbers of steps in `mesh` are multiples of ``n``, the elements along a side of
-the mesh's core.
+On loading the overlap grows by the same fraction in every step, so that every decade of overlap
+takes the same time. Unloading continues until the contact force vanishes, at a rate chosen from the
+elastic stiffness 2 E* a. Changes of rate are smooth. All this is slow compared with the transit
+time of waves through the mesh, which is proportional to its number of elements in a row; hence the
+numbers of steps in `mesh` are multiples of ``n``, the elements along a side of the mesh's core.
 
-The overlap is that of the flat faces; Hertz's is that of remote points in half-spaces. A half-sphere is therefore
-stiffer: the elastic force at a given overlap exceeds Hertz's by 0.3 a/R to 0.45 a/R (1 % at a = 0.03 R, 3.5 % at
-a = 0.08 R; a: contact radius). At yield of brass, a = 0.011 R, the difference is 0.4 %.
+The overlap is that of the flat faces; Hertz's is that of remote points in half-spaces. A
+half-sphere is therefore stiffer: the elastic force at a given overlap exceeds Hertz's by 0.3 a/R to
+0.45 a/R (1 % at a = 0.03 R, 3.5 % at a = 0.08 R; a: contact radius). At yield of brass, a = 0.011
+R, the difference is 0.4 %.
 
-The constants were chosen by convergence for brass up to 0.2 R*. The contact grows by one element at a time, so that the
-force has small steps: +-0.5 % with 6000 elements beyond 50 alpha_y. Averaged over a few of them the force changes by at
-most 0.2 % if the speed is halved, and by at most 0.2 % from 6000 to 12 000 elements (0.4 % from 1500 to 6000, but 1 %
-below alpha_y); single values beyond 50 alpha_y differ by up to 1.2 % and 2 %, as the steps shift.
+The constants were chosen by convergence for brass up to 0.2 R*. The contact grows by one element at
+a time, so that the force has small steps: +-0.5 % with 6000 elements beyond 50 alpha_y. Averaged
+over a few of them the force changes by at most 0.2 % if the speed is halved, and by at most 0.2 %
+from 6000 to 12 000 elements (0.4 % from 1500 to 6000, but 1 % below alpha_y); single values beyond
+50 alpha_y differ by up to 1.2 % and 2 %, as the steps shift.
 """
 
 from __future__ import annotations
@@ -45,7 +47,12 @@ from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.run_directory import CONTACT_TABLE
 from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
-from granwave.workflows.finite_elements.runner import SUMMARY_NAMES, ElementRun, Tables, run_elements
+from granwave.workflows.finite_elements.runner import (
+    SUMMARY_NAMES,
+    ElementRun,
+    Tables,
+    run_elements,
+)
 from granwave.workflows.finite_elements.sphere_contact import mesh
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.finite_elements.sphere_contact.deviations import (
@@ -65,12 +72,29 @@ PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # o
 _ENTRIES = 200, 100  # entries of the history in an e-fold of loading and in an unloading
 _AT_REST = 1e-3  # rate over the loading rate at which the faces count as at rest
 _MOST_KINETIC = 0.01  # of the internal energy
-_OF_HISTORY = {"overlap": "m", "force": "N", "face_force": "N", "contact_radius": "m", "penetration": "m"}
-_ENERGIES = {name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")} | {
+_OF_HISTORY = {
+    "overlap": "m",
+    "force": "N",
+    "face_force": "N",
+    "contact_radius": "m",
+    "penetration": "m",
+}
+_ENERGIES = {
+    name: name for name in ("kinetic", "elastic", "plastic", "hourglass", "viscous", "damping")
+} | {
     "contact": "penalty",
     "input": "work",
 }
-_IN_SUMMARY = ("work", "elastic", "plastic", "kinetic", "hourglass", "viscous", "damping", "penalty")
+_IN_SUMMARY = (
+    "work",
+    "elastic",
+    "plastic",
+    "kinetic",
+    "hourglass",
+    "viscous",
+    "damping",
+    "penalty",
+)
 _OF_LOADING = {"overlap": "m", "force": "N", "contact_radius": "m", "mean_pressure": "Pa", "law_force": "N",
                "law_contact_radius": "m"}  # fmt: skip
 
@@ -82,8 +106,9 @@ class _Refused(Exception):
 class ContactRun(ElementRun):
     """Run of a sphere contact through loading and all cycles.
 
-    Rows of its history hold what `Solver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or `RELOADING`), the
-    number of the ``cycle`` (from 1; 0: loading), ``contact_radius`` and ``penetration`` (m).
+    Rows of its history hold what `Solver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or
+    `RELOADING`), the number of the ``cycle`` (from 1; 0: loading), ``contact_radius`` and
+    ``penetration`` (m).
 
     Attributes
     ----------
@@ -101,7 +126,10 @@ class ContactRun(ElementRun):
 
     def __init__(self, case: SphereContactCase) -> None:
         super().__init__(case)
-        n, core, number, speed = mesh.squares(case), mesh.core_size(case), 1 if case.identical else 2, case.run.speed
+        n = mesh.squares(case)
+        core = mesh.core_size(case)
+        number = 1 if case.identical else 2
+        speed = case.run.speed
         self.solver: Solver = Solver(
             tuple(mesh.half_sphere(radius, core, n) for radius in case.radii[:number]),
             tuple(Elastoplastic.of(material) for material in case.materials[:number]),
@@ -113,7 +141,8 @@ class ContactRun(ElementRun):
         self.profiles: list[tuple[float, Contact]] = []
         self.field: Tables = {}
         self._unit = case.yield_unit
-        self._fold, self._way = mesh.STEPS_PER_E_FOLD * n / speed, mesh.STEPS_PER_UNLOADING * n / speed
+        self._fold = mesh.STEPS_PER_E_FOLD * n / speed
+        self._way = mesh.STEPS_PER_UNLOADING * n / speed
         self._start = mesh.START * min(self._unit, case.max_overlap)
         self._significant = min(self._unit, 0.1 * case.max_overlap)
         self._due = [share * case.law.effective_radius for share in PROFILES]
@@ -142,7 +171,11 @@ class ContactRun(ElementRun):
         every = max(1, round(self._fold / _ENTRIES[0]))
         while True:
             back = self._unloading_rate() if turns and solver.force > 0 else 0.0
-            left = peak - solver.overlap - _overrun(solver.rate, solver.target_rate, back, solver.smoothing)
+            left = (
+                peak
+                - solver.overlap
+                - _overrun(solver.rate, solver.target_rate, back, solver.smoothing)
+            )
             steps = every if solver.rate <= 0 else min(every, math.ceil(left / solver.rate))
             if steps <= 0:
                 return
@@ -157,7 +190,9 @@ class ContactRun(ElementRun):
             self._enter(LOADING, 0)
 
     def _cycle(self, cycle: int, *, last: bool) -> None:
-        """Unload until the contact force vanishes, and reload to the overlap at which unloading began."""
+        """Unload until the contact force vanishes, and reload to the overlap at which unloading
+        began.
+        """
         solver = self.solver
         rate = self._unloading_rate()
         every = max(1, round(self._way / _ENTRIES[1]))
@@ -195,9 +230,15 @@ class ContactRun(ElementRun):
         }
 
     def _enter(self, branch: int, cycle: int) -> None:
-        ledger, contact = self.solver.ledger(), self.solver.contact()
+        ledger = self.solver.ledger()
+        contact = self.solver.contact()
         radius = contact.contact_radius if ledger["force"] > 0 else 0.0
-        place = {"branch": branch, "cycle": cycle, "contact_radius": radius, "penetration": contact.penetration}
+        place = {
+            "branch": branch,
+            "cycle": cycle,
+            "contact_radius": radius,
+            "penetration": contact.penetration,
+        }
         self.rows.append(ledger | place)
         if branch == LOADING and self._due and ledger["overlap"] >= 0.999 * self._due[0]:
             self.overlaps[f"pressure/{len(self.profiles)}"] = ledger["overlap"]
@@ -225,7 +266,9 @@ class ContactRun(ElementRun):
         return found.assign(mean_pressure=(found["force"] / area).where(area > 0, 0.0))
 
     def values(self) -> dict[str, Any]:
-        law, last, history = self.case.law, self.rows[-1], self.history
+        law = self.case.law
+        last = self.rows[-1]
+        history = self.history
         loading = compare_loading(self.case, history)
         late = history[history["overlap"] >= self._significant]
         return {
@@ -251,9 +294,13 @@ class ContactRun(ElementRun):
 
     def tables(self) -> Tables:
         history = self.history
-        loading, cycles = compare_loading(self.case, history), compare_cycles(self.case, history)
+        loading = compare_loading(self.case, history)
+        cycles = compare_cycles(self.case, history)
         tables: dict[str, tuple[ArrayLike, str]] = {
-            **{f"history/{name}": (history[name].astype(np.int32), "1") for name in ("branch", "cycle")},
+            **{
+                f"history/{name}": (history[name].astype(np.int32), "1")
+                for name in ("branch", "cycle")
+            },
             **{f"history/{name}": (history[name], unit) for name, unit in _OF_HISTORY.items()},
             "history/mean_pressure": (history["mean_pressure"], "Pa"),
             **{f"energy/{name}": (history[entry], "J") for name, entry in _ENERGIES.items()},
@@ -290,36 +337,49 @@ class ContactRun(ElementRun):
 
 
 def _overrun(rate: float, target_rate: float, back: float, smoothing: float) -> float:
-    """Return the further growth of the overlap, m, if the target is ``-back`` from now on (`kernels.advance`).
+    """Return the further growth of the overlap, m, if the target is ``-back`` from now on
+    (`kernels.advance`).
 
-    The rate is then ``(rate + back + (target_rate + back) t) exp(-t) - back``, with t in units of ``smoothing``.
+    The rate is then ``(rate + back + (target_rate + back) t) exp(-t) - back``, with t in units of
+    ``smoothing``.
     """
     if rate <= 0:
         return 0.0
-    here, there = rate + back, target_rate + back
-    low, high = 0.0, 50.0
+    here = rate + back
+    there = target_rate + back
+    low = 0.0
+    high = 50.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (middle, high) if (here + there * middle) * math.exp(-middle) > back else (low, middle)
-    return smoothing * (here * (1 - math.exp(-low)) + there * (1 - (1 + low) * math.exp(-low)) - back * low)
+        low, high = (
+            (middle, high) if (here + there * middle) * math.exp(-middle) > back else (low, middle)
+        )
+    return smoothing * (
+        here * (1 - math.exp(-low)) + there * (1 - (1 + low) * math.exp(-low)) - back * low
+    )
 
 
 def _of_cycles(cycles: pd.DataFrame) -> dict[str, float]:
-    residuals = (cycles["residual_overlap"] - cycles["law_residual_overlap"]) / cycles["peak_overlap"]
+    residuals = (cycles["residual_overlap"] - cycles["law_residual_overlap"]) / cycles[
+        "peak_overlap"
+    ]
     return {
         "n_unloadings": len(cycles),
         "unloading_exponent_min": cycles["exponent"].min(),
         "unloading_exponent_max": cycles["exponent"].max(),
         "unloading_misfit_percent": 100 * cycles["misfit"].max(),
         "unloading_law_difference_percent": 100 * cycles["law_difference"].max(),
-        "residual_overlap_deviation_percent_of_peak": 100 * max(residuals, key=abs, default=math.nan),
+        "residual_overlap_deviation_percent_of_peak": 100
+        * max(residuals, key=abs, default=math.nan),
         "reloading_difference_percent": 100 * cycles["reloading_difference"].max(),
         "unloading_plastic_share": cycles["plastic_share"].max(),
     }
 
 
 def _quasi_static(late: pd.DataFrame) -> dict[str, float]:
-    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and penetrations."""
+    """Compare, from first yield on, kinetic and internal energy, forces at face and contact, and
+    penetrations.
+    """
     loading = late[(late["branch"] == LOADING) & (late["force"] > 0)]
     difference = 100 * (loading["face_force"] / loading["force"] - 1)
     return {
@@ -335,7 +395,9 @@ def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, N
     """Return the columns of contact.csv: loading, then unloading_N and reloading_N of each cycle."""
     down = history["branch"] == UNLOADING
     first = history[down & (history["branch"].shift() == LOADING)]
-    begun = history.loc[first.index - 1].assign(branch=UNLOADING, cycle=first["cycle"].to_numpy())  # where it began
+    begun = history.loc[first.index - 1].assign(
+        branch=UNLOADING, cycle=first["cycle"].to_numpy()
+    )  # where it began
     ordered = pd.concat([begun, history]).sort_values(["cycle", "branch"], kind="stable")
     names = [f"{('loading', 'unloading', 'reloading')[branch]}_{cycle}" if cycle else "loading"
              for branch, cycle in zip(ordered["branch"], ordered["cycle"], strict=True)]  # fmt: skip
@@ -343,7 +405,9 @@ def contact_table(case: SphereContactCase, history: pd.DataFrame) -> dict[str, N
         ordered[name].to_numpy() for name in ("overlap", "force", "contact_radius", "mean_pressure")
     )
     law = case.law
-    yields = 1.0 if math.isfinite(law.yield_overlap) else math.nan  # what scales with yield is empty without it
+    yields = (
+        1.0 if math.isfinite(law.yield_overlap) else math.nan
+    )  # what scales with yield is empty without it
     return {
         "branch": np.array(names),
         "overlap_m": overlap,

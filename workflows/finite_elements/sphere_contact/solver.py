@@ -1,19 +1,22 @@
 """Two half-spheres pressed together slowly: explicit steps with updated geometry and scaled masses.
 
-The flat faces are displaced towards each other and may move radially; the curved surfaces are free of traction except
-for the frictionless contact. Each body is solved in the frame of its own flat face, where the face is at rest and the
-overlap enters the contact only,
+The flat faces are displaced towards each other and may move radially; the curved surfaces are free
+of traction except for the frictionless contact. Each body is solved in the frame of its own flat
+face, where the face is at rest and the overlap enters the contact only,
 
     gap(r) = z_1(r) + z_2(r) - overlap        z: height of the surface over the contact point, into its body
 
-so that moving the faces causes no inertia forces. Equal spheres are symmetric about the contact plane: one of them
-against a rigid frictionless plane that advances by half the overlap is exactly the same problem.
+so that moving the faces causes no inertia forces. Equal spheres are symmetric about the contact
+plane: one of them against a rigid frictionless plane that advances by half the overlap is exactly
+the same problem.
 
-The contact is a penalty on the gap at two points of each surface segment of both bodies, with `PENALTY` times the
-stiffness of an element; mass added to the surface nodes keeps it stable. The remaining penetration is reported.
+The contact is a penalty on the gap at two points of each surface segment of both bodies, with
+`PENALTY` times the stiffness of an element; mass added to the surface nodes keeps it stable. The
+remaining penetration is reported.
 
 The overlap is that of the flat faces, not of remote points as in Hertz's theory: a half-sphere
-between its face and its contact is somewhat stiffer than a half-space, by the amount given in `sphere_contact.run`.
+between its face and its contact is somewhat stiffer than a half-space, by the amount given in
+`sphere_contact.run`.
 """
 
 from __future__ import annotations
@@ -86,20 +89,37 @@ class Solver:
         memory: float,
         velocity: float = 0.0,
     ) -> None:
-        self.bodies, self.materials = bodies, materials
-        self.damping, self.smoothing, self.memory, self.velocity = damping, smoothing, memory, velocity
+        self.bodies = bodies
+        self.materials = materials
+        self.damping = damping
+        self.smoothing = smoothing
+        self.memory = memory
+        self.velocity = velocity
         self.n_steps = 0
         self._halves = 1.0 if len(bodies) == 2 else 0.5
         self.offsets = np.cumsum([0, *(len(body.nodes) for body in bodies)])
         first = bodies[0]
         plane = np.array([[0.0, 0.0], [100 * first.radius, 0.0]])
-        nodes = np.concatenate([*(body.nodes for body in bodies), *([plane] if len(bodies) == 1 else [])])
-        self.elements = np.concatenate([body.elements + at for body, at in zip(bodies, self.offsets, strict=False)])
+        nodes = np.concatenate(
+            [*(body.nodes for body in bodies), *([plane] if len(bodies) == 1 else [])]
+        )
+        self.elements = np.concatenate(
+            [body.elements + at for body, at in zip(bodies, self.offsets, strict=False)]
+        )
         self.kind = np.repeat(np.arange(len(bodies)), [len(body.elements) for body in bodies])
-        viscosities = [LINEAR_VISCOSITY * one.longitudinal_modulus * kernels.STABLE for one in materials]
+        viscosities = [
+            LINEAR_VISCOSITY * one.longitudinal_modulus * kernels.STABLE for one in materials
+        ]
         self._constants = np.array(
             [
-                (*one.lame, one.yield_strength, drag, one.hardening_modulus, one.rate_sensitivity, one.reference_rate)
+                (
+                    *one.lame,
+                    one.yield_strength,
+                    drag,
+                    one.hardening_modulus,
+                    one.rate_sensitivity,
+                    one.reference_rate,
+                )
                 for one, drag in zip(materials, viscosities, strict=True)
             ]
         )
@@ -114,9 +134,12 @@ class Solver:
         self.state = np.zeros((len(self.elements), N_STATE))
         self.tally = np.zeros(kernels.N_TALLY)
         self._mesh = (self.elements, self.kind, self._constants, self._hourglass(), self.state)
-        self._surfaces = [self._surface(body, at) for body, at in zip(bodies, self.offsets, strict=False)]
+        self._surfaces = [
+            self._surface(body, at) for body, at in zip(bodies, self.offsets, strict=False)
+        ]
         if len(bodies) == 1:
-            none, last = np.zeros((0, 2)), len(nodes) - 1
+            none = np.zeros((0, 2))
+            last = len(nodes) - 1
             no_segments = np.zeros((0, 4), dtype=np.int64), np.zeros((0, 2, 4))
             self._surfaces.append(_Surface(np.array([last - 1, last]), *no_segments, none, none))
         self._extra = np.zeros(len(nodes))
@@ -161,7 +184,9 @@ class Solver:
         return von_mises(self.state)
 
     def advance(self, n_steps: int, wanted: float, growth: float = 0.0) -> None:
-        """Take ``n_steps`` with the target ``wanted + growth * overlap`` (m) for the change of overlap in a step."""
+        """Take ``n_steps`` with the target ``wanted + growth * overlap`` (m) for the change of
+        overlap in a step.
+        """
         while n_steps > 0:
             part = min(n_steps, _REFRESH - self.n_steps % _REFRESH)
             kernels.advance(
@@ -186,12 +211,16 @@ class Solver:
                 self._set_masses()
 
     def ledger(self) -> dict[str, float]:
-        """Return the present overlap (m), forces (N), energies and work (J) of both spheres together, by name.
+        """Return the present overlap (m), forces (N), energies and work (J) of both spheres
+        together, by name.
 
         ``balance`` is the sum of all energies minus the work of the faces.
         """
-        elastic, plastic = kernels.stored(self.motion[0], self.elements, self.kind, self._constants, self.state)
-        both, tally = 1 / self._halves, self.tally
+        elastic, plastic = kernels.stored(
+            self.motion[0], self.elements, self.kind, self._constants, self.state
+        )
+        both = 1 / self._halves
+        tally = self.tally
         energies = {
             "kinetic": both * tally[kernels.KINETIC],
             "elastic": both * elastic,
@@ -213,7 +242,10 @@ class Solver:
     def contact(self) -> Contact:
         """Return the present contact."""
         line = self.motion[0, self._surfaces[0].line]
-        r, force, places, gaps = line[:, 0], np.zeros(len(line)), [], []
+        r = line[:, 0]
+        force = np.zeros(len(line))
+        places = []
+        gaps = []
         for surface in self._surfaces:
             at = _gauss_points(self.motion[0, surface.line, 0])[: len(surface.gaps)].ravel()
             push = (surface.stiffness * np.maximum(0.0, -surface.gaps)).ravel()
@@ -226,10 +258,14 @@ class Solver:
         middle = 0.5 * (r[1:] + r[:-1])
         pressure = force[1:-1] / (math.pi * np.diff(middle**2))
         edge = max(_edge(at, gap) for at, gap in zip(places, gaps, strict=True) if len(gap))
-        return Contact(r[1:-1], pressure, edge, float(max(0.0, -min(gap.min() for gap in gaps if len(gap)))))
+        return Contact(
+            r[1:-1], pressure, edge, float(max(0.0, -min(gap.min() for gap in gaps if len(gap))))
+        )
 
     def _set_masses(self) -> None:
-        kernels.masses(self.motion[0], self.elements, self.kind, self._constants, self._extra, self.mass)
+        kernels.masses(
+            self.motion[0], self.elements, self.kind, self._constants, self._extra, self.mass
+        )
 
     def _hourglass(self) -> Array:
         r, z = self.motion[0, self.elements].transpose(2, 0, 1)
@@ -246,10 +282,14 @@ class Solver:
     def _surface(self, body: HalfSphere, at: int) -> _Surface:
         modulus = min(material.longitudinal_modulus for material in self.materials)
         r, z = body.nodes[body.surface].T
-        line = body.surface[np.arctan2(r, body.radius - z) <= _STEEPEST]  # that may touch, from the axis outwards
+        line = body.surface[
+            np.arctan2(r, body.radius - z) <= _STEEPEST
+        ]  # that may touch, from the axis outwards
         r, z = body.nodes[line].T
         length = np.hypot(np.diff(r), np.diff(z))
-        stiffness = PENALTY * modulus * math.pi * _gauss_points(r) / len(self.bodies)  # over length, times length
+        stiffness = (
+            PENALTY * modulus * math.pi * _gauss_points(r) / len(self.bodies)
+        )  # over length, times length
         line = line + at
         arc = np.concatenate([[0.0], np.cumsum(length)])
         return _Surface(line, *_curve(line, arc), stiffness, np.ones_like(stiffness))
@@ -268,8 +308,9 @@ class _Surface(NamedTuple):
 def _edge(radius: Array, gap: Array) -> float:
     """Return the contact radius, m, from the gaps (m) at the Gauss points.
 
-    Beyond the edge the gap opens as ``(r - a)^(3/2)``: a line through its power 2/3 at the first two open points gives
-    a, which is limited to the interval between the last closed and the first open point.
+    Beyond the edge the gap opens as ``(r - a)^(3/2)``: a line through its power 2/3 at the first
+    two open points gives a, which is limited to the interval between the last closed and the first
+    open point.
     """
     pressed = np.flatnonzero(gap < 0)
     if not len(pressed):
@@ -277,31 +318,43 @@ def _edge(radius: Array, gap: Array) -> float:
     last = int(pressed[-1])
     if last + 2 >= len(gap):
         return float(radius[last])
-    near, far = radius[last + 1], radius[last + 2]
-    low, high = gap[last + 1] ** (2 / 3), gap[last + 2] ** (2 / 3)
+    near = radius[last + 1]
+    far = radius[last + 2]
+    low = gap[last + 1] ** (2 / 3)
+    high = gap[last + 2] ** (2 / 3)
     edge = near - low * (far - near) / (high - low) if high > low else near
     return float(np.clip(edge, radius[last], near))
 
 
 def _gauss_points(values: Array) -> Array:
     """Interpolate nodal values of a line to the Gauss points of its segments, (n_segments, 2)."""
-    return values[:-1, None] + np.diff(values)[:, None] * np.array([kernels.NEAR_END, kernels.FAR_END])
+    return values[:-1, None] + np.diff(values)[:, None] * np.array(
+        [kernels.NEAR_END, kernels.FAR_END]
+    )
 
 
 def _curve(line: NDArray[np.int64], arc: Array) -> tuple[NDArray[np.int64], Array]:
-    """Return ``around`` and ``weights`` of a surface, which interpolate it by the mean of two parabolas.
+    """Return ``around`` and ``weights`` of a surface, which interpolate it by the mean of two
+    parabolas.
 
-    Each parabola passes through three of the four nodes around a segment. Straight segments would come into contact one
-    at a time, and the force would grow in steps.
+    Each parabola passes through three of the four nodes around a segment. Straight segments would
+    come into contact one at a time, and the force would grow in steps.
     """
     n = len(line) - 1
-    around = np.column_stack([np.append(line[1], line[: n - 1]), line[:-1], line[1:], np.append(line[2:], line[-1])])
-    places = np.column_stack([np.append(-arc[1], arc[: n - 1]), arc[:-1], arc[1:], np.append(arc[2:], arc[-1])])
-    x, weights = _gauss_points(arc), np.zeros((n, 2, 4))
+    around = np.column_stack(
+        [np.append(line[1], line[: n - 1]), line[:-1], line[1:], np.append(line[2:], line[-1])]
+    )
+    places = np.column_stack(
+        [np.append(-arc[1], arc[: n - 1]), arc[:-1], arc[1:], np.append(arc[2:], arc[-1])]
+    )
+    x = _gauss_points(arc)
+    weights = np.zeros((n, 2, 4))
     for first, m in itertools.product((0, 1), range(3)):
         at = places[:-1, None, first : first + 3]
         others = np.delete(at, m, axis=2)
-        weights[:-1, :, first + m] += 0.5 * np.prod((x[:-1, :, None] - others) / (at[..., m : m + 1] - others), axis=2)
+        weights[:-1, :, first + m] += 0.5 * np.prod(
+            (x[:-1, :, None] - others) / (at[..., m : m + 1] - others), axis=2
+        )
     share = (x[-1] - places[-1, 1]) / (places[-1, 2] - places[-1, 1])
     weights[-1, :, 1:3] = np.column_stack([1 - share, share])
     return around, weights

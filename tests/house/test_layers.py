@@ -1,4 +1,6 @@
-"""Packages and directions of imports: workflows -> analysis -> lammps_inputs -> bindings of the plugin, and within each."""
+"""Packages and directions of imports: workflows -> analysis -> lammps_inputs -> bindings of the
+plugin, and within each.
+"""
 
 from __future__ import annotations
 
@@ -11,10 +13,11 @@ from pathlib import Path
 
 import pytest
 
-ROOT = Path(__file__).parents[1]
+ROOT = Path(__file__).parents[2]
 PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
 
-# From top to bottom: a file imports from its own folder and from folders on lower levels. A name denotes a folder or a file.
+# From top to bottom: a file imports from its own folder and from folders on lower levels. A name
+# denotes a folder or a file.
 FLOORS = """
 workflows/__main__
 workflows/cli workflows/python
@@ -55,7 +58,9 @@ lammps_inputs/errors
 plugins plugins/package
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
-FACES = {f"{name}/__init__" for name in PACKAGES}  # re-export names to users; no file of ours imports from them
+FACES = {
+    f"{name}/__init__" for name in PACKAGES
+}  # re-export names to users; no file of ours imports from them
 
 
 def modules() -> dict[str, Path]:
@@ -83,7 +88,8 @@ def imports(path: Path) -> Iterator[str]:
 
 
 GRAPH = {
-    name: {other for other in imports(path) if other in MODULES and other != name} for name, path in MODULES.items()
+    name: {other for other in imports(path) if other in MODULES and other != name}
+    for name, path in MODULES.items()
 }
 
 
@@ -112,9 +118,20 @@ def room_of(module: str) -> str:
 
 
 def test_every_file_has_its_room() -> None:
-    rooms = {room_of(name) for name, path in MODULES.items() if f"{path.parent.name}/{path.stem}" not in FACES}
+    rooms = {
+        room_of(name)
+        for name, path in MODULES.items()
+        if f"{path.parent.name}/{path.stem}" not in FACES
+    }
     assert sorted(rooms - set(FLOOR)) == []
-    assert sorted(room for room in FLOOR if not (ROOT / room).is_dir() and not (ROOT / f"{room}.py").exists()) == []
+    assert (
+        sorted(
+            room
+            for room in FLOOR
+            if not (ROOT / room).is_dir() and not (ROOT / f"{room}.py").exists()
+        )
+        == []
+    )
 
 
 @pytest.mark.parametrize("module", sorted(MODULES))
@@ -124,7 +141,9 @@ def test_imports_run_downwards(module: str) -> None:
         return
     for other in GRAPH[module]:
         there = room_of(other)
-        assert there == room or FLOOR[there] < FLOOR[room], f"{module} imports {other}, which is not on a lower floor"
+        assert there == room or FLOOR[there] < FLOOR[room], (
+            f"{module} imports {other}, which is not on a lower floor"
+        )
 
 
 @pytest.mark.parametrize("module", sorted(MODULES))
@@ -138,7 +157,9 @@ def test_what_is_imported_exists(module: str) -> None:
             continue
         assert source in MODULES, source
         for alias in node.names:
-            assert f"{source}.{alias.name}" in MODULES or alias.name in names_in(source), f"{source}.{alias.name}"
+            assert f"{source}.{alias.name}" in MODULES or alias.name in names_in(source), (
+                f"{source}.{alias.name}"
+            )
 
 
 def test_there_is_no_circle_of_imports() -> None:
@@ -147,31 +168,50 @@ def test_there_is_no_circle_of_imports() -> None:
 
 
 def test_includes_run_downwards() -> None:
-    """C++: laws include neither LAMMPS nor styles; bindings include only laws; no header includes itself via others."""
+    """C++: laws include neither LAMMPS nor styles; bindings include only laws; no header includes
+    itself via others.
+    """
     headers = {path.name: path for path in (ROOT / "plugins").rglob("*.h")}
     graph = {}
     for path in (ROOT / "plugins").rglob("*.[ch]*"):
         if path.suffix in (".h", ".cpp"):
-            lines = [line.split('"')[1] for line in path.read_text().splitlines() if line.startswith('#include "')]
+            lines = [
+                line.split('"')[1]
+                for line in path.read_text().splitlines()
+                if line.startswith('#include "')
+            ]
             graph[path] = {headers[Path(line).name] for line in lines if Path(line).name in headers}
             if path.parent.name in ("laws", "bindings"):
                 outside = [line for line in lines if Path(line).name not in headers]
-                assert outside == [], f"{path.name} includes {outside}: headers of LAMMPS belong into styles/"
+                assert outside == [], (
+                    f"{path.name} includes {outside}: headers of LAMMPS belong into styles/"
+                )
                 assert all(other.parent.name == "laws" for other in graph[path]), path.name
-    assert circles({path.name: {other.name for other in others} for path, others in graph.items()}) == set()
+    assert (
+        circles({path.name: {other.name for other in others} for path, others in graph.items()})
+        == set()
+    )
 
 
 def test_no_circle_of_includes():
-    """The sources of a header belong to it: pair_gran_hysteretic_forces.cpp to pair_gran_hysteretic.h."""
+    """The sources of a header belong to it: pair_gran_hysteretic_forces.cpp to
+    pair_gran_hysteretic.h.
+    """
     sources = sorted((ROOT / "plugins").rglob("*.h")) + sorted((ROOT / "plugins").rglob("*.cpp"))
     headers = {path.stem for path in sources if path.suffix == ".h"}
 
     def unit(path: Path) -> str:
-        return max((name for name in headers if f"{path.stem}_".startswith(f"{name}_")), key=len, default=path.stem)
+        return max(
+            (name for name in headers if f"{path.stem}_".startswith(f"{name}_")),
+            key=len,
+            default=path.stem,
+        )
 
     graph: dict[str, set[str]] = {}
     for path in sources:
-        found = re.findall(r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE)
+        found = re.findall(
+            r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE
+        )
         graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
     assert len(graph) > 30
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
