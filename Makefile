@@ -1,4 +1,4 @@
-# make setup     for development: Python linked to the sources, so that a change is seen at once; make plugin builds what changed of the C++
+# make setup     for development: the package in .venv consists of links to the sources; make plugin builds what changed of the C++
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
 # make validate  the long validations
@@ -33,7 +33,7 @@ TOOLS := .venv-release
 # after `make setup` the linked package, built anew where C++ changed; else the installed one
 READY := $(if $(CI),$(VENV)/installed,$(if $(wildcard $(VENV)/linked),plugin,$(VENV)/installed))
 BUILD := build/linked
-TYPED := build/typed/granwave
+TYPED := build/typed
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
 .PHONY: law setup plugin package demo test validate docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
@@ -45,6 +45,7 @@ $(VENV)/bin/python:
 	$(BIN)/python -m pip install --quiet --upgrade pip
 
 $(VENV)/installed: $(VENV)/bin/python $(SOURCES)
+	test ! -d $(SITE)/granwave || find $(SITE)/granwave -type l -delete  # else pip would write into the sources
 	$(BIN)/python -m pip install --quiet '.[test]'
 	@rm -f $(VENV)/linked
 	@touch $@
@@ -52,6 +53,10 @@ $(VENV)/installed: $(VENV)/bin/python $(SOURCES)
 $(VENV)/linked: pyproject.toml plugins/CMakeLists.txt | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet cmake ninja $(REQUIRED)
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python -m pip install --quiet --no-build-isolation -Cbuild-dir=$(BUILD) -e '.[test]'
+	rm -rf $(SITE)/_editable_skbc_granwave.* $(SITE)/granwave/plugins/__pycache__
+	ln -sfn $(abspath lammps_inputs analysis workflows) $(SITE)/granwave
+	ln -sfn $(abspath $(wildcard plugins/*)) $(SITE)/granwave/plugins
+	ln -sfn $(abspath $(wildcard workflows/package/*.py)) $(SITE)/granwave
 	@rm -f $(VENV)/installed
 	@touch $@
 
@@ -145,9 +150,8 @@ compat:
 lint: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[lint]'
 	$(BIN)/ruff check . && $(BIN)/ruff format --check .
-	rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(abspath analysis lammps_inputs workflows plugins) $(TYPED)
-	cp $(SITE)/granwave/*.py $(SITE)/granwave/py.typed $(TYPED)
-	cd / && MYPYPATH=$(abspath $(TYPED)/..) $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
+	rm -rf $(TYPED) && mkdir -p $(TYPED) && ln -s $(SITE)/granwave $(TYPED)  # errors in site-packages are not reported
+	cd / && MYPYPATH=$(abspath $(TYPED)) $(abspath $(BIN))/mypy --config-file $(abspath pyproject.toml)
 	$(BIN)/clang-format --dry-run --Werror $(CPP)
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/cmake -S plugins -B build/strict -G Ninja -DGRANWAVE_STRICT=ON \
 	  -DPython_EXECUTABLE=$(abspath $(BIN))/python -Dpybind11_DIR=$$($(BIN)/python -m pybind11 --cmakedir) >/dev/null

@@ -19,7 +19,7 @@ PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
 # From top to bottom: a file imports from its own folder and from folders on lower levels. A name
 # denotes a folder or a file.
 FLOORS = """
-workflows/__main__
+workflows/package workflows/__main__
 workflows/cli workflows/python
 workflows/bench
 workflows/inference workflows/spectra

@@ -62,12 +62,11 @@ def build(kind: str) -> Path:
         done = subprocess.run(command, env=environment, capture_output=True, text=True, check=False)
         assert done.returncode == 0, done.stdout[-2000:] + done.stderr[-2000:]
     package = site / "granwave"
-    for name in ("__init__.py", "measures.py", "theory.py"):
+    for name in ("__init__.py", "_version.py", "measures.py", "theory.py"):
         shutil.copy(Path(granwave.__file__).parent / name, package)
     for name in ("analysis", "lammps_inputs", "workflows", "plugins/__init__.py"):
         (package / name).unlink(missing_ok=True)
         (package / name).symlink_to(ROOT / name)
-    (site / "_editable_skbc_granwave.py").write_text("")  # in place of that of a linked package
     return site
 
 
