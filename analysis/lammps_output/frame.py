@@ -10,6 +10,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -247,11 +248,7 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
             if (header := _header(lines, number)) is None:
                 return
             bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
-            box = read_rows(
-                bounds,
-                ("low", "high"),
-                lambda _, number=number: f"{path}: box of snapshot {number}",
-            )  # type: ignore[misc]
+            box = read_rows(bounds, ("low", "high"), partial(_place_of_box, path, number))
             columns = tuple(header["columns"][0].split()[2:])
             left = int(header["NUMBER OF"][0])
             frame = Frame(
@@ -358,6 +355,10 @@ def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
         if whole and not line.endswith(b"\r\n")
         else []
     )
+
+
+def _place_of_box(path: Path, snapshot: int, _row: int) -> str:
+    return f"{path}: box of snapshot {snapshot}"
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
