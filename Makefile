@@ -1,7 +1,7 @@
 # make setup     for development: the package in .venv consists of links to the sources; make plugin builds what changed of the C++
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
-# make validate  the long validations
+# make validate  the long validations; make validate-one the first case of each
 # make docs      the site, into build/docs; warnings are errors, links and its search are checked. make gallery runs its scripts alone
 # make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
 # make law       the finite-element contacts of the law elastoplastic-fe that build/law lacks (an hour), their table and fit; then the plugin
@@ -36,7 +36,7 @@ BUILD := build/linked
 TYPED := build/typed
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin package demo test validate docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
+.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -77,6 +77,10 @@ test: $(READY)
 
 validate: $(READY)
 	$(BIN)/python -m pytest -m validation
+
+# the first case of each validation, in CI
+validate-one: $(READY)
+	$(BIN)/python -m pytest -m validation --one-of-each
 
 docs: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[docs]'  # of the granwave that is there

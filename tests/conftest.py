@@ -34,6 +34,24 @@ PLAIN = {
 }
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option of `make validate-one`."""
+    parser.addoption(
+        "--one-of-each", action="store_true", help="run the first case of each test function"
+    )
+
+
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Leave out all but the first case of each test function, if the option says so."""
+    if not config.getoption("--one-of-each"):
+        return
+    first: dict[str, pytest.Item] = {}
+    for item in items:
+        first.setdefault(item.nodeid.partition("[")[0], item)
+    config.hook.pytest_deselected(items=[item for item in items if item not in first.values()])
+    items[:] = first.values()
+
+
 @pytest.fixture(autouse=True)
 def figures_that_fail(request, caplog):
     """Fail tests in which a figure could not be made: that costs a run or a report no more than a

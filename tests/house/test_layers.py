@@ -214,7 +214,7 @@ def test_no_circle_of_includes():
             r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE
         )
         graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
-    assert len(graph) > 30
+    assert set(graph) >= headers
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
 
 

@@ -352,7 +352,12 @@ class TestRefused:
 
     def test_what_can_be_in_balance_is_accepted(self) -> None:
         """Gravity never yields all; walls may hold a pile."""
-        make("chain", 2000, precompression={"kind": "gravity"})
+        chain = make("chain", 2000, precompression={"kind": "gravity"})
+        assert chain.packing.n_spheres == 2000
         stage = {"kind": "uniaxial", "force": 1.0}
-        make("fcc", [5, 5, 2], precompression=stage, boundary={"sides": "wall", "bottom": "fixed"})
-        make("sc", [4, 4, 4], precompression=stage)
+        sides = {"sides": "wall", "bottom": "fixed"}
+        for case in (
+            make("fcc", [5, 5, 2], precompression=stage, boundary=sides),
+            make("sc", [4, 4, 4], precompression=stage),
+        ):
+            assert case.precompression.force == 1.0
