@@ -230,10 +230,11 @@ def test_a_row_on_a_damper(tmp_path):
     ],
 )
 def test_runs_that_may_be_too_short_are_not_refused(caplog, changes):
-    """Of these, large waves near the cut-off are warned of, as small ones would be."""
+    """Some of these are warned of, as small waves near the cut-off are."""
     assembly = assemble(load_case("driven-row", changes))
     assert assembly.n_spheres == 60
-    assert ("run.end_time: found" in caplog.text) == ("load.amplitude" in changes)
+    warned = "run.end_time: found" in caplog.text
+    assert warned == ("load.amplitude" in changes or "load" in changes)
 
 
 @pytest.mark.parametrize(
