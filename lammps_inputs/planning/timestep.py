@@ -95,12 +95,15 @@ class Limit:
         What would leave a longer timestep.
     of_contact
         True for the bound by a kind of collision.
+    against_wall
+        True for a collision with a wall.
     """
 
     step: float
     cause: str
     remedy: str
     of_contact: bool = False
+    against_wall: bool = False
 
 
 def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[Limit]:
@@ -120,7 +123,8 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
             f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg"
         )
         step = factor * math.sqrt(one.mass / one.stiffness)
-        found.append(Limit(step, cause, "larger grains there", of_contact=True))
+        remedy = "larger grains there"
+        found.append(Limit(step, cause, remedy, of_contact=True, against_wall=one.against_wall))
     for law, mass in cohesive_laws(
         assembly
     ):  # stiffness 2 E* a of the circle of contact without force

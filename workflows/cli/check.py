@@ -20,7 +20,7 @@ from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves
-from granwave.workflows.cli.terminal import print_json, warn
+from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.counterpart import (
     Inputs,
     continuum_of,
@@ -70,8 +70,13 @@ def check(options: argparse.Namespace) -> int:
             else ""
         )
         warnings = [one for one in (slow, expected_cut(expected.zone)) if one]
+    kind.check(case)
+
+    def afford() -> None:
+        kind.afford(case, expected, Path(case.name).absolute())
+
     if options.json:
-        kind.check(case, expected, Path(case.name).absolute())
+        warnings += warn_of_lacks(case.name, afford)
         found: dict[str, Any] = {
             "name": case.name,
             "command": kind.verb,
@@ -116,7 +121,7 @@ def check(options: argparse.Namespace) -> int:
         what = "continuum" if kind is GRANULAR else "packing"
         print(f"\n{what} of equal input: {counterpart.command or f'none, {counterpart.reason}'}")
     sys.stdout.flush()
-    kind.check(case, expected, Path(case.name).absolute())
+    warn_of_lacks(case.name, afford)
     for warning in warnings:
         warn(f"{case.name}: {warning}")
     return 0
@@ -165,14 +170,7 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
     yield "precompression", _static(case)
     yield from waves
     yield from _inputs(inputs, at_most="at most " * _is_bound(case))
-    memory = f"about {plan.memory / _GIB:.2f} GiB"
-    if plan.n_ranks > 1:
-        first = plan.first_rank / _GIB
-        other = plan.other_rank / _GIB
-        memory += (
-            f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
-        )
-    yield "memory", memory
+    yield "memory", f"about {plan.memory / _GIB:.2f} GiB{_memory_of_ranks(plan)}"
     yield "disk", f"about {plan.disk / 1e9:.3g} GB"
     timestep = f"{schedule.timestep:.4g} s"
     steps = f"{schedule.n_steps}"
@@ -219,6 +217,21 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
         yield "loss", f"time {loss:.4g} s" if name == "time_s" else f"dashpot {loss:.4g}"
     yield "outermost yield", _outermost_yield(plan.zone)
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
+
+
+def _memory_of_ranks(plan: Plan) -> str:
+    """Return the memory of each rank; empty for a single one."""
+    if plan.n_ranks == 1:
+        return ""
+    first = f": first rank, which puts the results together, {plan.first_rank / _GIB:.2f}"
+    other = f"{plan.other_rank / _GIB:.2f}"
+    if plan.n_analysing == plan.n_ranks:
+        return f"{first}, each other {other}"
+    n_others = plan.n_analysing - 1
+    idle = f"each rank that takes no part in the analysis {plan.idle_rank / _GIB:.2f}"
+    if not n_others:
+        return f"{first}, {idle}"
+    return f"{first}, each of {n_others} others that analyse with it {other}, {idle}"
 
 
 def _is_bound(case: Case) -> bool:

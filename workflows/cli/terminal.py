@@ -7,9 +7,10 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from typing import Any
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain
 
 # ANSI codes
@@ -51,6 +52,25 @@ def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
 def warn(text: str) -> None:
     """Print a warning on standard error."""
     print(f"granwave: warning: {text}", file=sys.stderr)
+
+
+def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
+    """Return and print what this machine lacks for a run, as warnings: another may have it.
+
+    Parameters
+    ----------
+    afford
+        Function that raises InputError if this machine cannot run the case.
+    """
+    try:
+        afford()
+    except InputError as error:
+        lacks = [f"{fault} (on this machine; granwave run would refuse)" for fault in error.errors]
+    else:
+        lacks = []
+    for lack in lacks:
+        warn(lack if lack.startswith(name) else f"{name}: {lack}")
+    return lacks
 
 
 def print_json(values: Any) -> None:

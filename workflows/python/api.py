@@ -180,7 +180,7 @@ def run(
                     f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one"
                 )
             if not resume:
-                kind.check(found, kind.cost(found, 1, figures), place)
+                kind.afford(found, kind.cost(found, 1, figures), place)
             with held(place):
                 kind.run(found, place, **how)
         elif ranks > 1 and not mpi.launched():

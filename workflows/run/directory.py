@@ -21,7 +21,7 @@ from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows.run import record
@@ -83,7 +83,8 @@ def decide(
             return found
     raise_all(
         [
-            lambda: check_run(case, expected, directory),
+            lambda: check_files(case),
+            lambda: afford(expected, directory),
             lambda: directories.refuse_source(directory, case.name, earlier_result(case)),
         ]
     )

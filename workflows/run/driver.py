@@ -28,6 +28,7 @@ from granwave.lammps_inputs.directories import free_space
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.processes import Processes
@@ -278,7 +279,8 @@ class _Run:
             )
 
         try:
-            summary = shared(self.comm, work)
+            most = analysing_ranks(assemble(self.case), self.comm.size)
+            summary = shared(self.comm, work, most=most)
         except MissingOutputError:
             raise
         except OSError as error:
