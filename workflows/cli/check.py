@@ -28,6 +28,7 @@ from granwave.workflows.counterpart import (
     inputs_of_packing,
     packing_of,
 )
+from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 Rows = Iterable[tuple[str, str]]
@@ -103,7 +104,11 @@ def check(options: argparse.Namespace) -> int:
             found["counterpart"] = {
                 "command": counterpart.command or None,
                 "reason": counterpart.reason or None,
+                "yield_velocity_m_s": counterpart.yield_velocity,
+                "stays_elastic": counterpart.stays_elastic,
             }
+        if kind is CONTINUUM:
+            found["yield_velocity_m_s"] = case.yield_velocity
         print_json(found | {"warnings": warnings})
         return 0
     if kind is GRANULAR:
@@ -113,6 +118,7 @@ def check(options: argparse.Namespace) -> int:
             ("case", case.name),
             ("elements", f"about {kind.size(case)}"),
             *_inputs(inputs),
+            ("first yield", _first_yield(case) if kind is CONTINUUM else ""),
             ("memory", f"about {expected.memory / _GIB:.2f} GiB"),
             ("disk", f"about {expected.disk / 1e9:.3g} GB"),
             ("expected time", f"about {duration(expected.wall_time)}"),
@@ -120,11 +126,22 @@ def check(options: argparse.Namespace) -> int:
     if counterpart is not None:
         what = "continuum" if kind is GRANULAR else "packing"
         print(f"\n{what} of equal input: {counterpart.command or f'none, {counterpart.reason}'}")
+        if counterpart.stays_elastic:
+            print(f"It stays elastic: it yields from about {counterpart.yield_velocity:.2g} m/s.")
     sys.stdout.flush()
     warn_of_lacks(case.name, afford)
     for warning in warnings:
         warn(f"{case.name}: {warning}")
     return 0
+
+
+def _first_yield(case: ContinuumCase) -> str:
+    """Return the velocity from which the block of a continuum case yields."""
+    velocity = case.yield_velocity
+    if velocity is None:
+        return ""
+    elastic = ": this impact is elastic" if case.punch.velocity < velocity else ""
+    return f"from about {velocity:.2g} m/s, at the edge of the punch{elastic}"
 
 
 def table(rows: Rows) -> str:
