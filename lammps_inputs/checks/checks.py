@@ -26,6 +26,7 @@ from granwave.lammps_inputs.packing.walls import untouched, walls
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least
+_FAR_LONGER = 100.0  # times the run: a load that lasts so long is in another unit
 _SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
 _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
@@ -462,6 +463,12 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended:"
         )
         warnings.append(f"{text} give run.end_time a later time")
+    if end * _FAR_LONGER < case.load.lasts < math.inf:
+        of_table = case.load.table is not None
+        key = "load.table" if of_table else "load.duration"
+        text = f"{key}: the load lasts {case.load.lasts:.3g} s, the run {end:.3g} s"
+        ask = "are its times in seconds?" if of_table else "is it in seconds?"
+        warnings.append(f"{text}: {ask}")
     if case.run.end_time == "auto" and not law.yields and not case.has_cohesion:
         warnings.append(
             'a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us'

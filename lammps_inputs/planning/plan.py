@@ -157,6 +157,7 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
             "they all in SI units (70 GPa is 70e9)?"
         ) from None
     _note_times(case, schedule)
+    _note_gaps(assembly)
     space = cost.expected_space(assembly, schedule, n_ranks)
     return Plan(
         name=case.name,
@@ -193,6 +194,30 @@ def _refuse_endless(case: Case) -> None:
             f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for "
             'granwave bands; expected "walls" for a run, or something that bears it'
         )
+
+
+_NEAREST = 6  # neighbours of a grain among which the closest surfaces are looked for
+
+
+def _note_gaps(assembly: Assembly) -> None:
+    """Log a warning about grains of a file of which no two touch."""
+    case = assembly.case
+    if case.packing.grains is None or assembly.n_spheres < 2 or assembly.n_contacts:
+        return
+    from scipy.spatial import KDTree  # takes longer to load than most plans
+
+    position = case.packing.grains.position
+    radius = case.packing.grains.diameter / 2
+    n_near = min(_NEAREST + 1, len(position))
+    distance, near = KDTree(position).query(position, n_near)
+    gap = float((distance - radius[near] - radius[:, None])[:, 1:].min())
+    _LOG.warning(
+        "%s: packing: no two grains touch at the start, the closest are %.3g m apart, %.3g of the "
+        "smallest diameter; were coordinates rounded, or are units mixed?",
+        case.name,
+        gap,
+        gap / (2 * float(radius.min())),
+    )
 
 
 def _note_times(case: Case, schedule: Schedule) -> None:
