@@ -64,7 +64,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     diameter = case.get("packing.diameter")
     parts = [
         _body(case),
-        str(case.get("material.name") or case.get("material") or ""),
+        _materials(case),
         quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
         _load(case),
         _static(case),
@@ -72,6 +72,41 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
         *_contacts(case),
     ]
     return in_grains(", ".join(filter(None, parts)), called)
+
+
+_MOST_MATERIALS = 3  # named; more are counted
+
+
+def _materials(case: Mapping[str, Any]) -> str:
+    """Return the names of the materials in the packing: its own, unless every sphere is replaced,
+    and those of ``[[replace]]``.
+    """
+    names = {str(case.get("material.name") or case.get("material") or ""): None}
+    replaced: set[int] = set()
+    for entry in case.get("replace") or ():
+        if isinstance(entry, Mapping) and (other := _name_of(entry.get("material"))):
+            names[other] = None
+            replaced |= _ids_of(entry.get("index"))
+    size = case.get("packing.size")
+    if len(replaced) == math.prod(size if isinstance(size, list | tuple) else [size or -1]):
+        del names[next(iter(names))]
+    if len(names) > _MOST_MATERIALS:
+        return f"{len(names)} materials"
+    return " and ".join(filter(None, names))
+
+
+def _name_of(material: Any) -> str:
+    """Return the name of a material that is named or a table; empty if there is none."""
+    if isinstance(material, Mapping):
+        return str(material.get("name") or "")
+    return str(material or "")
+
+
+def _ids_of(index: Any) -> set[int]:
+    """Return the ids of an index of ``[[replace]]``: one, a list, or first, last and step."""
+    if isinstance(index, Mapping):
+        return set(range(index["first"], index["last"] + 1, index.get("step", 1)))
+    return set(index) if isinstance(index, list) else {index} if isinstance(index, int) else set()
 
 
 def symbols_note(inputs: Inputs) -> list[Note]:

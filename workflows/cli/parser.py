@@ -293,7 +293,8 @@ COMMANDS = (
         *_SMALL_WAVES,
     )),
     Command("law", _CONTACTS, "force-overlap curves of a contact: a plot or a table", "contacts.law", (
-        _materials("one material or two (default: brass)"), _radii("one radius or two, m (default: 0.005)"),
+        _materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
+        _radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
         _option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
         _option("--variant", default="continuous", choices=["continuous", "published"],
                 help="constants of the elasto-plastic law, as contact.variant (default: continuous)"),

@@ -29,6 +29,8 @@ Values = float | NDArray[np.float64]
 Body = str | Mapping[str, Any]
 
 _LARGEST = 1e3  # m, below which the overlap of a force is sought
+_ROUNDING = 1e-9  # relative excess of an overlap that was computed from the limit itself
+_warned: set[tuple[str, float]] = set()  # law and limit of contacts that were warned about
 
 
 def contact_force(
@@ -251,10 +253,18 @@ def _numbers(name: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
 
 
 def _warn_beyond(contact: ContactLaw, law: str, overlap: NDArray[np.float64]) -> None:
-    largest = overlap.max(initial=0.0)
-    if largest > contact.valid_overlap:
-        logger.warning("law %s: an overlap of %.3g m is beyond %.3g m, up to which it describes this contact",
-                       law, largest, contact.valid_overlap)  # fmt: skip
+    """Warn about an overlap beyond the range of the law, once for each contact."""
+    largest = float(overlap.max(initial=0.0))
+    limit = float(contact.valid_overlap)
+    if largest <= limit * (1 + _ROUNDING) or (law, limit) in _warned:
+        return
+    _warned.add((law, limit))
+    logger.warning(
+        "law %s: an overlap of %.9g m is beyond %.9g m, up to which it describes this contact",
+        law,
+        largest,
+        limit,
+    )
 
 
 def _given(values: NDArray[np.float64]) -> Values:
