@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -84,6 +84,8 @@ class Bodies:
         compression positive.
     touched
         Grains on which a wall acts, by its name: (n,); of walls that are not there: all.
+    presses
+        Forces to which walls move in, by the names of these walls: on all of them together, N.
     """
 
     case: Case
@@ -99,6 +101,7 @@ class Bodies:
     dead_load: Array
     stress: dict[tuple[int, int], float] = dataclasses.field(default_factory=dict)
     touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
+    presses: dict[tuple[str, ...], float] = dataclasses.field(default_factory=dict)
 
     @property
     def inertia(self) -> Array:
@@ -114,6 +117,16 @@ class Bodies:
         own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
         touched = {name: one[rows] for name, one in self.touched.items()}
         return dataclasses.replace(self, **own, periods=periods, touched=touched)
+
+    def with_walls_in(self, distances: Iterable[float]) -> Bodies:
+        """Return the grains between walls that have moved in, by the distances of ``presses``, m."""
+        moves = {
+            name: distance
+            for names, distance in zip(self.presses, distances, strict=True)
+            for name in names
+        }
+        walls = tuple(wall.moved_in(moves.get(wall.name, 0.0)) for wall in self.walls)
+        return dataclasses.replace(self, walls=walls)
 
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None

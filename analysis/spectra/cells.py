@@ -26,7 +26,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import touched_by, walls
+from granwave.lammps_inputs.packing.walls import PLATE, pressed_walls, touched_by, walls
 
 # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _ALONG = 1e-9
@@ -201,12 +201,18 @@ def cell_bodies(case: Case) -> Bodies:
     planes = tuple(
         wall
         for wall in base.walls
-        if wall.name != "bottom" and (wall.tube or not across[wall.axis])
+        if wall.name not in ("bottom", PLATE) and (wall.tube or not across[wall.axis])
     )
+    names = {wall.name for wall in planes}
+    if lost := [pressed for pressed in base.presses if not names.issuperset(pressed)]:
+        raise InputError(
+            f"{case.name}: precompression.{lost[0][0].removesuffix('lo')}_force: found walls across "
+            "a direction in which the packing repeats; expected a direction in which it ends"
+        )
     of_file = not isinstance(assembly.lattice, Lattice)
     bodies = dataclasses.replace(
         base,
-        walls=planes if of_file else (),
+        walls=planes,
         stress=_stress(assembly, cell),
         moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
@@ -269,11 +275,17 @@ def packing_bodies(assembly: Assembly) -> Bodies:
             held[chosen, 3:] = True
     position = assembly.positions()[inside]
     around = walls(assembly)
+    stage = case.precompression
+    presses = {
+        tuple(wall.name for wall in pressed): len(pressed) * stage.presses[name]
+        for name, pressed in pressed_walls(assembly).items()
+    } if stage else {}  # fmt: skip
     acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
         case, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
         assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
         np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
+        presses=presses,
     )  # fmt: skip
 
 

@@ -1,8 +1,9 @@
 """Static state of grains under load, by Newton's method.
 
-Unknown are the displacements of the grains and the strains of the cell that are free. The energy of
-the contacts and of the loads is smallest in the static state; contacts are loaded for the first
-time, without friction.
+Unknown are the displacements of the grains, the strains of the cell that are free, and the
+distances of walls that move in to a force. The energy of the contacts and of the loads is smallest
+in the static state; contacts are loaded for the first time, without friction. As in the static
+stage of a run, walls move in to their force with elastic contacts, and stay there.
 
 A packing that buckles has no such state near the places that it is given. Newton's method with the
 turning of forces then finds the one in which all forces balance and from which it buckles: some
@@ -19,8 +20,10 @@ from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
 from granwave.analysis.spectra.bodies import Bodies, Contacts
-from granwave.analysis.spectra.network import Array, Ints
+from granwave.analysis.spectra.network import Array, Ints, Network
+from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.analysis.spectra.stiffness import factorised
+from granwave.lammps_inputs.contact.law import elastic_case
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import TOUCHING
@@ -28,11 +31,19 @@ from granwave.lammps_inputs.packing.assembly import assemble
 
 _MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 _ROUNDS = 200
+# steps of grains that fall until they touch others; springs that hold them in a step: first and
+# largest stiffness over that of a contact, and factors by which it grows and falls
+_ROUNDS_OF_FALL = 1000
+_HOLDING = 1e-3
+_RIGID = 1e9
+_STIFFER = 4.0
+_SOFTER = 3.0
 # net force over the largest contact force; of many grains
 _BALANCED = 1e-11
 _BALANCED_OF_MANY = 1e-9
 _TOLERATED = 1e-6  # the same where rounding leaves more
 # steps without progress, and how much more net force is then allowed
+_NO_PROGRESS = 3
 _STALLED = 6
 _OF_STALLED = 100.0
 _SMALLEST_STEP = 2.0**-10
@@ -85,12 +96,14 @@ class _Problem:
         )  # the last row is that of walls
         self.strains = list(bodies.stress)
         self.n_motions = int(self.free.sum())
-        self.n = self.n_motions + len(self.strains)
+        self.n_of_grains = self.n_motions + len(self.strains)
+        self.n = self.n_of_grains + len(bodies.presses)
 
     @property
     def loaded(self) -> bool:
-        """True if a load acts, on grains or on the cell."""
-        return bool(self.bodies.dead_load.any() or any(self.bodies.stress.values()))
+        """True if a load acts, on grains, on the cell or on walls."""
+        bodies = self.bodies
+        return bool(bodies.dead_load.any() or any(bodies.stress.values()) or bodies.presses)
 
     def state(self, x: Array) -> tuple[Array, Array]:
         """Centres and periods."""
@@ -101,7 +114,8 @@ class _Problem:
     def deformation(self, x: Array) -> Array:
         """Deformation of the cell: (3, 3)."""
         found = np.eye(3)
-        for (a, b), strain in zip(self.strains, x[self.n_motions :], strict=True):
+        strains = x[self.n_motions : self.n_of_grains]
+        for (a, b), strain in zip(self.strains, strains, strict=True):
             found[a, b] += strain
             if a != b:
                 found[b, a] += strain
@@ -110,27 +124,30 @@ class _Problem:
     def uniform(self, strain: float) -> Array:
         """Unknowns of an even compression along the free strains that bear a load."""
         x = np.zeros(self.n)
-        x[self.n_motions :] = [-strain if a == b else 0.0 for a, b in self.strains]
+        x[self.n_motions : self.n_of_grains] = [-strain if a == b else 0.0 for a, b in self.strains]
         deformed = self.bodies.position @ self.deformation(x).T
         x[: self.n_motions] = (deformed - self.bodies.position)[self.free]
         return x
 
     def at(self, x: Array) -> _At:
         """Evaluate the energy."""
-        bodies = self.bodies
+        bodies = self.bodies.with_walls_in(x[self.n_of_grains :])
         position, periods = self.state(x)
         contacts = bodies.near(position, periods, _MARGIN * bodies.spacing)
         values = np.zeros((3, len(contacts)))
         for law, rows, scale in bodies.laws_of(contacts):
             values[:, rows] = law.evaluate(contacts.overlap[rows], scale)
         force, slope, work = values
-        stretch = self._stretch(contacts, contacts.normal)
+        stretch = self._stretch(contacts, contacts.normal, walls=True)
         energy = float(work.sum()) - float((bodies.dead_load * (position - bodies.position)).sum())
         gradient = -(stretch.T @ force)
         gradient[: self.n_motions] -= bodies.dead_load[self.free]
         for place, load in enumerate(bodies.stress.values(), start=self.n_motions):
             energy += load * x[place]
             gradient[place] += load
+        for place, force_on_walls in enumerate(bodies.presses.values(), start=self.n_of_grains):
+            energy -= force_on_walls * x[place]
+            gradient[place] -= force_on_walls
         tables = [(slope, stretch)]
         if self.with_turning:
             weight = -force / contacts.distance
@@ -157,14 +174,22 @@ class _Problem:
         bodies = self.bodies
         gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
         contacts = bodies.near(bodies.position, bodies.periods, gap, _MARGIN * bodies.spacing)
-        stretch = self._stretch(contacts, contacts.normal)
+        stretch = self._stretch(contacts, contacts.normal, walls=True)
         gradient = np.zeros(self.n)
         gradient[: self.n_motions] = -bodies.dead_load[self.free]
+        gradient[self.n_of_grains :] = [-force for force in bodies.presses.values()]
         return _move(static_stiffness(assemble(bodies.case)) * (stretch.T @ stretch), gradient)
 
-    def _stretch(self, contacts: Contacts, direction: Array) -> sparse.csr_array:
+    def _stretch(
+        self, contacts: Contacts, direction: Array, *, walls: bool = False
+    ) -> sparse.csr_array:
         """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,
         n_unknowns).
+
+        Parameters
+        ----------
+        walls
+            True for directions along normals, along which walls move in.
         """
         moved = self._approach(contacts.first, direction) - self._approach(
             contacts.second, direction
@@ -173,7 +198,10 @@ class _Problem:
         for place, (a, b) in enumerate(self.strains):
             strained[:, place] = direction[:, a] * contacts.shift[:, b]
             strained[:, place] += direction[:, b] * contacts.shift[:, a] if a != b else 0.0
-        return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained]))
+        closed = np.zeros((len(direction), len(self.bodies.presses)))
+        for place, names in enumerate(self.bodies.presses if walls else ()):
+            closed[:, place] = -np.isin(contacts.wall.astype(str), names).astype(float)
+        return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained, closed]))
 
     def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
         """Derivatives by the unknowns of gaps in front of grains along normals (n, 3): (n,
@@ -187,16 +215,34 @@ class _Problem:
         ).tocsr()
 
 
-def relax(bodies: Bodies) -> tuple[Array, Array, float]:
-    """Find the static state of grains under their loads, or, if they buckle, the balance from which
-    they do.
+@dataclasses.dataclass(frozen=True, eq=False)
+class Balance:
+    """Static state of grains.
 
-    Returns
-    -------
+    Attributes
+    ----------
+    bodies
+        The grains, between walls that have moved in to their forces.
     position, periods
         Of the grains and of the cell: (n, 3) and (n_periods, 3), m.
     residual
         Largest net force on a grain over the largest force of a contact.
+    """
+
+    bodies: Bodies
+    position: Array
+    periods: Array
+    residual: float
+
+    @property
+    def network(self) -> Network:
+        """Springs of the contacts that bear force."""
+        return self.bodies.network(self.position, self.periods)
+
+
+def relax(bodies: Bodies) -> Balance:
+    """Find the static state of grains under their loads, or, if they buckle, the balance from which
+    they do.
 
     Raises
     ------
@@ -205,85 +251,158 @@ def relax(bodies: Bodies) -> tuple[Array, Array, float]:
     RunError
         No balance was found.
     """
-    problem = _Problem(bodies)
-    x, now, steps = _search(problem, _start(problem))
-    if problem.loaded and problem.n <= _BUCKLED_UP_TO and not _balanced(problem, now):
-        turning = _Problem(bodies, with_turning=True)
-        there, at, more = _search(turning, _start(turning))
-        if _balanced(turning, at):
-            problem = turning
-            x = there
-            now = at
-            steps = steps + more
+    if not bodies.presses:
+        return _balance(_Problem(bodies))[0]
+    elastic = PairLaws(elastic_case(bodies.case), bodies.laws.bodies)
+    pressed, x = _balance(_Problem(dataclasses.replace(bodies, laws=elastic)))
+    held = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
+    return _balance(_Problem(held), x[: len(x) - len(bodies.presses)])[0]
+
+
+def _balance(problem: _Problem, start: Array | None = None) -> tuple[Balance, Array]:
+    """Return the static state of a problem and its unknowns there."""
+    first = _start(problem) if start is None else start
+    x, now = _search(problem, first)
+    loaded = problem.loaded or now.largest > 0
+    if loaded and problem.n <= _BUCKLED_UP_TO and not _balanced(problem, now):
+        turning = _Problem(problem.bodies, with_turning=True)
+        at_rest = np.zeros(problem.n) if start is None and not problem.strains else first
+        for other, how, begin in ((turning, _search, first), (problem, _fall, at_rest)):
+            there, at = how(other, begin)
+            if _balanced(other, at):
+                problem = other
+                x = there
+                now = at
+                break
     net = _net(problem, now)
     residual = net / now.largest if now.largest else 0.0
     if now.largest and not _balanced(problem, now):
         raise RunError(
-            f"{bodies.case.name}: found no static state: a net force of {residual:.2g} of the largest contact force "
-            f"remains after {steps + 1} steps; a larger load, or less scatter, makes the packing rigid"
+            f"{problem.bodies.case.name}: found no static state: a net force of {residual:.2g} of "
+            "the largest contact force remains; a larger load, or less scatter, makes the packing "
+            "rigid; or run the case, and give the directory of the run"
         )
-    return *problem.state(x), residual
+    moved = problem.bodies.with_walls_in(x[problem.n_of_grains :])
+    return Balance(moved, *problem.state(x), residual), x
 
 
 def _balanced(problem: _Problem, now: _At) -> bool:
     return now.largest > 0 and _net(problem, now) <= max(_TOLERATED * now.largest, now.rounding)
 
 
-def _search(problem: _Problem, x: Array) -> tuple[Array, _At, int]:
-    """Return the unknowns, what they give, and the steps, of Newton's method from a start."""
-    bodies = problem.bodies
+def _search(problem: _Problem, x: Array) -> tuple[Array, _At]:
+    """Return the unknowns and the state that Newton's method reaches from a start."""
     now = problem.at(x)
-    balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
-    best = np.inf
-    since = 0
-    steps = 0
-    for rounds in range(_ROUNDS):
-        steps = rounds
-        net = _net(problem, now)
-        if net <= balanced * now.largest + 1e-300 or problem.n == 0:
+    progress = _Progress(problem)
+    for _ in range(_ROUNDS):
+        if progress.ends(now):
             break
-        since = 0 if net < 0.5 * best else since + 1
-        best = min(best, net)
-        if since > 3 and net <= balanced * now.largest + now.rounding:
-            break
-        if since > _STALLED and net <= _OF_STALLED * balanced * now.largest:
-            break  # rounding, of more contacts than one
         move = _move(now.hessian, now.gradient, pivots=problem.with_turning)
-        size = 1.0
         largest_move = np.abs(move[: problem.n_motions]).max(initial=0.0)
-        if largest_move > _FARTHEST * bodies.spacing:
+        if largest_move > _FARTHEST * problem.bodies.spacing:
             break  # motions that nothing resists: the packing buckles
-        if (approach := problem.largest_approach(now, move)) > _MARGIN / 2 * bodies.spacing:
-            size = _MARGIN / 2 * bodies.spacing / approach
-        while True:
-            there = problem.at(x + size * move)
-            slack = 1e-13 * abs(now.energy)
-            lower = not problem.with_turning and there.energy <= now.energy + slack
-            if lower or _net(problem, there) < net or size < _SMALLEST_STEP:
-                break
-            size /= 2
-        if size < _SMALLEST_STEP:
+        step = _downhill(problem, x, now, move)
+        if step is None:
             break
-        x = x + size * move
+        x, now = step
+    return x, now
+
+
+class _Progress:
+    """Progress of a search, which tells when it is over."""
+
+    def __init__(self, problem: _Problem) -> None:
+        self.problem = problem
+        self.balanced = _BALANCED if problem.n <= _DIRECT_UP_TO else _BALANCED_OF_MANY
+        self.best = np.inf
+        self.since = 0
+
+    def ends(self, now: _At) -> bool:
+        """Return True if a state is balanced, as far as rounding lets it."""
+        net = _net(self.problem, now)
+        self.since = 0 if net < 0.5 * self.best else self.since + 1
+        self.best = min(self.best, net)
+        enough = self.balanced * now.largest
+        if net <= enough + 1e-300 or self.problem.n == 0:
+            return True
+        if self.since > _STALLED and net <= _OF_STALLED * enough:
+            return True  # rounding, of more contacts than one
+        return self.since > _NO_PROGRESS and net <= enough + now.rounding
+
+
+def _fall(problem: _Problem, x: Array) -> tuple[Array, _At]:
+    """Return the same as `_search`, by the method of Levenberg and Marquardt, which follows grains
+    that nothing resists until something does.
+
+    Springs hold all grains in place during a step. They soften after each step that lowers the
+    energy, and stiffen where one would not.
+    """
+    now = problem.at(x)
+    progress = _Progress(problem)
+    stiffness = float(static_stiffness(assemble(problem.bodies.case)))
+    reach = _MARGIN / 2 * problem.bodies.spacing
+    holding = _HOLDING * stiffness
+    for _ in range(_ROUNDS_OF_FALL):
+        if progress.ends(now):
+            break
+        while holding < _RIGID * stiffness:
+            move = _move(now.hessian, now.gradient, holding=holding)
+            if problem.largest_approach(now, move) <= reach:
+                there = problem.at(x + move)
+                if there.energy < now.energy or _net(problem, there) < _net(problem, now):
+                    break
+            holding *= _STIFFER
+        else:
+            break
+        x = x + move
         now = there
-    return x, now, steps
+        holding = max(holding / _SOFTER, _SOFT * stiffness)
+    return x, now
+
+
+def _downhill(problem: _Problem, x: Array, now: _At, move: Array) -> tuple[Array, _At] | None:
+    """Return the unknowns after so much of a step that energy or net force falls; None if neither
+    does.
+    """
+    net = _net(problem, now)
+    size = 1.0
+    margin = _MARGIN / 2 * problem.bodies.spacing
+    if (approach := problem.largest_approach(now, move)) > margin:
+        size = margin / approach
+    while size >= _SMALLEST_STEP:
+        there = problem.at(x + size * move)
+        slack = 1e-13 * abs(now.energy)
+        lower = not problem.with_turning and there.energy <= now.energy + slack
+        if lower or _net(problem, there) < net:
+            return x + size * move, there
+        size /= 2
+    return None
 
 
 def _net(problem: _Problem, now: _At) -> float:
     """Largest net force on a grain, or that on the cell over the mean of its periods, N."""
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
-    cell = float(np.abs(now.gradient[problem.n_motions :]).max(initial=0.0))
-    return max(motions, cell / float(lengths.mean()) if len(lengths) else 0.0)
+    cell = float(np.abs(now.gradient[problem.n_motions : problem.n_of_grains]).max(initial=0.0))
+    walls = float(np.abs(now.gradient[problem.n_of_grains :]).max(initial=0.0))
+    return max(motions, walls, cell / float(lengths.mean()) if len(lengths) else 0.0)
 
 
-def _move(hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False) -> Array:
+def _move(
+    hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False, holding: float = 0.0
+) -> Array:
     """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are
     no minimum.
+
+    Parameters
+    ----------
+    holding
+        Stiffness of springs that hold all grains in place, N/m; by default so soft that only free
+        motions feel it.
     """
     diagonal = hessian.diagonal()
     soft = _SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
-    matrix = (hessian + (soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
+    matrix = (hessian + (holding or soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
     if pivots:
         return np.asarray(splu(matrix).solve(-gradient))
     # in a long row or a slender packing factors are small, and conjugate gradients need its length
@@ -310,9 +429,8 @@ def _start(problem: _Problem) -> Array:
     ]
     load = sum(problem.bodies.stress[one] for one in problem.strains if one[0] == one[1])
     if not diagonal or not load:
-        return (
-            problem.by_linear_springs() if problem.bodies.dead_load.any() else np.zeros(problem.n)
-        )
+        forces = problem.bodies.dead_load.any() or problem.bodies.presses
+        return problem.by_linear_springs() if forces else np.zeros(problem.n)
 
     def excess(strain: float) -> float:
         return float(problem.at(problem.uniform(strain)).gradient[diagonal].sum())

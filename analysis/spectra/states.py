@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Callable
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 import pandas as pd
@@ -26,12 +27,17 @@ from granwave.analysis.spectra.network import Array, Ints, Network, Springs
 from granwave.analysis.spectra.relax import relax
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.static_load import dead_loads
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.deck.static_stage import largest_move
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.cylinders import distances
+from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.walls import PLATE
 
 _INSIDE = 0.5  # of half the packing, along axes that end: where a run is like an endless packing
 _ALIKE = 0.02  # by which overlaps of equal contacts may differ inside
+_PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
 _INTEGER = 1e-3  # of a period, for places of a lattice
 
 
@@ -84,9 +90,8 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
     if slab:
         return _slab_state(source)
     if isinstance(source, Case):
-        bodies = cell_bodies(source)
-        position, periods, residual = relax(bodies)
-        return _state(source, bodies.network(position, periods), "case", residual, periods)
+        found = relax(cell_bodies(source))
+        return _state(source, found.network, "case", found.residual, found.periods)
     with Result(source) as result:
         return _mean_cell(result)
 
@@ -107,11 +112,12 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
     if isinstance(source, Case):
         assembly = assemble(source)
         _refuse_parts(assembly, damped=damped)
-        return _in_own_cell(source, _whole(assembly))
+        return _in_own_cell(assembly, _whole(assembly))
     with Result(source) as result:
         _refuse_parts(result.assembly, damped=damped)
-        bodies, network, _ = _as_left(result)
-        return _state(result.case, network, "run", np.nan, bodies.periods)
+        left = _as_left(result)
+        periods = left.bodies.periods
+        return _state(result.case, left.network, "run", np.nan, periods)
 
 
 def _state(
@@ -126,14 +132,19 @@ def _state(
     return State(case.name, case, network, source, residual, periods, spread)
 
 
-def _in_own_cell(case: Case, bodies: Bodies) -> State:
+def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
     """Return the state of grains in the cell that they have."""
+    case = assembly.case
     if case.precompression is None:
         raise InputError(
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
         )
-    position, _, residual = relax(bodies)
-    return _state(case, bodies.network(position, bodies.periods), "case", residual, bodies.periods)
+    found = relax(bodies)
+    network = found.network
+    _refuse_moved(assembly, network, found.position - bodies.position)
+    if len(bodies.ids) == np.count_nonzero(assembly.sites.present):
+        _refuse_pushed(assembly, network, found.position)
+    return _state(case, network, "case", found.residual, found.periods)
 
 
 def _slab_state(source: Case | Path) -> State:
@@ -158,7 +169,7 @@ def _slab_state(source: Case | Path) -> State:
         bodies = bodies.part(
             np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter
         )
-    return _in_own_cell(case, bodies)
+    return _in_own_cell(assembly, bodies)
 
 
 def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
@@ -178,6 +189,25 @@ def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
             f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
             "granwave bands without --slab takes endless packings"
         )
+    _refuse_loads(assembly)
+
+
+def _refuse_loads(assembly: Assembly) -> None:
+    """Refuse loads on an endless packing for one that ends."""
+    case = assembly.case
+    stage = case.precompression
+    if stage is None or not isinstance(assembly.lattice, Places):
+        return
+    if stage.pressure is not None:
+        raise InputError(
+            f"{case.name}: precompression.pressure: found for grains at places of their own, which "
+            "have no face; give a force, or find the bands of the endless packing"
+        )
+    if stage.force is not None and not case.bears_along_z:
+        raise InputError(
+            f"{case.name}: precompression.force: found a force on the top, which nothing bears; "
+            "hold a grain along z, give a boundary.bottom, or find the bands of the endless packing"
+        )
 
 
 def _whole(assembly: Assembly) -> Bodies:
@@ -188,7 +218,7 @@ def _whole(assembly: Assembly) -> Bodies:
     lattice = assembly.lattice
     bodies = packing_bodies(assembly)
     load = np.zeros_like(bodies.dead_load)
-    if case.precompression is not None and case.packing.grains is None:
+    if case.precompression is not None:
         ids, force = dead_loads(assembly)
         load[np.searchsorted(bodies.ids, ids)] = force
     moves = bodies.moves.copy()
@@ -204,14 +234,99 @@ def _whole(assembly: Assembly) -> Bodies:
     )
 
 
-def _as_left(result: Result) -> tuple[Bodies, Network, Callable[[Contacts | Springs], Array]]:
-    """Return the grains of a run, their springs after the static stage, and the function of
-    `_peaks`.
+class _AsLeft(NamedTuple):
+    """State in which the static stage of a run left the packing.
+
+    Attributes
+    ----------
+    bodies
+        Grains before the load, between walls in their final places.
+    network
+        Springs.
+    peaks
+        Function of `_peaks`.
     """
+
+    bodies: Bodies
+    network: Network
+    peaks: Callable[[Contacts | Springs], Array]
+
+
+def _as_left(result: Result) -> _AsLeft:
+    """Return the state after the static stage of a run."""
     bodies = _whole(result.assembly)
+    stage = result.case.precompression
+    names = [f"prestage/moved_{name}" for name in (stage.presses if stage else ())]
+    if missing := [name for name in names if name not in result]:
+        raise InputError(
+            f"{result.case.name}: {missing[0]}: missing in the results, so that the places of the "
+            "walls are unknown; give the case"
+        )
+    bodies = bodies.with_walls_in(float(result[name][-1]) for name in names)
     peaks = _peaks(result, bodies.ids)
     position = bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)]
-    return bodies, bodies.network(position, bodies.periods, peaks), peaks
+    network = bodies.network(position, bodies.periods, peaks)
+    _refuse_pushed(result.assembly, network, position)
+    return _AsLeft(bodies, network, peaks)
+
+
+def _refuse_moved(assembly: Assembly, network: Network, displacement: Array) -> None:
+    """Refuse a state that a static stage would not accept, since grains rearrange on the way.
+
+    Parameters
+    ----------
+    displacement
+        Of all grains: (n, 3), m.
+    """
+    case = assembly.case
+    inside = np.isin(assembly.ids[: len(displacement)], network.ids)
+    moved = float(np.linalg.norm(displacement[inside], axis=1).max(initial=0.0))
+    most = largest_move(assembly)
+    if moved > most:
+        raise RunError(
+            f"{case.name}: precompression: a grain moves by {moved / case.packing.diameter:.2g} "
+            f"diameters, expected at most {most / case.packing.diameter:.2g}: the packing "
+            "rearranges; confine it, or give a smaller load"
+        )
+
+
+def _refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None:
+    """Refuse a state in which grains press on a plate or on a striker, which nothing holds.
+
+    Parameters
+    ----------
+    position
+        Centres of the grains of the packing in the static state: (n, 3), m.
+    """
+    case = assembly.case
+    on_plate = network.supports.wall == PLATE
+    if on_plate.any():
+        force = float(network.supports.force[on_plate].sum())
+        raise InputError(
+            f"{case.name}: load.kind: found a plate on which the packing presses with {force:.3g} N "
+            "before the impact, and which nothing holds; give another load"
+        )
+    if not assembly.strikers:
+        return
+    centres = np.concatenate([position, [centre for _, centre in assembly.strikers]])
+    diameter = assembly.sphere_diameters()
+    grains = np.arange(len(position))
+    shapes = assembly.grain_shapes()
+    lattice = assembly.lattice
+    period = lattice.lengths if lattice.periodic else None
+    contacts = network.contacts
+    deepest = float((contacts.force / contacts.stiffness).max(initial=0.0))
+    for number in range(len(assembly.strikers)):
+        row = len(position) + number
+        striker = np.full(len(grains), row)
+        apart = distances(centres, diameter, shapes, grains, striker, period)
+        overlap = (diameter[grains] + diameter[row]) / 2 - apart
+        if overlap.max() > _PUSHED * deepest:
+            raise InputError(
+                f"{case.name}: striker.{number + 1}: found a striker on which grain "
+                f"{assembly.ids[np.argmax(overlap)]} presses before the impact, and which nothing "
+                "holds; place it elsewhere, or give another load"
+            )
 
 
 def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
@@ -248,7 +363,9 @@ def _mean_cell(result: Result) -> State:
         raise InputError(
             f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell"
         )
-    bodies, whole, peaks = _as_left(result)
+    left = _as_left(result)
+    bodies = left.bodies
+    whole = left.network
     _state(case, whole, "run", np.nan, bodies.periods)  # bears forces
     basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
     # grains far from the faces at which the packing ends
@@ -279,7 +396,7 @@ def _mean_cell(result: Result) -> State:
     keys = ["first", "second", *(f"image{axis}" for axis in range(image.shape[1]))]
     table = pd.DataFrame(np.column_stack([one, other, sign * image]), columns=keys)
     table[["x", "y", "z"]] = sign * springs.normal * springs.distance[:, None]
-    table["overlap"], table["peak"] = overlap, np.maximum(peaks(springs), overlap)
+    table["overlap"], table["peak"] = overlap, np.maximum(left.peaks(springs), overlap)
     cells = table[kept].groupby(keys)
     if not cells.ngroups:
         raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
