@@ -86,6 +86,8 @@ class Bodies:
         Grains on which a wall acts, by its name: (n,); of walls that are not there: all.
     presses
         Forces to which walls move in, by the names of these walls: on all of them together, N.
+    settles
+        Directions in which grains move under the static load: (n, 3); None: as ``moves``.
     """
 
     case: Case
@@ -102,6 +104,7 @@ class Bodies:
     stress: dict[tuple[int, int], float] = dataclasses.field(default_factory=dict)
     touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
     presses: dict[tuple[str, ...], float] = dataclasses.field(default_factory=dict)
+    settles: NDArray[np.bool_] | None = None
 
     @property
     def inertia(self) -> Array:
@@ -115,6 +118,8 @@ class Bodies:
         """Return some of the grains, in a cell of these periods."""
         names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
         own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
+        if self.settles is not None:
+            own["settles"] = self.settles[rows]
         touched = {name: one[rows] for name, one in self.touched.items()}
         return dataclasses.replace(self, **own, periods=periods, touched=touched)
 

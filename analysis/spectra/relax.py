@@ -25,6 +25,7 @@ from granwave.analysis.spectra.pair_laws import PairLaws
 from granwave.analysis.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.law import elastic_case
 from granwave.lammps_inputs.contact.static_load import static_stiffness
+from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -89,7 +90,7 @@ class _Problem:
     def __init__(self, bodies: Bodies, *, with_turning: bool = False) -> None:
         self.bodies = bodies
         self.with_turning = with_turning
-        self.free = bodies.moves[:, :3].copy()
+        self.free = bodies.moves[:, :3] if bodies.settles is None else bodies.settles
         number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
         self.number = np.append(
             number, np.full((1, 3), -1), axis=0
@@ -255,8 +256,45 @@ def relax(bodies: Bodies) -> Balance:
         return _balance(_Problem(bodies))[0]
     elastic = PairLaws(elastic_case(bodies.case), bodies.laws.bodies)
     pressed, x = _balance(_Problem(dataclasses.replace(bodies, laws=elastic)))
+    n = len(x) - len(bodies.presses)
     held = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
-    return _balance(_Problem(held), x[: len(x) - len(bodies.presses)])[0]
+    state = _balance(_Problem(held), x[:n])[0]
+    _check_presses(bodies, state, x[n:])
+    return state
+
+
+def _check_presses(bodies: Bodies, state: Balance, distances: Array) -> None:
+    """Check that walls bear the forces to which they have moved in, and have not moved out.
+
+    Parameters
+    ----------
+    distances
+        By which the walls have moved in: (n_presses,), m.
+
+    Raises
+    ------
+    InputError
+        They do not, or have.
+    """
+    name = bodies.case.name
+    springs = state.bodies.springs(state.bodies.near(state.position, state.periods, 0.0), None)
+    for distance, (walls, asked) in zip(distances, bodies.presses.items(), strict=True):
+        key = f"precompression.{walls[0].removesuffix('lo')}_force"
+        each = asked / len(walls)
+        if distance < 0:
+            raise InputError(
+                f"{name}: {key}: found {each:g} N, less than the packing presses on walls that "
+                "only touch it under its other loads; give more, or the distance by which they "
+                "move in"
+            )
+        force = float(springs.force[np.isin(springs.wall.astype(str), walls)].sum()) / len(walls)
+        if not abs(force / each - 1) <= FORCE_TOLERANCE:
+            raise InputError(
+                f"{name}: {key}: found walls that bear {force:.6g} N after the static stage, "
+                f"expected {each:g} N: their distance is found with elastic contacts, and under "
+                "this force some yield, or have dents; give a smaller force, or the distance by "
+                "which they move in"
+            )
 
 
 def _balance(problem: _Problem, start: Array | None = None) -> tuple[Balance, Array]:
@@ -266,9 +304,8 @@ def _balance(problem: _Problem, start: Array | None = None) -> tuple[Balance, Ar
     loaded = problem.loaded or now.largest > 0
     if loaded and problem.n <= _BUCKLED_UP_TO and not _balanced(problem, now):
         turning = _Problem(problem.bodies, with_turning=True)
-        at_rest = np.zeros(problem.n) if start is None and not problem.strains else first
-        for other, how, begin in ((turning, _search, first), (problem, _fall, at_rest)):
-            there, at = how(other, begin)
+        for other, how in ((turning, _search), (problem, _fall)):
+            there, at = how(other, first)
             if _balanced(other, at):
                 problem = other
                 x = there
@@ -334,13 +371,16 @@ def _fall(problem: _Problem, x: Array) -> tuple[Array, _At]:
     """Return the same as `_search`, by the method of Levenberg and Marquardt, which follows grains
     that nothing resists until something does.
 
-    Springs hold all grains in place during a step. They soften after each step that lowers the
-    energy, and stiffen where one would not.
+    It starts before the load where the start is far away, since no contact resists there. Springs
+    hold all grains in place during a step: they soften after each step that lowers the energy, and
+    stiffen where one would not.
     """
+    reach = _MARGIN / 2 * problem.bodies.spacing
+    if np.abs(x[: problem.n_motions]).max(initial=0.0) > reach:
+        x = np.zeros(problem.n)
     now = problem.at(x)
     progress = _Progress(problem)
     stiffness = float(static_stiffness(assemble(problem.bodies.case)))
-    reach = _MARGIN / 2 * problem.bodies.spacing
     holding = _HOLDING * stiffness
     for _ in range(_ROUNDS_OF_FALL):
         if progress.ends(now):

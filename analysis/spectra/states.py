@@ -129,6 +129,11 @@ def _state(
             f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
             "stiffness; give a static load that closes the contacts"
         )
+    if not network.n_freedoms and len(network.left_out):
+        raise InputError(
+            f"{case.name}: precompression: no grain that can move bears a force; give a static load "
+            "that closes their contacts"
+        )
     return State(case.name, case, network, source, residual, periods, spread)
 
 
@@ -229,9 +234,11 @@ def _whole(assembly: Assembly) -> Bodies:
     if lattice.periodic:
         across = [axis in axes for axis in "xy"]
         periods = np.diag([*lattice.lengths, 0.0])[:2][across]
+    settling = [axis in axes or along.any() for axis, along in zip("xyz", load.T, strict=True)]
     return dataclasses.replace(
-        bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods
-    )
+        bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods,
+        settles=moves[:, :3] & settling,
+    )  # fmt: skip
 
 
 class _AsLeft(NamedTuple):

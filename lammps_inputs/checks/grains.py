@@ -278,7 +278,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
-    """Check that the packing fits into its tube, before this shrinks."""
+    """Check that the packing fits into its tube, before this shrinks, and each grain after it has."""
     tube = case.boundary.sides_tube
     if tube is None or errors.lines:
         return
@@ -295,6 +295,15 @@ def check_tube(case: Case, errors: ErrorList) -> None:
             "boundary.sides.tube.radius",
             f"found {tube:g} m, but sphere {widest + 1} reaches {reach[widest]:.9g} m from the axis x = y = 0",
         )
+    shrunk = case.precompression.moves.get("tube", 0.0) if case.precompression else 0.0
+    radius = np.where(reach > 0, sites.diameter / 2, 0.0)
+    largest = int(np.argmax(radius))
+    errors.check(
+        (shrunk > 0 and radius[largest] >= tube - shrunk, "precompression.tube",
+         f"found {shrunk:g} m, which leaves a tube of {tube - shrunk:.9g} m, narrower than sphere "
+         f"{largest + 1} with a radius of {radius[largest]:.9g} m; give less than "
+         f"{tube - radius[largest]:.3g} m, or a wider tube"),
+    )  # fmt: skip
 
 
 def check_lines(assembly: Assembly, errors: ErrorList) -> None:

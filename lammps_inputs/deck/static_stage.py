@@ -74,6 +74,8 @@ _STAGE_END = "# --- end of the static stage ---"
 # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 LARGEST_MOVE = 0.1
 
+FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
+
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them
 _PREFIX = "static_"  # prefix of the wall fixes of the stage

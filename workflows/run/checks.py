@@ -8,7 +8,7 @@ from pathlib import Path
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.static_stage import largest_move
+from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
@@ -74,8 +74,6 @@ class Balance:
 
 
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
-
-FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _ADVICE = (
     'the packing is not confined: take boundary.sides = "periodic", or precompression.kind = "uniform" (without '
