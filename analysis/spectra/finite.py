@@ -114,7 +114,7 @@ def refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None
         Centres of the grains in the static state, of all or of a column: (n, 3), m.
     """
     case = assembly.case
-    on_plate = network.supports.wall == PLATE
+    on_plate = np.asarray(network.supports.wall, dtype=str) == PLATE
     if on_plate.any():
         force = float(network.supports.force[on_plate].sum())
         raise InputError(

@@ -277,7 +277,8 @@ def _check_presses(bodies: Bodies, state: Balance, distances: Array) -> None:
         They do not, or have.
     """
     name = bodies.case.name
-    springs = state.bodies.springs(state.bodies.near(state.position, state.periods, 0.0), None)
+    contacts = state.bodies.near(state.position, state.periods, 0.0)
+    springs = state.bodies.springs(contacts)
     for distance, (walls, asked) in zip(distances, bodies.presses.items(), strict=True):
         key = f"precompression.{walls[0].removesuffix('lo')}_force"
         each = asked / len(walls)
@@ -287,7 +288,7 @@ def _check_presses(bodies: Bodies, state: Balance, distances: Array) -> None:
                 "only touch it under its other loads; give more, or the distance by which they "
                 "move in"
             )
-        force = float(springs.force[np.isin(springs.wall.astype(str), walls)].sum()) / len(walls)
+        force = float(springs.force[np.isin(contacts.wall.astype(str), walls)].sum()) / len(walls)
         if not abs(force / each - 1) <= FORCE_TOLERANCE:
             raise InputError(
                 f"{name}: {key}: found walls that bear {force:.6g} N after the static stage, "

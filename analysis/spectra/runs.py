@@ -181,10 +181,11 @@ def _mean_supports(left: AsLeft, basis: Ints, names: list[str], n_periods: int) 
     """
     supports = left.network.supports
     grain = basis[np.searchsorted(left.bodies.ids, left.network.ids)[supports.first]]
-    kept = (grain >= 0) & np.isin(supports.wall.astype(str), names)
+    wall = np.asarray(supports.wall, dtype=str)
+    kept = (grain >= 0) & np.isin(wall, names)
     image = np.zeros((np.count_nonzero(kept), n_periods), dtype=np.int64)
     supports = dataclasses.replace(joined([supports], kept), first=grain[kept], image=image)
-    numbers = np.array([names.index(name) for name in supports.wall], dtype=np.int64)
+    numbers = np.array([names.index(name) for name in wall[kept]], dtype=np.int64)
     code = supports.first * len(names) + numbers
     means = [joined([supports], slice(0))]
     for each in np.unique(code):
