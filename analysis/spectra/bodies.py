@@ -289,17 +289,18 @@ class Bodies:
         default those now.
         """
         most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
-        force, stiffness, tangential = np.zeros((3, len(most)))
+        force, stiffness, tangential, rolling, twisting = np.zeros((5, len(most)))
         for law, rows, scale in self.laws_of(contacts):
-            force[rows], stiffness[rows], tangential[rows] = law.small(
-                contacts.overlap[rows], most[rows], scale
-            )
+            overlap = contacts.overlap[rows]
+            force[rows], stiffness[rows], tangential[rows] = law.small(overlap, most[rows], scale)
+            if self.case.has_resistance:
+                rolling[rows], twisting[rows] = law.resisting(overlap, most[rows], scale)
         lever = np.where(
             np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0
         )
         return Springs(
             contacts.first, contacts.second, contacts.image, contacts.normal, contacts.distance, force, stiffness,
-            tangential, lever, contacts.turns, contacts.wall,
+            tangential, lever, contacts.turns, contacts.wall, rolling, twisting,
         )  # fmt: skip
 
     def laws_of(self, contacts: Contacts) -> Iterator[Part]:

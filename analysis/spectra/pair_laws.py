@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import law_between
@@ -46,12 +47,16 @@ class Touches:
         Largest earlier overlap over R*.
     scaled
         True if the law grows with R*, False if it is that of one size.
+    rolling, twisting
+        Resistances; None without.
     """
 
     law: ContactLaw
     friction: float
     dent: float
     scaled: bool = True
+    rolling: Resistance | None = None
+    twisting: Resistance | str | None = None
 
     def evaluate(self, overlap: Array, scale: Array) -> tuple[Array, Array, Array]:
         """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are
@@ -95,6 +100,27 @@ class Touches:
             scale * self._unloading(a, most),
             scale * tangential,
         )
+
+    def resisting(self, overlap: Array, peak: Array, scale: Array) -> tuple[Array, Array]:
+        """Return the stiffnesses of small motions against rolling and against twisting, N m; see
+        `small`.
+        """
+        a = np.maximum(overlap, 0.0) / scale
+        most = np.maximum.reduce([a, peak / scale, np.full_like(a, self.dent)])
+        none = np.zeros_like(a)
+        rolling = none
+        twisting = none
+        follows = scale * self.law.tangential_stiffness(a, most)  # the contact circle
+        if self.rolling is not None:
+            arm = scale * self.law.effective_radius
+            rolling = (
+                follows if self.rolling.stiffness is None else self.rolling.stiffness
+            ) * arm**2
+        if isinstance(self.twisting, Resistance) and self.twisting.stiffness is not None:
+            twisting = none + self.twisting.stiffness
+        elif self.twisting is not None:
+            twisting = follows * (scale * self.law.contact_radius(a, most)) ** 2 / 2
+        return np.asarray(rolling), np.asarray(twisting)
 
     def _unloading(self, a: Array, peak: Array) -> Array:
         """Slope of the branch that a contact un- and reloads on: n F/(alpha - alpha_R), N/m at R* =
@@ -267,4 +293,13 @@ class PairLaws:
                     case.contact, (case.material, case.material), (2 * radius, 2 * radius)
                 )
                 dent = largest_dent(case, own) / radius
-        return Touches(law, friction, dent, scaled)
+        contact = case.contact_between(*bodies)
+        return Touches(
+            law, friction, dent, scaled, _acting(contact.rolling), _acting(contact.twisting)
+        )
+
+
+def _acting(resistance: Resistance | str | None) -> Any:
+    """Return a resistance, or None if its coefficient is zero."""
+    none = isinstance(resistance, Resistance) and not resistance.coefficient
+    return None if none else resistance

@@ -21,6 +21,9 @@ from granwave.lammps_inputs.lattices import Lattice
 
 _INSIDE = 0.5  # of half the packing, along axes that end: where a run is like an endless packing
 _ALIKE = 0.02  # by which overlaps of equal contacts may differ inside
+_MEANS = (
+    "normal", "distance", "force", "stiffness", "tangential", "lever", "turns", "rolling", "twisting",
+)  # fmt: skip
 _INTEGER = 1e-3  # of a period, for places of a lattice
 
 
@@ -190,10 +193,7 @@ def _mean_supports(left: AsLeft, basis: Ints, names: list[str], n_periods: int) 
     means = [joined([supports], slice(0))]
     for each in np.unique(code):
         own = joined([supports], code == each)
-        columns = {
-            name: getattr(own, name).mean(axis=0, keepdims=True)
-            for name in ("normal", "distance", "force", "stiffness", "tangential", "lever", "turns")
-        }
+        columns = {name: getattr(own, name).mean(axis=0, keepdims=True) for name in _MEANS}
         means.append(dataclasses.replace(joined([own], slice(1)), **columns))
     return joined(means)
 

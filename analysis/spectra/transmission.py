@@ -37,6 +37,7 @@ from scipy import sparse
 
 from granwave.analysis.spectra.network import Array, Network, Springs, joined
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
+from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
@@ -49,6 +50,7 @@ MATCHED = "matched"
 LAYER = "layer"
 # wall, and direction of its damper
 BOTTOM = "bottom"
+_RESISTANCES = ("rolling", "twisting")
 _Z = 2
 _FACING = 0.5  # part of a wall's normal along an axis, above which the wall is across it
 _END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
@@ -309,9 +311,17 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
     """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if
     they lose nothing.
     """
-    if not assembly.case.has_loss:
-        return None
     case = assembly.case
+    for name, resistance in (
+        (name, getattr(contact, name)) for contact in case.contact_laws for name in _RESISTANCES
+    ):
+        if isinstance(resistance, Resistance) and resistance.coefficient and resistance.damping:
+            raise InputError(
+                f"{case.name}: contact.{name}.damping: found {resistance.damping:g}, expected 0: "
+                "only contact.loss is taken into account in a steady motion"
+            )
+    if not case.has_loss:
+        return None
     contacts = network.contacts
     partners = {wall.name: wall.material for wall in walls(assembly)}
 
@@ -342,5 +352,7 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
                 k if kind == "time" else math.sqrt(2 / 3 * float(effective[row]) * k)
             )
     none = np.zeros(len(contacts))
-    damped = dataclasses.replace(contacts, stiffness=damping, tangential=none, force=none)
+    damped = dataclasses.replace(
+        contacts, stiffness=damping, tangential=none, force=none, rolling=none, twisting=none
+    )
     return dataclasses.replace(network, contacts=damped)

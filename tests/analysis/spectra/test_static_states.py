@@ -14,10 +14,11 @@ from granwave.analysis.spectra.band_structure import band_structure
 from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.states import State, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
-from granwave.analysis.spectra.transmission import transmission
+from granwave.analysis.spectra.transmission import losses_of, transmission
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import run_case
 
 D = 0.01  # m
@@ -305,3 +306,49 @@ def test_bands_between_walls_of_friction(static: dict[str, Any], tmp_path: Path)
         assert network.supports.force[pressed] == pytest.approx(10.0, rel=1e-9)
     left = band_structure(run_of(case, tmp_path / "run"), points=5)
     assert left.bands.frequency == pytest.approx(own.bands.frequency, rel=1e-6)
+
+
+@pytest.mark.parametrize("stiffness", [None, (2e5, 0.3)])
+def test_a_bead_that_resists_rolling_and_twisting(stiffness: tuple[float, float] | None) -> None:
+    """On a wall under 20 N: it slides and rolls on springs of friction and of rolling, and turns
+    about the normal on that of twisting.
+    """
+    rolling: dict[str, Any] = {"coefficient": 0.01}
+    twisting: dict[str, Any] = {"coefficient": 1e-5}
+    if stiffness is not None:
+        rolling |= {"stiffness": stiffness[0]}
+        twisting |= {"stiffness": stiffness[1]}
+    contact = ROUGH | {"rolling": rolling, "twisting": twisting}
+    bead = file_of([(0.0, 0.0, 0.0)])
+    state = packing_state(case_of(bead, UNIAXIAL | {"force": 20.0}, contact=contact))
+    network = state.network
+    wall = network.supports
+    tangential = float(wall.tangential[0])
+    lever = float(wall.lever[0, 0])
+    radius = D / 2
+    circle = math.sqrt(radius * 2 * (radius - lever))
+    roll = tangential if stiffness is None else stiffness[0]
+    twist = tangential * circle**2 / 2 if stiffness is None else stiffness[1]
+    mass = float(network.mass[0])
+    inertia = float(network.inertia[0])
+    sliding = np.array(
+        [
+            [tangential / mass, -tangential * lever / math.sqrt(mass * inertia)],
+            [
+                -tangential * lever / math.sqrt(mass * inertia),
+                (tangential * lever**2 + roll * radius**2) / inertia,
+            ],
+        ]
+    )
+    both = np.linalg.eigvalsh(sliding)
+    expected = np.sort([*both, *both, twist / inertia, float(wall.stiffness[0]) / mass])
+    assert solve_modes(stiffness_of(network)).square == pytest.approx(expected, rel=1e-9)
+    row = packing_state(case_of(COLUMN, WALLS, boundary=BOX, contact=contact)).network
+    assert solve_modes(stiffness_of(row)).n_floppy == 0
+
+
+def test_damping_of_rolling_is_no_part_of_a_steady_motion() -> None:
+    contact = ROUGH | {"rolling": {"coefficient": 0.01, "damping": 1.0}}
+    case = case_of(COLUMN, WALLS, boundary=BOX, contact=contact)
+    with pytest.raises(InputError, match=r"contact\.rolling\.damping: found 1, expected 0"):
+        losses_of(assemble(case), packing_state(case).network)
