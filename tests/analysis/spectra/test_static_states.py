@@ -121,6 +121,14 @@ STATES: dict[str, tuple[dict[str, Any], dict[str, Any], dict[str, Any]]] = {
             "replace": [{"index": [3], "material": "steel", "diameter": 0.009}],
         },
     ),
+    "dents by a force, of unlike beads": (
+        CHAIN,
+        UNIAXIAL | {"force": 30.0},
+        {
+            "contact": {"law": "elastoplastic", "initial_overlap": [{"force": 50.0}]},
+            "replace": [{"index": [3], "material": "steel", "diameter": 0.007}],
+        },
+    ),
     "a power law, pressed": (
         CHAIN,
         PRESSED,
@@ -188,6 +196,20 @@ def test_a_case_has_the_state_of_its_run(name: str, tmp_path: Path) -> None:
     assert found == pytest.approx(expected, abs=1e-6 * expected[-1])
     frequency = np.sqrt(expected[-1]) / (2 * math.pi) * np.array([0.13, 0.37, 1.2])
     assert along(own, frequency) == pytest.approx(along(left, frequency), rel=1e-3, abs=1e-6)
+
+
+@pytest.mark.parametrize("dents", [{}, {"initial_overlap": 2e-6}])
+def test_contacts_that_yield(dents: dict[str, Any], tmp_path: Path) -> None:
+    """Damped motion overshoots: contacts of the run are up to 0.2 % stiffer. Dents of walls are as
+    deep as those of pairs.
+    """
+    law = {"law": "elastoplastic", "friction": 0.3} | dents
+    case = case_of(COLUMN, WALLS, boundary=BOX, contact=law)
+    own = packing_state(case)
+    left = packing_state(run_of(case, tmp_path / "run"))
+    expected = solve_modes(stiffness_of(left.network)).frequency
+    found = solve_modes(stiffness_of(own.network)).frequency
+    assert found == pytest.approx(expected, rel=2e-3)
 
 
 STEEL = {"youngs_modulus": 210e9, "poisson_ratio": 0.3, "density": 7800}
