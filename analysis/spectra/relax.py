@@ -13,6 +13,8 @@ motions lower its energy.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Callable, Iterator
+from typing import TypeAlias
 
 import numpy as np
 from scipy import sparse
@@ -56,6 +58,7 @@ _OF_A_ROW = 6
 _SLENDER = 120
 # unknowns: whose balance is sought with the turning of forces, by factors with pivots
 _BUCKLED_UP_TO = 6000
+_FALLEN_UP_TO = 200_000  # unknowns: whose loose grains are followed
 _SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
 _FIRST_STRAIN = 1e-7
 _LARGEST_STRAIN = 0.05
@@ -82,6 +85,9 @@ class _At:
         return sparse.csr_array(
             sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables)
         )
+
+
+_Way: TypeAlias = "Callable[[_Problem, Array], tuple[Array, _At]]"
 
 
 class _Problem:
@@ -302,11 +308,9 @@ def _balance(problem: _Problem, start: Array | None = None) -> tuple[Balance, Ar
     """Return the static state of a problem and its unknowns there."""
     first = _start(problem) if start is None else start
     x, now = _search(problem, first)
-    loaded = problem.loaded or now.largest > 0
-    if loaded and problem.n <= _BUCKLED_UP_TO and not _balanced(problem, now):
-        turning = _Problem(problem.bodies, with_turning=True)
-        for other, how in ((turning, _search), (problem, _fall)):
-            there, at = how(other, first)
+    if (problem.loaded or now.largest) and not _balanced(problem, now):
+        for other, way in _other_ways(problem):
+            there, at = way(other, first)
             if _balanced(other, at):
                 problem = other
                 x = there
@@ -322,6 +326,14 @@ def _balance(problem: _Problem, start: Array | None = None) -> tuple[Balance, Ar
         )
     moved = problem.bodies.with_walls_in(x[problem.n_of_grains :])
     return Balance(moved, *problem.state(x), residual), x
+
+
+def _other_ways(problem: _Problem) -> Iterator[tuple[_Problem, _Way]]:
+    """Give the problems and the searches that find a balance where Newton's method does not."""
+    if problem.n <= _BUCKLED_UP_TO:
+        yield _Problem(problem.bodies, with_turning=True), _search
+    if problem.n <= _FALLEN_UP_TO:
+        yield problem, _fall
 
 
 def _balanced(problem: _Problem, now: _At) -> bool:
