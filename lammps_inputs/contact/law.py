@@ -34,6 +34,25 @@ from granwave.lammps_inputs.packing.places import cohesive_law
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.roots import brentq
 
+HERTZ = Contact(law="hertz")
+
+
+def elastic_contact(contact: Contact) -> Contact:
+    """Return Hertz's law, or the law itself if it is a power of the overlap, which is elastic."""
+    return contact if contact.entry.is_power else HERTZ
+
+
+def elastic_case(case: Case) -> Case:
+    """Return a case with the elastic contacts of the first half of its static stage."""
+
+    def elastic(contact: Contact) -> Contact:
+        bare = dataclasses.replace(contact, initial_overlap=None, friction=0.0)
+        own = bare if contact.entry.is_power else HERTZ
+        return dataclasses.replace(own, line=contact.line)
+
+    pairs = tuple(dataclasses.replace(one, contact=elastic(one.contact)) for one in case.pair)
+    return dataclasses.replace(case, contact=elastic(case.contact), pair=pairs)
+
 
 def sphere_contact(case: Case) -> ContactLaw:
     """Return the law between two grains of the packing that are not replaced."""

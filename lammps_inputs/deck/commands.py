@@ -13,7 +13,7 @@ from granwave.lammps_inputs.case.boundary import Damper
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.law import HERTZ, Viscous, elastic_contact, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
@@ -196,9 +196,6 @@ def _slider(key: str, resistance: Resistance | str | None) -> list[str]:
     return [key, "sds", stiffness, num(resistance.damping), num(resistance.coefficient)]
 
 
-_ELASTIC = Contact(law="hertz")
-
-
 def contacts(assembly: Assembly) -> list[str]:
     """Return the pair style with the laws of all pairs of types."""
     case = assembly.case
@@ -221,13 +218,13 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
     for (i, first), (j, second) in combinations_with_replacement(
         enumerate(assembly.species, start=1), 2
     ):
-        contact = _ELASTIC
+        contact = HERTZ
         partner = None if i == j else second.material
         loss = None
         if first.role == "sphere":  # nodes of bars do not touch each other
             own = case.contact_between(first.material, second.material)
             flat = second.role != "sphere"
-            contact = _elastic(own) if elastic else own
+            contact = elastic_contact(own) if elastic else own
             bodies = (first.material, second.material)
             shapes = (first.shape, second.shape)
             loss = (
@@ -259,11 +256,6 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     back = ["unfix           cylinders"] if again else []
     line = " line plane-strain" if assembly.plane_strain else ""
     return [*back, f"fix             cylinders all gran/cylinder {joined(words)}{line}"]
-
-
-def _elastic(contact: Contact) -> Contact:
-    """Return Hertz's law, or the one given if it is a power of the overlap, which is elastic."""
-    return contact if contact.entry.is_power else _ELASTIC
 
 
 def plane_names(assembly: Assembly) -> list[str]:
@@ -307,7 +299,7 @@ def wall_commands(
         line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
         for name, group, material in wall.fixes:
             contact = case.contact_between(material, wall.material)
-            words = [law_coefficients(_elastic(contact), material, wall.material), *line]
+            words = [law_coefficients(elastic_contact(contact), material, wall.material), *line]
             if not elastic:
                 friction = wall_friction(case, wall, material)
                 loss = viscous_loss(assembly, contact, material, wall.material, flat=True)

@@ -55,11 +55,10 @@ from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import (
-    Wall,
     moving_fix,
     plane_fixes,
+    pressed_walls,
     support_timestep,
-    walls,
 )
 from granwave.lammps_inputs.run_directory import (
     DEAD_LOAD_FILE,
@@ -74,6 +73,8 @@ _STAGE_END = "# --- end of the static stage ---"
 
 # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 LARGEST_MOVE = 0.1
+
+FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them
@@ -171,7 +172,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *pair_coefficients(assembly, elastic=True),
         *(
             f"variable        {moved_wall(name)} equal {num(overlap)}"
-            for name in _pressed_walls(assembly)
+            for name in pressed_walls(assembly)
         ),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
@@ -212,7 +213,7 @@ def second_half(assembly: Assembly) -> list[str]:
     ]
     record = dict(RECORD)
     support = moving_fix(assembly)
-    for name, pressed in _pressed_walls(assembly).items():
+    for name, pressed in pressed_walls(assembly).items():
         mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
@@ -271,16 +272,6 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
-    """Return the walls that move in to a force, by x, y or tube."""
-    names = assembly.case.precompression.presses if assembly.case.precompression else ()
-    there = walls(assembly)
-    return {
-        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
-        for name in names
-    }
-
-
 def _pressing(assembly: Assembly) -> list[str]:
     """Return the commands that move walls in, round by round, until they bear their forces.
 
@@ -294,7 +285,7 @@ def _pressing(assembly: Assembly) -> list[str]:
         "# Walls move in until they bear their forces: a secant of the power 2/3 of the force over the distance."
     ]
     for number in range(_ROUNDS):
-        for name, pressed in _pressed_walls(assembly).items():
+        for name, pressed in pressed_walls(assembly).items():
             here = f"v_{moved_wall(name)}"
             level = f"static_level_{name}"
             force = "+".join(f"({outward_force(wall, _PREFIX)})" for wall in pressed)
@@ -314,7 +305,7 @@ def _pressing(assembly: Assembly) -> list[str]:
                 f"variable        static_from_{name} equal $({here}:%.17g)",
                 f"variable        {moved_wall(name)} equal $({here}+(1-v_{level})/v_static_slope_{name}:%.17g)",
             ]
-        moved = [wall for pressed in _pressed_walls(assembly).values() for wall in pressed]
+        moved = [wall for pressed in pressed_walls(assembly).values() for wall in pressed]
         lines += wall_commands(assembly, elastic=True, prefix=_PREFIX, only=moved)
         lines.append(_minimize(assembly, first=True))
     found = "\n".join(

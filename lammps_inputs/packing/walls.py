@@ -69,6 +69,10 @@ class Wall:
         default=(), repr=False, compare=False
     )
 
+    def moved_in(self, distance: float) -> Wall:
+        """Return the wall after it has moved towards the packing by a distance, m."""
+        return dataclasses.replace(self, coordinate=self.coordinate - self.outward * distance)
+
     def gaps(
         self, positions: NDArray[np.float64], radii: NDArray[np.float64]
     ) -> NDArray[np.float64]:
@@ -167,6 +171,17 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
             )
         )
     return tuple(placed)
+
+
+def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
+    """Return the walls that move in to a force, by x, y or tube."""
+    stage = assembly.case.precompression
+    names = stage.presses if stage else {}
+    there = walls(assembly)
+    return {
+        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
+        for name in names
+    }
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:

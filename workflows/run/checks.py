@@ -8,7 +8,7 @@ from pathlib import Path
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.static_stage import largest_move
+from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -75,8 +75,6 @@ class Balance:
 
 
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
-
-FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _NOT_CONFINED = "the packing is not confined: "
 _PERIODIC = 'take boundary.sides = "periodic"'
