@@ -8,6 +8,7 @@
 #define GRANWAVE_MOTION_H
 
 #include "atom.h"
+#include "fix.h"
 #include "update.h"
 
 #include <string>
