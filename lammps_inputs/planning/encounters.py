@@ -96,6 +96,12 @@ def energy_of_plate(load: Load) -> float:
     return mass * velocity**2 / 2
 
 
+def key_of_plate(load: Load) -> str:
+    """Return the key of a plate on the top, with its mass."""
+    return f"load.mass = {load.mass or 0.0:g} kg"
+
+
+BOTTOM = "boundary.bottom"  # key of a support
 # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
 _MOST_KINDS = 50
 _NEAR = 1.1
@@ -182,6 +188,9 @@ class Encounter:
         applies.
     loss
         Kind and size of the viscous loss of the contact.
+    body
+        Key of the body behind a wall, and its mass, if it is lighter than the sphere; empty
+        otherwise.
     """
 
     law: ContactLaw
@@ -190,6 +199,7 @@ class Encounter:
     against_wall: bool = False
     dent: float = 0.0
     loss: Viscous | None = None
+    body: str = ""
 
     @cached_property
     def overlap(self) -> float:
@@ -309,7 +319,8 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         at_wall = Encounter(
             flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss
         )
-        found.append(_with_body(at_wall, _behind(assembly, "bottom", assembly.material)))
+        behind = _behind(assembly, "bottom", assembly.material)
+        found.append(_with_body(at_wall, behind, BOTTOM))
     if held_against_load(assembly):
         # the pulse runs through the layers above a held one; grains that [[hold]] names may be
         # next to the struck one
@@ -326,8 +337,8 @@ def _behind(assembly: Assembly, name: str, material: Material) -> Backing | None
     return None if wall is None else backing_of(assembly, wall, material)
 
 
-def _with_body(one: Encounter, behind: Backing | None) -> Encounter:
-    """Return a collision with a plane, with the mass of the body behind it."""
+def _with_body(one: Encounter, behind: Backing | None, key: str) -> Encounter:
+    """Return a collision with a plane, with the mass of the body behind it, which has this key."""
     if behind is None or one.energy <= 0 or one.law.name == NO_FORCE:
         return one
     try:
@@ -336,21 +347,24 @@ def _with_body(one: Encounter, behind: Backing | None) -> Encounter:
         return one
     if not 0 < stiffness < math.inf:
         return one
-    body = behind.moved_mass(one.mass / 2, stiffness)
-    return dataclasses.replace(one, mass=one.mass / (1 + one.mass / 2 / body))
+    sphere = one.mass / 2
+    body = behind.moved_mass(sphere, stiffness)
+    return dataclasses.replace(
+        one, mass=2 * sphere / (1 + sphere / body), body=key if body < sphere else ""
+    )
 
 
 def _of_any(assembly: Assembly) -> list[Encounter]:
     """Return a collision with the whole energy input for each kind of touching pair."""
     found = _of_pairs(assembly)
     energy = expected_energy(assembly)
-    for sphere, material, behind in _flats(assembly):
+    for sphere, material, behind, key in _flats(assembly):
         law = flat_contact(assembly, sphere, material)
         mass = 2 * assembly.mass_of(sphere)
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
         taken = _limited(assembly, law, energy)
         at_flat = Encounter(law, taken, mass, against_wall=True, loss=loss)
-        found.append(_with_body(at_flat, behind))
+        found.append(_with_body(at_flat, behind, key))
     return found
 
 
@@ -380,20 +394,21 @@ def _of_pairs(assembly: Assembly) -> list[Encounter]:
     return found
 
 
-def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | None]]:
+def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | None, str]]:
     """Return a grain for each kind that may meet a flat: its id, the material of the flat, and the
-    body behind it.
+    body behind it with its key.
     """
     case = assembly.case
     boundary = assembly.case.boundary
     lattice = assembly.lattice
     of, example = kinds_of_grains(assembly.sites)
-    flats: list[tuple[int, Material | None, Backing | None]] = [
-        (bar.touches, bar.material, bar.backing) for bar in assembly.bars
+    flats: list[tuple[int, Material | None, Backing | None, str]] = [
+        (bar.touches, bar.material, bar.backing, f"{bar.name}.length") for bar in assembly.bars
     ]
     if case.load.plate is not None:
         grain = int(lattice.top_layer[0])
-        flats.append((grain, None, _behind(assembly, PLATE, assembly.material_of(grain))))
+        behind = _behind(assembly, PLATE, assembly.material_of(grain))
+        flats.append((grain, None, behind, key_of_plate(case.load)))
     if boundary.bottom == "wall":
         there = np.unique(of[lattice.last_layer - 1])
         flats += [
@@ -401,16 +416,17 @@ def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | Non
                 sphere,
                 boundary.bottom_material,
                 _behind(assembly, "bottom", assembly.material_of(sphere)),
+                BOTTOM,
             )
             for sphere in example[there[there >= 0]].tolist()
         ]
     aside = any(case.load.way[:2])
     if (assembly.has_cylinders or aside) and any(boundary.has_planes(axis) for axis in "xy"):
         grains = [grain for grain in example.tolist() if aside or assembly.shape_of(grain)]
-        flats += [(grain, boundary.sides_material, None) for grain in grains]
+        flats += [(grain, boundary.sides_material, None, "") for grain in grains]
     held = [n for n, (one, _) in enumerate(assembly.strikers, lattice.n_spheres + 1) if one.walls]
     for material in (boundary.bottom_material, boundary.sides_material):
-        flats += [(n, material, None) for n in held]
+        flats += [(n, material, None, "") for n in held]
     return flats
 
 
