@@ -321,11 +321,12 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         )
         behind = _behind(assembly, "bottom", assembly.material)
         found.append(_with_body(at_wall, behind, BOTTOM))
-    if held_against_load(assembly):
-        # the pulse runs through the layers above a held one; grains that [[hold]] names may be
-        # next to the struck one
-        above = 0 if case.holds else max(assembly.lattice.n_layers - 2, 0)
-        energy = striking * (velocity * 0.5 ** (above if rule.set_back else 0)) ** 2 / 2
+    if held := held_against_load(assembly):
+        # the pulse runs through the layers above the last one; other held grains may be next to
+        # the struck one
+        layers = max(assembly.lattice.n_layers - 2, 0)
+        far = rule.set_back and np.isin(held, assembly.lattice.last_layer).all()
+        energy = striking * (velocity * 0.5 ** (layers if far else 0)) ** 2 / 2
         loss = _loss(assembly, assembly.material, assembly.material)
         found.append(Encounter(law, energy, 2 * mass, loss=loss))
     return found

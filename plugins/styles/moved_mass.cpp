@@ -17,23 +17,34 @@ constexpr double LEAST = 1e-12;    // of an inverse mass, relative to that of fr
 bool is_holder(const std::string &style) { return style == "setforce" || style == "lineforce" || style == "planeforce"; }
 
 /* True for a fix that moves its spheres whatever the forces on them are. */
-bool prescribes(const std::string &style) { return style == "move" || style == "nve/noforce" || style == "gran/load"; }
+bool prescribes(const std::string &style)
+{
+  return utils::strmatch(style, "^move") || utils::strmatch(style, "^nve/noforce") || style == "gran/load";
+}
 
 }    // namespace
 
 namespace granwave {
 
+int integrated_groups(const LAMMPS *lmp)
+{
+  int bits = 0;
+  for (const auto *fix : lmp->modify->get_fix_list())
+    if (fix->time_integrate && !prescribes(fix->style)) bits |= fix->groupbit;
+  return bits;
+}
+
 void MovedMass::find(LAMMPS *lammps, const Fix *after)
 {
   lmp = lammps;
-  frozen = integrated = 0;
+  frozen = 0;
+  integrated = integrated_groups(lmp);
   rigid.clear();
   holders.clear();
   bool follows = after == nullptr;
   for (auto *fix : lmp->modify->get_fix_list()) {
     follows = follows || fix == after;
-    if (std::strcmp(fix->style, "freeze") == 0) frozen |= fix->groupbit;
-    if (fix->time_integrate && !prescribes(fix->style)) integrated |= fix->groupbit;
+    if (utils::strmatch(fix->style, "^freeze")) frozen |= fix->groupbit;
     if (fix->rigid_flag) rigid.push_back(fix);
     if (follows && is_holder(fix->style)) holders.push_back(fix);
   }

@@ -16,6 +16,9 @@
 
 namespace granwave {
 
+/* Bits of the groups whose spheres follow the forces on them: those of fixes that integrate and do not prescribe the motion. */
+int integrated_groups(const LAMMPS_NS::LAMMPS *);
+
 class MovedMass {
  public:
   static constexpr int BODY = -1;       // in place of a sphere: a body of which only its inverse mass counts

@@ -248,3 +248,41 @@ def test_a_guided_sphere_in_a_tube(lammps) -> None:
                      extra=f"{tube}fix hold all setforce NULL 0 0\ntimestep 1e-8\n")  # fmt: skip
     lmp = lammps(f"{text}run {4 * STEPS} post no")
     assert value(lmp, "vx[1]") == pytest.approx(-RESTITUTION * speed, rel=2e-3)
+
+
+# ------------------------------------------------------------------------------------------ timestep
+
+TICKS = (
+    "timestep 5e-9\ncompute contact all gran/hysteretic/energy\nvariable given equal 0.00222\n"
+    "fix step all gran/timestep 32 3e-6 v_given first 4\nthermo_style custom step c_ke pe f_step[*]\n"
+)
+
+
+@pytest.mark.parametrize("name", ["no integration", "prescribed displacement"])
+def test_the_error_of_the_timestep_is_of_what_moves(lammps, name) -> None:
+    """A sphere that nothing integrates is not accelerated, as one whose force is set to 0."""
+    found = []
+    for hold in (HOLDS["setforce"], HOLDS[name]):
+        extra = f"group first id 1\ngroup other id 2\n{hold}\n{TICKS}"
+        text = script_of(PAIR, style=HERTZ, velocities=[(0, 0, 1.0)], box=BOX, extra=extra)
+        lmp = lammps(f"{text}run 12800 post no")
+        found.append([value(lmp, f"f_step[{n}]") for n in range(1, 6)])
+        assert value(lmp, "vz[1]") == pytest.approx(-1, abs=1e-5)
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
+
+
+def test_forces_and_torques_on_a_sphere_that_does_not_move(lammps) -> None:
+    """The error with all spheres is that of the group of those that move and turn."""
+    found = []
+    for group in ("all", "first"):
+        extra = (
+            "group first id 1\nunfix motion\nfix motion first nve/sphere\nset atom 1 vx 1.0\n"
+            f"{TICKS.replace('step all', f'step {group}')}"
+        )
+        text = script_of(
+            PAIR, style=f"{HERTZ} friction 0.3", velocities=[(0, 0, 1.0)], box=BOX, extra=extra
+        ).replace("newton off", "newton off\ncomm_modify vel yes")
+        lmp = lammps(f"{text}run 12800 post no")
+        assert lmp.numpy.extract_atom("omega")[0, 1] != 0
+        found.append([value(lmp, f"f_step[{n}]") for n in range(1, 6)])
+    assert found[1] == pytest.approx(found[0], rel=1e-9)
