@@ -55,6 +55,7 @@ _Z = 2
 _FACING = 0.5  # part of a wall's normal along an axis, above which the wall is across it
 _END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
 _SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
+_HELD = 1e-12  # of an inverse mass, relative to that of free grains: less is rounding of the normal
 _FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
 
 
@@ -307,9 +308,37 @@ def dampers_of(assembly: Assembly, network: Network) -> Array:
     return found
 
 
-def losses_of(assembly: Assembly, network: Network) -> Network | None:
+def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
+    """Return the effective masses of contacts along their normals, of grains that move in some
+    directions only, (n_grains, 3): (n_contacts,), kg.
+
+    Where nothing moves along the normal, those of the same grains without what holds them, as in
+    the pair style.
+    """
+    contacts = network.contacts
+    square = contacts.normal**2
+    inverse = np.append(1 / network.mass, 0.0)  # walls are the row beyond the last
+    left = np.vstack([moves, np.zeros(3)])
+    free = np.zeros(len(contacts))
+    moved = np.zeros(len(contacts))
+    for rows in (contacts.first, contacts.second):
+        free += inverse[rows]
+        moved += inverse[rows] * (square * left[rows]).sum(axis=1)
+    return np.asarray(1 / np.where(moved > _HELD * free, moved, free))
+
+
+def losses_of(
+    assembly: Assembly, network: Network, driven: Sequence[int] = (), axis: str = ""
+) -> Network | None:
     """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if
     they lose nothing.
+
+    Parameters
+    ----------
+    driven
+        Ids of grains whose motion is prescribed.
+    axis
+        Direction in which it is.
     """
     case = assembly.case
     for name, resistance in (
@@ -334,9 +363,10 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
         return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
 
     damping = np.zeros(len(contacts))
-    one = network.mass[contacts.first]
-    other = np.where(contacts.second < 0, np.inf, network.mass[contacts.second])
-    effective = one / (1 + one / other)
+    moves = network.moves[:, :3].copy()
+    for direction in axis:
+        moves[np.isin(network.ids, driven), "xyz".index(direction)] = False
+    effective = _effective_masses(network, moves)
     ids = np.stack([network.ids[contacts.first], network.ids[contacts.second]], axis=1).tolist()
     names = [""] * len(contacts) if contacts.wall is None else contacts.wall.tolist()
     for row, ((i, j), wall) in enumerate(zip(ids, names, strict=True)):

@@ -13,13 +13,18 @@ from granwave.lammps_inputs.case.boundary import Damper
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.contact.law import HERTZ, Viscous, elastic_contact, viscous_loss
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.contact.law import (
+    HERTZ,
+    Viscous,
+    elastic_contact,
+    loss_at_bar,
+    viscous_loss,
+)
+from granwave.lammps_inputs.packing.assembly import Assembly, Species
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
-    footprint_radius,
-    materials_at,
+    backing_of,
     plane_fixes,
     touched_by,
     touched_groups,
@@ -223,18 +228,24 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
         loss = None
         if first.role == "sphere":  # nodes of bars do not touch each other
             own = case.contact_between(first.material, second.material)
-            flat = second.role != "sphere"
             contact = elastic_contact(own) if elastic else own
-            bodies = (first.material, second.material)
-            shapes = (first.shape, second.shape)
-            loss = (
-                None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
-            )
+            loss = None if elastic else _pair_loss(assembly, own, first, second)
         rough = second.role == "sphere" and not elastic  # the face of a bar is not
         friction = contact.friction if rough else 0.0
         words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
         lines.append(f"pair_coeff      {i} {j} {words}")
     return lines
+
+
+def _pair_loss(
+    assembly: Assembly, contact: Contact, first: Species, second: Species
+) -> Viscous | None:
+    """Return the loss of spheres with spheres, or with the face of a bar."""
+    bodies = (first.material, second.material)
+    for bar in assembly.bars:
+        if second.bar == bar.name:
+            return loss_at_bar(assembly, contact, first.material, bar)
+    return viscous_loss(assembly, contact, *bodies, shapes=(first.shape, second.shape))
 
 
 def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
@@ -302,7 +313,10 @@ def wall_commands(
             words = [law_coefficients(elastic_contact(contact), material, wall.material), *line]
             if not elastic:
                 friction = wall_friction(case, wall, material)
-                loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
+                behind = backing_of(assembly, wall, material)
+                loss = viscous_loss(
+                    assembly, contact, material, wall.material, flat=True, behind=behind
+                )
                 law = law_coefficients(
                     contact, material, wall.material, friction, loss, resists=True
                 )
@@ -377,9 +391,9 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
         mass, velocity = wall.plate
         held = assembly.case.precompression is not None  # until the run begins, see `motion`
         return ["support", "free", num(mass), "0.0" if held else num(velocity)]
-    if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
+    behind = backing_of(assembly, wall, material)
+    if behind is None:
         return []
-    behind = wall.support.backing(wall.material, footprint_radius(assembly))
     if isinstance(wall.support, Damper):
         return ["support", "damper", num(behind.damping)]
     if not behind.elements:

@@ -71,6 +71,23 @@ def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
     return case.packing.grains.of_group(hold.group or "") if case.packing.grains is not None else ()
 
 
+def held_against_load(assembly: Assembly) -> tuple[int, ...]:
+    """Return the ids of the grains that do not move along an axis along which others are set in
+    motion: a last layer held in place, and those of ``[[hold]]`` and ``[[guide]]``.
+    """
+    case = assembly.case
+    moving = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
+    for velocity in velocities_of(assembly).values():
+        moving |= {axis for axis, part in zip("xyz", velocity, strict=True) if part}
+    ids = set[int]()
+    for hold in case.holds.values():
+        if moving & set(hold.axes):
+            ids.update(held_ids(case, hold))
+    if case.boundary.bottom == "fixed":
+        ids.update(assembly.lattice.last_layer.tolist())
+    return tuple(sorted(ids))
+
+
 _BESIDE = 0.25  # diameters; grains of a line are no further from it
 # diameters above a floor that does not move: grains there cannot reach the speed of the wave
 _HELD = 3.0

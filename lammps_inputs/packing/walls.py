@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import elliptic_radius
-from granwave.lammps_inputs.case.boundary import Support, Touched
+from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
@@ -319,6 +319,15 @@ def moving_fix(assembly: Assembly) -> str | None:
             resting = materials_at(assembly, assembly.lattice.last_layer)[0]
             return next(name for name, _, material in wall.fixes if material == resting)
     return None
+
+
+def backing_of(assembly: Assembly, wall: Wall, material: Material) -> Backing | None:
+    """Return what moves behind a wall when grains of a material press it; None if it does not move."""
+    if wall.plate is not None:
+        return Backing(wall.plate[0], 0.0)
+    if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
+        return None
+    return wall.support.backing(wall.material, footprint_radius(assembly))
 
 
 def support_timestep(assembly: Assembly, stiffness: float) -> float:

@@ -124,17 +124,18 @@ void FixGranTimestep::init()
     error->all(FLERR, "Fix {} {}: the timestep was changed to {:g}; unfix it first", STYLE, id, update->dt);
   require_mechanical_units(lmp, fmt::format("Fix {} {}", STYLE, id));
   bool later = false;
-  rotates = false;
+  rotates = 0;
   others.clear();
   walls.clear();
   cylinders = FixGranCylinder::find(lmp);
+  integrated = integrated_groups(lmp);
   for (const auto *other : modify->get_fix_list()) {
     if (other == this) {
       later = true;
       continue;
     }
     if (const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other)) walls.push_back(wall);
-    rotates = rotates || utils::strmatch(other->style, "^nve/sphere");
+    if (utils::strmatch(other->style, "^nve/sphere")) rotates |= other->groupbit;
     if (std::strcmp(other->style, "dt/reset") == 0)
       error->all(FLERR, "Fix {} {}: fix dt/reset changes the timestep, too", STYLE, id);
     if (other->nevery == 0 || !(modify->get_fix_mask(const_cast<Fix *>(other)) & FixConst::END_OF_STEP)) continue;
@@ -220,10 +221,10 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
         squared *= FixGranCylinder::INERTIA;
       }
       p += turning;
-      q += squared;
+      if (atom->mask[i] & rotates) q += squared;
     }
     mine[0] += units_of(p * of_power);
-    mine[1] += units_of(q * of_force);
+    if (atom->mask[i] & integrated) mine[1] += units_of(q * of_force);    // others are not accelerated
   };
   for (int begin = 0; begin < atom->nlocal; begin += RestingBlocks::SIZE) {
     const int n = std::min(RestingBlocks::SIZE, atom->nlocal - begin);

@@ -61,6 +61,7 @@ class FixGranTimestep : public Fix {
   double tick = 0.0;
   double origin = 0.0;    // clock at step 0
   double tolerance;
+  int integrated = 0;    // bits of the groups whose spheres follow the forces on them
   std::string energy_name;
   double energy = 0.0;
   std::string balance_name;
@@ -75,7 +76,7 @@ class FixGranTimestep : public Fix {
   double reported[5] = {};    // output: the same throughout a step, and when a run goes on from a restart file
   bigint reached = 0;         // step counter when the last step ended
   bool pending = false;       // the counter is to be set as the next step begins
-  bool rotates = false;
+  int rotates = 0;            // bits of the groups whose spheres follow the torques on them
   std::shared_ptr<const granwave::Cylinders> cylinders;
   std::vector<const Fix *> others;                           // that act at the end of some steps
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move

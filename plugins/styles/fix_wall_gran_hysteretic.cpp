@@ -107,11 +107,11 @@ void FixWallGranHysteretic::init()
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
   if (domain->triclinic && (tube || axis < 2) && (domain->xz != 0.0 || (axis == 0 ? domain->xy : domain->yz) != 0.0))
     error->all(FLERR, "Fix {} {}: the box is tilted across the wall, which a periodic boundary would then shift", STYLE, id);
-  if (support || loss.kind == LossKind::DASHPOT)
+  if (support || has_dashpot())
     require_mechanical_units(lmp, fmt::format("Fix {} {} with {}", STYLE, id, support ? "a support" : "a dashpot"));
   grows = radii_may_change(lmp);
   init_cylinders();
-  rigid = loss ? rigid_bodies(lmp) : nullptr;
+  if (has_dashpot()) masses.find(lmp, this);
   reset_dt();
 }
 
@@ -215,10 +215,6 @@ void FixWallGranHysteretic::evaluate()
   tallied = -1;
   const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
   if (!listed || grows || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
-  if (rigid && arrived) {
-    moved_mass.resize(atom->nmax);
-    set_moved_masses(lmp, rigid, moved_mass);
-  }
   if (has_lines) compute_lines(at);
   for (std::size_t n = 0; n < spheres.size(); n++) {
     const int i = spheres[n];

@@ -26,6 +26,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #include "../laws/exact_sum.h"
 #include "../laws/support.h"
 #include "fix_gran_cylinder.h"
+#include "moved_mass.h"
 #include "update.h"
 
 #include <map>
@@ -45,7 +46,12 @@ class FixWallGranHysteretic : public Fix {
   void setup(int) override;
   void min_setup(int) override { setup(0); }
   void initial_integrate(int) override { support->advance(update->dt); }
-  void post_neighbor() override { listed = false; }
+  void setup_post_neighbor() override { post_neighbor(); }
+  void post_neighbor() override
+  {
+    listed = false;
+    if (has_dashpot()) masses.update();
+  }
   void min_post_neighbor() override { listed = false; }
   void post_force(int) override { evaluate(); }
   void min_post_force(int) override;
@@ -129,6 +135,8 @@ class FixWallGranHysteretic : public Fix {
   Contact compute_normal(int i, int side, double overlap, double now, std::size_t line);
   void compute_cohesion(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   bool joins(int i, int side, double overlap);
+  bool has_dashpot() const { return loss.kind == granwave::LossKind::DASHPOT; }
+  double effective_mass(int i, int side, double stiffness) const;
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void compute_resistance(int i, int side, const Contact &);
@@ -179,8 +187,7 @@ class FixWallGranHysteretic : public Fix {
   granwave::ContactMemory has;    // has.friction: friction or a resistance
   granwave::ResistanceModel resistance;
   granwave::ViscousLoss loss;
-  Fix *rigid = nullptr;                          // with a loss: fix of rigid bodies
-  std::vector<double> moved_mass;                // with rigid bodies: of the spheres
+  granwave::MovedMass masses;                    // with a dashpot
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 

@@ -156,6 +156,15 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
         std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(state.circle_squared));
 }
 
+/* Effective mass of sphere i and one wall, from the tangent stiffness of their contact. */
+double FixWallGranHysteretic::effective_mass(int i, int which, double stiffness) const
+{
+  double normal[3];
+  inward(i, which, normal);
+  const bool moves = support && which == moving;
+  return masses.effective(i, MovedMass::BODY, normal, moves ? 1.0 / support->moved_mass(atom->rmass[i], stiffness) : 0.0);
+}
+
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
@@ -173,7 +182,7 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     const LawHistory h = law_history(i, which);
     const double stiffness = has.cohesion && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
                                                                      : scaled.tangent_stiffness(overlap, h);
-    return loss.coefficient(stiffness, rigid ? moved_mass[i] : atom->rmass[i]);
+    return loss.coefficient(stiffness, has_dashpot() ? effective_mass(i, which, stiffness) : 0.0);
   });
 }
 

@@ -27,7 +27,7 @@ PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
   finitecutflag = 1;
   writedata = 0;
   centroidstressflag = CENTROID_SAME;
-  comm_forward = 1;    // masses of rigid bodies
+  comm_forward = MovedMass::SIZE;
 }
 
 PairGranHysteretic::~PairGranHysteretic()
@@ -113,7 +113,7 @@ void PairGranHysteretic::init_style()
   if (update->whichflag == 2) refuse_line_searches();
 
   ContactMemory wanted = has;
-  bool any_dashpot = false;
+  has_dashpot = false;
   int n_extra = 0;
   has_rate = false;
   for (int i = 1; i <= atom_types; i++)
@@ -121,7 +121,7 @@ void PairGranHysteretic::init_style()
       if (!setflag[i][j]) continue;
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
       args.extend(wanted);
-      any_dashpot = any_dashpot || args.loss.kind == LossKind::DASHPOT;
+      has_dashpot = has_dashpot || args.loss.kind == LossKind::DASHPOT;
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();
     }
@@ -138,9 +138,8 @@ void PairGranHysteretic::init_style()
                                 : "partial slip");
   wanted.n = has.n;    // until a new list is built
   has = wanted;
-  frozen = has.loss ? frozen_group(lmp) : 0;
-  rigid = has.loss ? rigid_bodies(lmp) : nullptr;
-  if (any_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
+  if (has_dashpot) masses.find(lmp);
+  if (has_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
   radii_vary = radii_may_change(lmp);
   if (has.friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,

@@ -29,6 +29,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #include "contact_list.h"
 #include "fix_gran_cylinder.h"
 #include "fix_gran_hysteretic_history.h"
+#include "moved_mass.h"
 #include "pair.h"
 
 #include "atom.h"
@@ -211,6 +212,7 @@ class PairGranHysteretic : public Pair {
   void set_elastic(Batch &);
   void update_history(Batch &);
   double approach(const Batch &, int m) const;
+  double effective_mass(const Batch &, int m) const;
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
@@ -244,9 +246,8 @@ class PairGranHysteretic : public Pair {
   bool uniform = false;
   granwave::ContactMemory has;    // each part is there from the first pair_coeff with it on, and from the first initial dent
   bool has_rate = false;          // true if a law depends on the rate
-  int frozen = 0;                 // with a loss: bit of the group of fix freeze
-  class Fix *rigid = nullptr;     // with a loss: fix of rigid bodies
-  std::vector<double> moved_mass;    // with rigid bodies: of spheres and ghosts
+  bool has_dashpot = false;       // true if a pair of types has one
+  granwave::MovedMass masses;     // with a dashpot
   granwave::ContactList contacts{has};
   Batch batch;                         // of the pairs found last
   granwave::LoadingBatch loading{};    // those beyond their elastic limit

@@ -165,6 +165,30 @@ def test_losses_of_contacts(loss, time):
     assert losses_of(assemble(lossless), network) is None
 
 
+@pytest.mark.parametrize(
+    ("driven", "tables", "masses"),
+    [
+        ([], {}, [1 / 2, 1 / 2]),
+        ([1], {}, [1, 1 / 2]),
+        ([1, 2], {}, [1 / 2, 1]),
+        ([], {"hold": [{"index": [2], "directions": "z"}]}, [1]),
+        ([], {"boundary": {"bottom": "fixed"}}, [1 / 2, 1]),
+    ],
+)
+def test_effective_masses_of_dashpots(driven, tables, masses):
+    """Held and driven beads do not move: the other one has the effective mass; two of them count as
+    if they were free."""
+    loss = {"law": "hertz", "loss": {"dashpot": 0.1}}
+    case = endless(
+        "chain", 3, AXIAL, **({"boundary": {"bottom": "wall"}, "contact": loss} | tables)
+    )
+    network = packing_state(case).network
+    losses = losses_of(assemble(case), network, driven, "z")
+    between = losses.springs.stiffness
+    found = (between / 0.1) ** 2 * 1.5 / network.springs.stiffness / network.mass[0]
+    np.testing.assert_allclose(found, masses, rtol=1e-9)
+
+
 def test_bcc_between_walls_buckles():
     """The balance of even forces is found, and the modes that leave it are counted."""
     load = {"kind": "uniaxial", "pressure": 1e6}
