@@ -15,7 +15,7 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
@@ -271,7 +271,7 @@ def _contacts(case: Mapping[str, Any]) -> list[str]:
 def _law_of(run: Run) -> Any:
     tables = read_tables(run.directory / CASE_FILE)
     try:
-        case = None if tables is None else case_from_dict(tables, run.directory / CASE_FILE)
+        case = None if tables is None else stored_case(tables, run.directory / CASE_FILE)
         return sphere_contact(case) if case is not None and case.contact.yields else None
     except (GranwaveError, TypeError, AttributeError):
         return None

@@ -34,7 +34,7 @@ from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import changed_result
 from granwave.lammps_inputs.files import read_tables
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE, newer_format
@@ -236,7 +236,7 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """Case that was run."""
-        return self._case or case_from_dict(
+        return self._case or stored_case(
             tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE
         )
 

@@ -30,7 +30,7 @@ from granwave.analysis.scans.table import TIMES, determines, independent_keys, p
 from granwave.analysis.statistics import estimate
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
@@ -118,7 +118,7 @@ def _scales(
         labels = tuple(point.labels.get(key) for key in keys)
         if labels not in known:
             try:
-                case = load_case((point.directory or Path()) / CASE_FILE)
+                case = read_stored_case((point.directory or Path()) / CASE_FILE)
                 force = sphere_contact(case).yield_force if case.contact.yields else math.nan
                 known[labels] = case.packing.diameter, force
             except (InputError, OSError):
