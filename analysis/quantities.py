@@ -188,6 +188,8 @@ ENTRIES = (
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it",
              note="Largest misfit of kinetic + elastic + dissipated - input at any time, over the largest input up to "
              "the end; of a prescribed displacement without the kinetic energy of the moved grains."),
+    Quantity("energy_balance_accepted", "Accepted balance error",
+             note="Largest balance error with which this run is accepted; with a larger one it is refused."),
     Quantity("energy_kinetic_J", "Kinetic energy", note="At the end, with rotation."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
     Quantity("energy_elastic_J", "Elastic energy", note="At the end: what contacts, springs and bars would give back."),

@@ -145,6 +145,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         "sphere_steps_per_s": result.n_spheres * n_steps / wall_time if wall_time else None,
         "n_ranks": record.get("n_ranks"),
         "end_reason": record.get("end_reason"),
+        "energy_balance_accepted": record.get("energy_balance_accepted"),
         "deck_changed": changed_files(result.path.parent) or None,
         "versions": result.versions,
     }

@@ -14,8 +14,8 @@ from granwave.analysis.pipeline import analyse
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import read_run
-from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs import files as input_files
+from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.case import added_grains, packing
 from granwave.lammps_inputs.checks import checks
 from granwave.lammps_inputs.errors import InputError
@@ -92,5 +92,5 @@ def test_a_stored_case_equals_the_checked_one(runs):
 
 
 def test_a_stored_case_that_is_no_case_says_so():
-    with pytest.raises(InputError, match="packing.diameter"):
+    with pytest.raises(InputError, match=r"packing\.diameter"):
         stored_case(changed(packing={"diameter": "wide"}))
