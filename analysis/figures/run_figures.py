@@ -53,9 +53,9 @@ class RunFigure:
 
 #: Figures in the order of reports: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
-    ("peak_force_*", sections.peak_force_section, "Peak contact force",
+    ("peak_force_*", sections.peak_force_section, "Peak contact force, walls left out",
      "Bright lines are rows of contacts that carry the wave; beside them the force falls fast."),
-    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth",
+    ("peak_force_depth", dissipation.peak_force_depth, "Peak contact force against depth, walls left out",
      "On a logarithmic axis a straight line is an exponential decay; marks are the preferred directions."),
     ("dissipation_*", sections.dissipation_section, "Dissipation",
      "How far from the impact spheres are coloured is the size of the plastic zone."),
@@ -64,11 +64,12 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("dents_*", sections.dents_section, "Dents from before the run",
      "A contact is elastic up to the force that dented it, so that large dents lose less."),
     ("dissipation_ranked", dissipation.dissipation_ranked, "Dissipation of spheres in descending order",
-     "The steeper the fall, the fewer spheres take the energy."),
+     "The steeper the fall, the fewer spheres take the energy. Contacts just beyond first yield dissipate nothing yet, "
+     "so that fewer spheres are here than yielded."),
     ("dissipation_cumulated", dissipation.dissipation_cumulated, "Cumulated dissipation against the volume involved",
      "Where the curve turns up, the last per cents of the energy are spread over most of the volume."),
     ("plastic_zone_growth", dissipation.plastic_zone_growth, "Growth of the plastic zone",
-     "Level curves: the zone is fully grown. Curves that still rise at the end ask for a longer run."),
+     "Counted are contacts and spheres that yielded, those too that dissipated nothing yet. Level curves: the zone is fully grown. Curves that still rise at the end ask for a longer run."),
     ("plastic_zone_size", dissipation.plastic_zone_size,
      "Size of the plastic zone: energy of yielding that lies farther out",
      "Where a curve falls to 0.1 is the size that holds 90 %; a boundary cuts a curve that ends abruptly."),
@@ -82,7 +83,7 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Compare the two peaks of force: their ratio is the peak reduction. The packing makes the pulse longer."),
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the sphere that is struck or loaded",
      "Below zero the sphere rebounds; where the curve is level, it touches nothing."),
-    ("packing_3d", packing3d.packing_3d, "Packing cut open, peak contact force",
+    ("packing_3d", packing3d.packing_3d, "Packing cut open, peak contact force, walls left out",
      "A quarter is cut away at the impact; bright rows of spheres carry the wave."),
     ("packing_3d_dissipation", packing3d.packing_3d_dissipation, "Packing cut open, dissipation",
      "A quarter is cut away at the impact; bright spheres take most of the energy."),

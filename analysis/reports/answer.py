@@ -61,6 +61,8 @@ _SENTENCES = (
     "{lost} of the {energy_input_J} put in was dissipated.",
     "{transmission} of the driven end's velocity, {driven_velocity_m_s}, came through.",
     "The largest contact force was {peak_force_N}.",
+    "The largest force between two spheres was {between_spheres}.",
+    "The largest force of all contacts, walls included, was {with_walls}.",
     "90 % of the energy of yielding stays within {zone_depth_90_m} below the impact and {zone_radius_90_m} beside it.",
     "The plate {plate}.",
     "{n_loaded_contacts} of {n_contacts} contacts bore a force.",
@@ -290,6 +292,8 @@ def in_words(run: Run) -> str:
         values.pop("absorbed_fraction", None)
     if run.number("max_force_N") is not None:
         values.setdefault("peak_force_N", values["max_force_N"])
+    if run.kind == "run":
+        _name_peak_forces(run, values)
     if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
         values.pop("zone_depth_90_m", None)
     if force := run.number("wall_peak_force_N"):
@@ -322,6 +326,16 @@ def in_words(run: Run) -> str:
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return other_kinds.sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
+
+
+def _name_peak_forces(run: Run, values: dict[str, str]) -> None:
+    """Tell the largest force between spheres from that of all contacts, walls included."""
+    pairs = values.pop("peak_force_N", "")
+    if run.number("peak_force_N"):
+        values["between_spheres"] = pairs
+    every = run.number("peak_force_with_walls_N")
+    if every and every != run.number("peak_force_N"):
+        values["with_walls"] = values["peak_force_with_walls_N"]
 
 
 def _beside(force: float, bare: float | None) -> str:

@@ -96,8 +96,8 @@ _BY_KIND = {  # figures of results that may share a directory
 }
 _QUANTITIES = {  # captions of figures of scans that differ from their names
     "plastic_zone_depth": "Depth of the outermost yield",
-    "zone_depth_90": "Depth that holds 90 % of the energy of yielding",
-    "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
+    "zone_depth_90": "Depth that holds 90 % of the energy of yielding, interpolated between layers",
+    "zone_radius_90": "Radius that holds 90 % of the energy of yielding, interpolated between spheres",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
 _LEVEL = "Where a curve is level, its impact is over; the higher it ends, the more is dissipated"
