@@ -49,6 +49,7 @@ _KEYS = (
     "held",
     "but_for_mass",
     "but_for_taper",
+    "but_for_block",
 )  # equal numbers for equal content
 _MEASURED = (  # columns that a table without rows has, too
     "run", "label", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
@@ -297,6 +298,7 @@ def _continuum(run: ContinuumRun) -> dict[str, Any]:
     material, punch, mesh = (run.case[table] for table in ("material", "punch", "run"))
     constants = {name: material.get(name) for name in _CONSTANTS}
     block = (run.case["block"]["diameter"], run.case["block"]["height"])
+    block_volume = math.pi * block[0] ** 2 * block[1] / 4
     volume = math.pi * punch["diameter"] ** 3 / 6
     rest = (block, mesh["elements"], *constants.values())
     return {
@@ -310,4 +312,6 @@ def _continuum(run: ContinuumRun) -> dict[str, Any]:
         "shape": (punch["diameter"], punch["mass"], punch["taper"], block, mesh["elements"], mesh["edge_size"]),
         "but_for_mass": (punch["diameter"], punch["taper"], *rest),
         "but_for_taper": (punch["diameter"], punch["mass"], punch["velocity"], *rest),
+        "but_for_block": (punch["diameter"], punch["mass"], punch["taper"], *constants.values()),
+        "block_volume": block_volume,
     }  # fmt: skip
