@@ -9,6 +9,7 @@ up.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
@@ -482,3 +483,19 @@ SCAN_FIGURES = {
     "peak_force": "peak_force_N", "max_force": "max_force_N", "force_deviation": "force_deviation_rms_percent",
     "wave_speed": "wave_speed_m_s",
 }  # fmt: skip
+
+#: What figures show of results of 1.0 and earlier, which lack a value of `SCAN_FIGURES`.
+_EARLIER = {
+    "zone_depth_90_interpolated_m": "zone_depth_90_m",
+    "zone_radius_90_interpolated_m": "zone_radius_90_m",
+}
+
+
+def scan_figures(there: Container[str]) -> dict[str, str]:
+    """Return the quantities of figures of a scan by the names of figures, of a scan whose summaries
+    have the values ``there``.
+    """
+    return {
+        name: _EARLIER[key] if key in _EARLIER and key not in there else key
+        for name, key in SCAN_FIGURES.items()
+    }

@@ -65,6 +65,7 @@ _SENTENCES = (
     "The largest force of all contacts, walls included, was {with_walls}.",
     "90 % of the energy of yielding stays within {zone_depth_90_m} below the impact and {zone_radius_90_m} beside it.",
     "The plate {plate}.",
+    "Nothing of the {kept} put in was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts bore a force.",
 )
 _ALONG_LINE = (  # with its name
@@ -263,19 +264,26 @@ def _of_runs_in_words(runs: Sequence[Run]) -> str:
     """Return how much of the load came through several driven rows, or of the input was dissipated,
     in each of them.
     """
-    for key, what in (
-        ("transmission", "Transmission"),
-        ("dissipated_fraction", "Dissipated of the input"),
+    for key, what, text_of in (
+        ("transmission", "Transmission", share),
+        ("dissipated_fraction", "Dissipated of the input", share),
+        ("peak_force_with_walls_N", "Largest force of all contacts", _in_newtons),
+        ("peak_force_N", "Largest contact force", _in_newtons),
     ):
         values = [(run.number(key), run.label) for run in runs]
         found = sorted((value, label) for value, label in values if value is not None)
-        if len(found) < len(runs):
-            continue
+        if len(found) < len(runs) or not any(value for value, _ in found):
+            continue  # a value that is zero in all runs is no answer
         if len(found) <= _MOST_NAMED:
-            listed = ", ".join(f"{share(value or 0.0)} ({label})" for value, label in values)
+            listed = ", ".join(f"{text_of(value or 0.0)} ({label})" for value, label in values)
             return f"{what}: {listed}."
-        return f"{what}: from {share(found[0][0])} ({found[0][1]}) to {share(found[-1][0])} ({found[-1][1]})."
+        (least, first), (most, last) = found[0], found[-1]
+        return f"{what}: from {text_of(least)} ({first}) to {text_of(most)} ({last})."
     return ""
+
+
+def _in_newtons(force: float) -> str:
+    return quantity_in(force, "N")
 
 
 def in_words(run: Run) -> str:
@@ -286,8 +294,10 @@ def in_words(run: Run) -> str:
     values = printed(run.summary)
     lost = run.number("dissipated_fraction")
     absorbed = run.number("absorbed_fraction") or 0.0
-    if lost is not None:
+    if lost:
         values["lost"] = share(lost - absorbed)
+    elif lost == 0:
+        values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
         values.pop("absorbed_fraction", None)
     if run.number("max_force_N") is not None:

@@ -159,6 +159,8 @@ def compact_table(runs: Sequence[Run]) -> Table:
     keys = [key for key in keys if not key.startswith(_NO_PHYSICS)][:MOST_KEYS]
     summaries = [run.summary for run in runs]
     left_out = {*_OF_COST, *FRICTION_SHARES, *_beside_others(summaries)}
+    if not any(map(_yields, runs)):
+        left_out |= {*_OF_YIELDING}
     shown = [key for key in _worth_showing(summaries) if key not in left_out]
     shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
     if len({run.kind for run in runs}) > 1:
@@ -210,6 +212,8 @@ def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
     for by_layers, between in _BY_LAYERS.items():
         if all(summary.get(between) is not None for summary in summaries):
             left_out.add(by_layers)
+    if not any(summary.get("dissipated_fraction") for summary in summaries):
+        left_out |= {"dissipated_fraction", "n_dissipating_spheres"}
     if all(_no_force_at_walls(summary) for summary in summaries):
         left_out.add("peak_force_with_walls_N")
     return left_out

@@ -128,7 +128,11 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
     """Packings and blocks side by side, then each of them, with notes."""
-    listed = [_dissipating(impacts.reference, _GRANULAR_LISTED), impacts.continuum_reference]
+    listed = [
+        _dissipating(impacts.reference, _GRANULAR_LISTED),
+        impacts.other_packings,
+        impacts.continuum_reference,
+    ]
     rows = [row for runs in listed for run in runs.itertuples() if (row := _per_mass(run))]
     numbers = numeric(
         ("Input", "J"), "Dissipated fraction", ("Mass involved", "kg"), ("Volume involved, voids included", "cm³"),
@@ -179,7 +183,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
         energy / mass,
         1e-6 * (energy / bulk),
     )
-    return run.label, Cell(run.what), *values
+    return run.label, Cell(zone.what_of(run.what, run.packing)), *values
 
 
 def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:

@@ -39,9 +39,7 @@ _WAVE_REMARK = (
     "Half open marks: a wave could be back from a bound while the last part of the energy was dissipated, at most "
     "{:.2g} % of the energy of yielding."
 )
-_COMPARED_REMARK = (
-    "Influence of the bounds: {} computed in {} of different sizes. Between the two largest of each, {}."
-)
+_COMPARED_REMARK = "Influence of the bounds: {} computed in {} of different sizes. Between the two largest of each, {}."
 _NOT_COMPARED_REMARK = (
     "Influence of the bounds: no impact was computed in two {} of different sizes, so that these runs do not show how "
     "much the bounds change what holds 50, 90 and 99 %."
@@ -85,6 +83,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
     """Sizes of all runs, and remarks on those that a bound or the end of the run decides."""
     found = [zone for side in zones(impacts).values() for zone in side.to_dict("records")]
+    shown = {id(zone["run"]) for zone in found}
+    others = _sizes("packing", impacts.other_packings).to_dict("records")
+    found += [zone for zone in others if id(zone["run"]) not in shown]
     if not found:
         return
     columns = (
@@ -111,6 +112,11 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     if shares:
         text = _WAVE_REMARK.format(100 * max(shares))
         yield Note(f"{text} {_influence_of_bounds(impacts, 'continuum')}", "note")
+
+
+def what_of(what: str, packing: str) -> str:
+    """Return what a run is of, for a row of a table: ``granular, fcc 24 x 24 x 12``."""
+    return f"{what}, {packing}" if packing else what
 
 
 def _comparable(impacts: Impacts) -> DataFrame:
@@ -220,7 +226,8 @@ def _sizes(what: str, runs: DataFrame) -> DataFrame:
 def _row(zone: dict[str, Any]) -> Iterator[Cell]:
     summary = zone["run"].summary
     tone: Tone = "note" if zone["mark"] else ""
-    yield from (value_cell(zone["label"]), Cell(zone["what"]), value_cell(zone["energy"]))
+    what = Cell(what_of(zone["what"], zone["packing"]))
+    yield from (value_cell(zone["label"]), what, value_cell(zone["energy"]))
     for name in _SIZES:
         for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):
             if column in zone:

@@ -89,9 +89,10 @@ def test_scan_table_has_the_varied_keys_first_and_every_status(both):
     assert rows[0]["load.velocity"].value == 10.0
     summary = json.loads(next((scan / "points").glob("*/summary.json")).read_text())
     assert any(
-        row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows
+        row["Peak contact force, walls left out"].value == pytest.approx(summary["peak_force_N"])
+        for row in rows
     )
-    assert rows[2]["Peak contact force"].text == ""  # for a failed point
+    assert rows[2]["Peak contact force, walls left out"].text == ""  # for a failed point
 
 
 def test_failed_and_missing_points_say_why(both):
@@ -318,7 +319,7 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
     assert first["What"].text == "continuum run"
     row = table(report, "balance", "Energies at the end, and the error of the balance")[0]
     assert (row["Balance"].text, row["Hourglass energy"].value) == ("good", 1e-3)
-    assert table(report, "results", "Runs")[0]["Peak contact force"].value is None
+    assert table(report, "results", "Runs")[0]["Peak contact force, walls left out"].value is None
     for suffix in ("html", "pdf", "md"):
         write_report([run], tmp_path / f"r.{suffix}")
 
@@ -332,7 +333,7 @@ def test_figures_in_a_fixed_order_made_small(both):
     assert [figure.alt for figure in gallery.figures] == [
         f"{name}: run first"
         for name in (
-            "Peak contact force, principal plane",
+            "Peak contact force, walls left out, principal plane",
             "Energies and the error of their balance",
             "Zebra",
         )
