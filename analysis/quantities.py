@@ -244,10 +244,10 @@ ENTRIES = (
              note="Largest kinetic over internal energy from first yield on: small if the contact is static."),
     # contacts
     Quantity("peak_force_N", "Peak contact force, walls left out", "Of all contacts between two spheres at any time; "
-             "in the continuum that of the punch.", digits=".6g", axis="Peak force between spheres",
+             "in the continuum that of the punch.", short="peak force, walls left out", digits=".6g", axis="Peak force between spheres",
              symbol=r"F_\mathrm{max}"),
     Quantity("peak_force_with_walls_N", "Peak contact force, walls included", "Of all contacts at any time, those of "
-             "spheres with walls, plates and bars included.", digits=".6g", axis="Peak force, walls included",
+             "spheres with walls, plates and bars included.", short="peak force, with walls", digits=".6g", axis="Peak force, walls included",
              symbol=r"F_\mathrm{max}"),
     Quantity("peak_overlap_m", note="Of any contact at any time."),
     Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
@@ -259,12 +259,12 @@ ENTRIES = (
              "Contacts between two spheres whose overlap passed that of first yield in this run; a dent from before it "
              "counts only if it grew. Just beyond first yield a contact keeps a dent and may dissipate nothing."),
     Quantity("n_dissipating_contacts", "Yielded contacts that dissipated energy",
-             "Those of the yielded contacts that dissipated energy by yielding.", short="  that dissipated energy"),
+             "Those of the yielded contacts that dissipated energy by yielding.", short="  that dissipated"),
     Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres",
              symbol=r"N_\mathrm{p}", meaning="Spheres with a yielded contact; contacts with walls do not count."),
     Quantity("n_dissipating_spheres", "Spheres that dissipated energy",
              "By any cause, at walls too: the number in the figures of dissipation. Spheres whose contacts yielded, but "
-             "dissipated nothing yet, are not among them."),
+             "dissipated nothing yet, are not among them.", short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume", "Of all spheres that yielded; in the continuum the "
              "largest volume at yield at one instant. Not to be compared with each other.", short="plastic zone",
              digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
