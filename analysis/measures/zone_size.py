@@ -7,31 +7,37 @@ energy that it dissipated by yielding, or an element, weighed by its plastic wor
     depth     smallest d such that the parts whose centres lie at most d below the struck sphere's centre (packing) or
               the block's face (continuum) hold the share; a centre above counts as depth 0
     radius    the same of the distance of the centres from the impact axis
-    volume    smallest volume that holds the share: of the parts in the order of their energy per volume, the highest
-              first; of a packing that of the spheres, without the voids. Of equal parts these are the fewest
+    volume    smallest volume that holds the share: of the parts in the order of their energy per
+              volume, the highest first; of a packing that of the spheres, without the voids. Of
+              equal parts these are the fewest
 
 None of these is interpolated: a size is that of a part, or a sum of parts. In a lattice the depth
 is that of a layer, and does not change with the load until the next layer is needed. The
 interpolated depth and radius lie between layers: E(d) is the energy of all parts at most d away,
 and straight lines connect its values at the distances of the parts. The interpolated size is where
-these lines reach the share. It exceeds the next smaller distance of a part, exceeds no size above,
-and agrees with it where the parts are fine. The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many
-times farther out. A zone that reaches a bound, or to which a wave came back from one, is marked: an
-endless packing's is another.
+these lines reach the share: between the size above and the next smaller distance of a part. Both
+agree where the parts are fine.
+
+The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times farther out. A
+zone that reaches a bound, or to which a wave came back from one, is marked: an endless packing's is
+another.
 
 The impact axis goes along z through the centroid of the impacted spheres.
 
 The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it
-where the partner has the higher yield strength, none where it has the lower one, and what it left
-at walls, which stays with the sphere that touches the wall. Friction and dampers do not count, nor
-do strikers: they are no part of the packing, and what they dissipated themselves is left out.
+where the partner has the higher yield strength, none where it has the lower one. Contacts with walls
+of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction and
+dampers do not count, nor do strikers: they are no part of the packing, and what they dissipated
+themselves is left out.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
 was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
 it. A contact just beyond first yield keeps a dent and may dissipate nothing: the default
 elasto-plastic law, continuous, unloads up to 1.083 alpha_y without dissipation. So spheres that
-yielded outnumber those that dissipated. The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic
-zones of one sphere's contacts may begin to touch.
+yielded outnumber those that dissipated.
+
+The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones
+of one sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations

@@ -101,7 +101,7 @@ def symbols_note(inputs: Inputs) -> list[Note]:
         ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
         ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at which it does"),
         ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
-        ("F_max", largest if not laws and any(largest) else (), "N", "the largest contact force of the run"),
+        ("F_max", largest if not laws and any(largest) else (), "N", f"the largest force between two {called} in the run"),
         ("e_in", given if all(given) else (), "J", put_in),
         ("v\u0304_0", [one for one in velocities if one is not None], "", _NORMALISED),
         ("sigma_y^2 D^3/E", list(filter(None, map(_unit_of_block, runs))), "J", _OF_PUNCH),

@@ -193,7 +193,7 @@ def test_symbols_are_defined_with_their_values(tmp_path):
         tmp_path / "elastic", contact__law="hertz", energy_input_J=0.05, peak_force_N=700.0
     )
     (note,) = symbols_note(read_inputs([elastic], tmp_path))
-    assert note.text.startswith("F_max = 700 N is the largest contact force")
+    assert note.text.startswith("F_max = 700 N is the largest force between two")
 
 
 @pytest.mark.parametrize(
