@@ -12,7 +12,7 @@ from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import raise_all
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 
@@ -66,6 +66,8 @@ class Kind:
         depend on.
     read
         Function that makes a case, as `case_from_dict`.
+    stored
+        Function that makes the case of a run that was made, as `stored_case`.
     size
         Function that returns the number of parts of a case.
     cost
@@ -86,6 +88,7 @@ class Kind:
     parts: str
     versions: tuple[str, ...]
     read: Callable[..., Any]
+    stored: Callable[..., Any]
     size: Callable[[Any], int]
     cost: Callable[[Any, int, bool], Any]
     check: Callable[[Any], None]
@@ -130,6 +133,7 @@ def _continuum_kind(package: str, case: str, run: str) -> Kind:
         parts="elements",
         versions=("granwave",),
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
+        stored=lambda data, source: part("case", case).from_dict(data, source),
         size=lambda found: found.run.elements,
         cost=lambda found, *_: part("mesh", "plan")(found),
         check=lambda _: None,  # such a case names no files
@@ -143,6 +147,7 @@ GRANULAR = Kind(
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
     read=case_from_dict,
+    stored=stored_case,
     size=lambda case: assemble(case).n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
     check=check_files,

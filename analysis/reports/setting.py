@@ -15,7 +15,7 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
@@ -136,7 +136,7 @@ def symbols_note(inputs: Inputs) -> list[Note]:
         ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
         ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at which it does"),
         ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
-        ("F_max", largest if not laws and any(largest) else (), "N", "the largest contact force of the run"),
+        ("F_max", largest if not laws and any(largest) else (), "N", f"the largest force between two {called} in the run"),
         ("e_in", given if all(given) else (), "J", put_in),
         ("v\u0304_0", [one for one in velocities if one is not None], "", _NORMALISED),
         ("sigma_y^2 D^3/E", list(filter(None, map(_unit_of_block, runs))), "J", _OF_PUNCH),
@@ -306,7 +306,7 @@ def _contacts(case: Mapping[str, Any]) -> list[str]:
 def _law_of(run: Run) -> Any:
     tables = read_tables(run.directory / CASE_FILE)
     try:
-        case = None if tables is None else case_from_dict(tables, run.directory / CASE_FILE)
+        case = None if tables is None else stored_case(tables, run.directory / CASE_FILE)
         return sphere_contact(case) if case is not None and case.contact.yields else None
     except (GranwaveError, TypeError, AttributeError):
         return None

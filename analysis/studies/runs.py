@@ -23,7 +23,7 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.lattices import kind_of
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.run_directory import CASE_FILE
@@ -122,7 +122,7 @@ def read_run(
             return ContinuumRun(label, directory, tables, summary) if whole and sound else None
         if summary.get("kind") == "sphere-contact":
             return SphereContactRun(label, directory, read_toml(directory / CASE_FILE), summary)
-        return FinishedRun(label, directory, load_case(directory / CASE_FILE), summary)
+        return FinishedRun(label, directory, read_stored_case(directory / CASE_FILE), summary)
     except GranwaveError:
         return None  # the report says so elsewhere
 

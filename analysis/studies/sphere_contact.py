@@ -24,7 +24,7 @@ TITLE = "Contact law against finite elements"
 TEXT = (
     "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over "
     "the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by "
-    "element, so single values have steps of half a per cent."
+    "element, so single values have steps."
 )
 _SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
 _SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged

@@ -167,13 +167,17 @@ _OF_OTHERS = {  # tables of other files
 }
 
 
-def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
+def parse_case(
+    data: Mapping[str, Any], source: str | Path, errors: ErrorList, *, stored: bool = False
+) -> dict[str, Any]:
     """Read the nested mapping of a case file, table by table; faults are added to ``errors``.
 
     Parameters
     ----------
     source
         File that the case comes from; its stem is the default name of the case.
+    stored
+        The case is that of a run that was made: the memory of this machine does not matter.
 
     Returns
     -------
@@ -211,7 +215,7 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     if packing is not None and (added or packing.gaps):
         periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
         packing = parts["packing"] = with_added_grains(
-            packing, added, materials, errors, periodic=periodic
+            packing, added, materials, errors, periodic=periodic, stored=stored
         )
     parts[MATERIALS] = tuple(materials.values())
     if (

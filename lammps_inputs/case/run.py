@@ -17,6 +17,8 @@ from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
+#: Largest error of the energy balance, over the input, that is accepted of every run.
+BALANCE_TOLERANCE = 1e-5
 LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
 DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
 
@@ -88,6 +90,11 @@ class Run:
             parse_share(time, "a share") * self.longest if isinstance(time, str) else time
             for time in self.frames
         )
+
+    @property
+    def accepted_balance_error(self) -> float:
+        """Largest error of the energy balance, over the input, with which the run is accepted."""
+        return max(BALANCE_TOLERANCE, self.energy_tolerance)
 
     @property
     def adaptive(self) -> bool:

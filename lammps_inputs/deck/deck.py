@@ -25,7 +25,7 @@ from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.directories import note_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.ownership import claim, clear, read_marker, results_in
 from granwave.lammps_inputs.packing.assembly import Assembly, Species, assemble
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
@@ -294,7 +294,7 @@ def read_deck(directory: str | Path) -> Deck:
     """
     directory = Path(directory)
     path = directory / run_directory.CASE_FILE
-    case = load_case(path)
+    case = read_stored_case(path)
     table = read_toml(path).get("resolved", {})
     try:
         table = _NEW | table

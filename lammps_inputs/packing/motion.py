@@ -43,6 +43,22 @@ def struck_site(assembly: Assembly) -> int | None:
     return sphere
 
 
+def impacted_of(assembly: Assembly) -> tuple[int, ...]:
+    """Return the ids of the spheres of the packing that the load acts on; of strikers, all spheres
+    that the moving ones touch.
+    """
+    n_spheres = assembly.lattice.n_spheres
+    pending = list(struck_of(assembly))
+    impacted: dict[int, None] = {}
+    while pending:
+        sphere = pending.pop(0)
+        if sphere > n_spheres:
+            pending += assembly.case.striker[sphere - n_spheres - 1].touches
+        else:
+            impacted[sphere] = None
+    return tuple(impacted)
+
+
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the initial velocities by id of the spheres that have one, m/s."""
     case = assembly.case

@@ -82,8 +82,8 @@ def run(options: argparse.Namespace) -> int:
                 else "leave out run.timestep"
             )
             print(
-                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most 1e-5 "
-                f"or run.energy_tolerance, whichever is larger: {mend}, and run it again with --force",
+                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most "
+                f"{case.run.accepted_balance_error:g}: {mend}, and run it again with --force",
                 file=sys.stderr,
             )
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)

@@ -242,7 +242,7 @@ def _name(point: dict[str, Any], place: Path) -> str:
     tables = tables_as_run(place) or read_tables(place / CASE_FILE)
     try:
         if tables is not None:
-            return str(solver_of(tables).read(tables, place / CASE_FILE).name)
+            return str(solver_of(tables).stored(tables, place / CASE_FILE).name)
     except InputError:
         tables = None
     if (

@@ -8,14 +8,13 @@ from pathlib import Path
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 from granwave.workflows.run.lammps_engine import Engine
-
-TOLERANCE = 1e-5  # largest accepted error at any row of the ledger over the energy input
 
 
 @dataclasses.dataclass
@@ -25,7 +24,7 @@ class Balance:
     Attributes
     ----------
     accepted
-        Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
+        Largest error that is accepted, see `granwave.lammps_inputs.case.run.Run`.
     error
         Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if
         any value is NaN.
@@ -36,7 +35,7 @@ class Balance:
     """
 
     path: Path
-    accepted: float = TOLERANCE
+    accepted: float = BALANCE_TOLERANCE
     moved: float = 0.0
     error: float = 0.0
     _missed: float = 0.0

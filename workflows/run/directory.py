@@ -19,7 +19,7 @@ from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
@@ -69,7 +69,7 @@ def decide(
             names += [file for name in FIGURE_NAMES for file in ownership.figure_files(name)]
 
     def read(tables: Any) -> dict[str, Any]:
-        return _without_figures(case_from_dict(tables, directory / files.CASE_FILE))
+        return _without_figures(stored_case(tables, directory / files.CASE_FILE))
 
     asked = _without_figures(case)
     if directories.decide(

@@ -179,7 +179,7 @@ class _Run:
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
         self.record = record.Record(name=case.name, n_ranks=comm.size)
-        accepted = max(checks.TOLERANCE, case.run.energy_tolerance)
+        accepted = case.run.accepted_balance_error
         self.balance = checks.Balance(
             directory / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
@@ -198,6 +198,7 @@ class _Run:
             self.record = on_first(
                 self.comm, lambda: record.read(self.directory) or record.Record()
             )
+        self.record.energy_balance_accepted = self.balance.accepted
         timestep = None
         chosen = self.case.run.timestep == "auto"
         while True:

@@ -34,6 +34,9 @@ D = synthetic.DIAMETER
 SPHERE = math.pi / 6 * D**3
 SIZES = [f"zone_{name}_{share}_{unit}" for name, unit in (("depth", "m"), ("radius", "m"), ("volume", "m3"))
          for share in SHARES]  # fmt: skip
+BETWEEN = [
+    f"zone_{name}_{share}_interpolated_m" for name in ("depth", "radius") for share in SHARES
+]
 
 
 def summary_of(directory, dent=synthetic.DENT, **options):
@@ -96,7 +99,7 @@ def test_volume_is_that_of_the_densest_parts():
 def test_nothing_dissipated_takes_no_room_and_nothing_that_yields_has_no_size():
     nothing = np.zeros(3)
     assert set(zone_sizes(nothing, nothing + 1, nothing, nothing).values()) == {0.0}
-    assert set(zone_sizes(None)) == set(SIZES)
+    assert set(zone_sizes(None)) == {*SIZES, *BETWEEN}
     assert set(zone_sizes(None).values()) == {None}
     assert set(zone_sizes(np.empty(0), np.empty(0), np.empty(0), np.empty(0)).values()) == {0.0}
 

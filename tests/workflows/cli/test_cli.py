@@ -91,7 +91,14 @@ def test_a_loose_tolerance_is_accepted(granwave, tmp_path):
     ]
     done = granwave("run", "fcc-small", "-o", tmp_path / "r", *loose, "--no-figures")
     assert done.returncode == 0 and "balance misses" not in done.stderr
-    assert 1e-5 < summary(tmp_path / "r")["energy_balance_error"] < 1e-3
+    values = summary(tmp_path / "r")
+    assert 1e-5 < values["energy_balance_error"] < 1e-3 == values["energy_balance_accepted"]
+    record = json.loads((tmp_path / "r" / "run.json").read_text())
+    assert record["energy_balance_accepted"] == 1e-3
+    page = granwave("report", tmp_path / "r", "-o", tmp_path / "report.md")
+    text = (tmp_path / "report.md").read_text()
+    assert page.returncode == 0 and "do not trust" not in text
+    assert "accepted: at most 0.001" in text
 
 
 def test_published_variant_is_never_refused(granwave, tmp_path):

@@ -15,6 +15,7 @@ from scipy.optimize import brentq
 from granwave.analysis import MissingOutputError, OutputFormatError
 from granwave.analysis.result.writer import write_result
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
 from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
 from granwave.lammps_inputs.deck.deck import write_deck
@@ -22,7 +23,6 @@ from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.run import driver
-from granwave.workflows.run.checks import TOLERANCE
 
 D = 0.01
 FORCE = 2.0  # N; first yield of the chain is at 5.5 N
