@@ -34,6 +34,9 @@ _REACHED = 0.02
 _LEAD = 5
 _FEWEST_LAYERS = 4  # that a wave speed is taken from
 _STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere
+# of the largest force of all: a contact that carries less was not reached by the wave
+_REACHES = 1e-4
+_SAME_TIME = 1e-9  # relative
 _RISEN = 0.01  # of the largest rise anywhere: a contact that rose by less was not reached
 
 
@@ -306,19 +309,23 @@ def _arrivals(result: Result, diameter: float) -> tuple[Array, Array]:
     never.
 
     It is the earliest arrival at a contact of the layer that carries at least 10 % of the largest
-    force there.
+    force there. Contacts whose force still rises at the end of the run do not count, as their
+    largest force is not known, nor do those that carry less than 1e-4 of the largest force of all:
+    grains that touch overlap by the rounding of their coordinates.
     """
     mean, layer = _layers_of(result, diameter)
     largest = np.zeros(len(mean))
     for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
         for ends in (i, j):
             np.maximum.at(largest, layer[result.rows(ends)], force)
+    least = np.maximum(ARRIVED * largest, _REACHES * largest.max(initial=0.0))
+    last = (1 - _SAME_TIME) * float(result["energy/time"][-1])
     first = np.full(len(mean), np.inf)
-    names = ("i", "j", "peak_force", "time_first")
-    for i, j, force, arrival in result.blocks(*(f"contacts/{name}" for name in names)):
+    names = ("i", "j", "peak_force", "time_first", "time_peak")
+    for i, j, force, arrival, peak in result.blocks(*(f"contacts/{name}" for name in names)):
         for ends in (i, j):
             there = layer[result.rows(ends)]
-            counts = (force > 0) & (force >= ARRIVED * largest[there])
+            counts = (force > 0) & (force >= least[there]) & (peak < last)
             np.fmin.at(first, there[counts], arrival[counts])
     return mean, first
 
