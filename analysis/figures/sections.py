@@ -35,6 +35,7 @@ from granwave.analysis.result.reader import Result
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
+_EDGE_OF_BLANK = "#c4c4c4"
 _TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
@@ -334,15 +335,12 @@ def draw_discs(
     radius: NDArray[np.float64],
     ringed: NDArray[np.bool_] | None = None,
     sticks: NDArray[np.float64] | None = None,
-) -> None:
+) -> EllipseCollection:
     """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as
-    rectangles.
+    rectangles. Return the discs.
     """
     size = _DISC * 2 * radius * _MILLI
-    mapped = colormaps[colouring.map]
-    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
-    faces = np.where((values > 0)[:, None], colours, to_rgba(BLANK))
-    edges = np.where((values > 0)[:, None], colours, to_rgba("#c4c4c4"))
+    faces, edges = disc_colours(values, colouring)
     if ringed is not None:
         edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
     widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(size), 0.2)
@@ -364,8 +362,21 @@ def draw_discs(
         "offset_transform": axes.transData,
     }
     look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
-    axes.add_collection(
-        EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    discs = EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    axes.add_collection(discs)
+    return discs
+
+
+def disc_colours(
+    values: NDArray[np.float64], colouring: Colouring
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the colours of discs with these values (n,), and those of their edges: (n, 4) each."""
+    mapped = colormaps[colouring.map]
+    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
+    coloured = (values > 0)[:, None]
+    return (
+        np.where(coloured, colours, to_rgba(BLANK)),
+        np.where(coloured, colours, to_rgba(_EDGE_OF_BLANK)),
     )
 
 
