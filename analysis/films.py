@@ -344,7 +344,7 @@ def write_film(
         rate = rate or float(np.clip(n / _SECONDS, _SLOWEST, _FASTEST))
         with replacing(path) as scratch:
             _WRITERS[path.suffix.lower()](
-                scratch, _pictures(found, size[0] if size else width, progress), rate
+                scratch, film_pictures(found, size[0] if size else width, progress), rate
             )
     return path
 
@@ -395,8 +395,8 @@ def _check(
         raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")
 
 
-def _pictures(
-    film: Scene, width: int, progress: Callable[[int, int], None] | None
+def film_pictures(
+    film: Scene, width: int, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[NDArray[np.uint8]]:
     """Yield the pictures in red, green, blue: (height, width, 3), both even as films need.
 
