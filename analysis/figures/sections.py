@@ -29,6 +29,7 @@ from granwave.analysis.figures.style import (
     new_figure,
 )
 from granwave.analysis.measures.geometry import Section, own_plane, planes, section
+from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
@@ -457,19 +458,14 @@ def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:
 
 
 def _snapshots(result: Result) -> list[int]:
-    """Select up to four snapshots, evenly spread until the wave reaches the deepest layer."""
-    depth = result["spheres/position"][:, 2]
-    arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
+    """Select up to four snapshots, evenly spread in time until the wave has passed the packing."""
     times = result.frame_times
-    arrival = arrival[arrival > 0]  # contacts that bore a force from the start tell no arrival
-    last = float(arrival.min()) if arrival.size else float(times[-1])
-    moving = np.flatnonzero(
-        (times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)]))
-    )
+    moving = np.flatnonzero(times > 0)
     if not moving.size:
         return []
-    chosen = np.linspace(0, moving.size - 1, min(_SNAPSHOTS, moving.size))
-    return [int(moving[n]) for n in np.unique(np.rint(chosen).astype(int))]
+    wanted = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
+    nearest = np.abs(times[moving] - wanted[:, None]).argmin(axis=1)
+    return moving[np.unique(nearest)].tolist()
 
 
 def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:

@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -277,7 +278,7 @@ def wave_speed_of(result: Result) -> float | None:
     ):
         return None
     if result.case.precompression is None:
-        return wave_speed(*_arrivals(result, diameter), diameter)
+        return wave_speed(*front_arrivals(result), diameter)
     if "chain" not in result:
         return None
     rise = result["chain/contact_force"] - result["chain/contact_force"][0]
@@ -304,7 +305,7 @@ def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array
     return mean, first
 
 
-def _arrivals(result: Result, diameter: float) -> tuple[Array, Array]:
+def front_arrivals(result: Result) -> tuple[Array, Array]:
     """Return the depth of each layer, m, and when the front of the wave arrived there, s; inf:
     never.
 
@@ -313,7 +314,7 @@ def _arrivals(result: Result, diameter: float) -> tuple[Array, Array]:
     largest force is not known, nor do those that carry less than 1e-4 of the largest force of all:
     grains that touch overlap by the rounding of their coordinates.
     """
-    mean, layer = _layers_of(result, diameter)
+    mean, layer = _layers_of(result, result.case.packing.diameter)
     largest = np.zeros(len(mean))
     for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
         for ends in (i, j):
@@ -328,6 +329,26 @@ def _arrivals(result: Result, diameter: float) -> tuple[Array, Array]:
             counts = (force > 0) & (force >= least[there]) & (peak < last)
             np.fmin.at(first, there[counts], arrival[counts])
     return mean, first
+
+
+def passage(result: Result) -> float:
+    """Return when the front of the wave has passed the packing, s; the end of a run in which it has
+    not.
+
+    It has arrived at the deepest layer; in a packing of one layer at the last of the spheres that
+    carry at least 1 % of the largest force. Where contacts are loaded from the start it is the
+    arrival at the bottom.
+    """
+    end = float(result["energy/time"][-1])
+    if result.case.precompression is not None:
+        at_bottom = reached(result)
+        return (at_bottom.arrival if at_bottom else None) or end
+    if is_layer(result):
+        force = result["spheres/peak_force"]
+        arrival = result["spheres/time_first"][force >= _RISEN * force.max(initial=0.0)]
+        return float(np.nanmax(arrival, initial=0.0)) or end
+    last = float(front_arrivals(result)[1][-1])
+    return last if np.isfinite(last) and last > 0 else end
 
 
 def _layers_of(result: Result, diameter: float) -> tuple[Array, NDArray[np.int32]]:
