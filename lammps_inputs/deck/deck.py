@@ -50,7 +50,6 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     density column. Rows of equal spheres come from all processes; of unlike ones each would have to
     hold them all.
     """
-    lattice = assembly.lattice
     bars = assembly.bars
     n = assembly.lattice.n_spheres
     box = "".join(
