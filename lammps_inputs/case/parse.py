@@ -47,7 +47,6 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
-from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")

@@ -10,7 +10,6 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from granwave.lammps_inputs.case.boundary import Damper
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
