@@ -26,10 +26,10 @@ struct Front {
   /* Exponent of the highest power of four that is not above a positive number. */
   static int level(double value)
   {
-    constexpr int MANTISSA = 52, EXPONENT = 0x7ff, BIAS = 1023;
+    constexpr int MANTISSA = 52, BIAS = 1023;    // of the bits of a double
     std::uint64_t bits;
     std::memcpy(&bits, &value, sizeof(bits));
-    return static_cast<int>(std::floor(0.5 * (static_cast<int>(bits >> MANTISSA & EXPONENT) - BIAS)));
+    return (static_cast<int>(bits >> MANTISSA) + 1) / 2 - (BIAS + 1) / 2;
   }
 
   /* Return true if a power of four lies between two numbers, of which the first may be zero. */
