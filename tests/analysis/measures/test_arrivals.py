@@ -14,6 +14,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.workflows import run_case
 from tests.helpers.small_cases import BRASS
 from tests.helpers.twins.chain_twin import RIGID, Bead, Chain
@@ -127,6 +128,14 @@ def test_a_block_may_lie_anywhere(tmp_path, seed):
         assert result["spheres/position"] == pytest.approx(places + shift, rel=1e-14, abs=1e-15)
         moved = result.frame(1, "position") - result.frame(1, "displacement")
         assert moved == pytest.approx(places + shift, rel=1e-14, abs=1e-15)
+
+
+@pytest.mark.parametrize("tables", [CHAIN, BLOCK], ids=["chain", "block"])
+def test_arrivals_are_about_as_expected(tmp_path, tables):
+    """Of the block the estimate is 13 to 18 % late."""
+    run_case(case_from_dict(tables), tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        assert 0.8 < passage(result) / expected_arrival(result.assembly) < 1.1
 
 
 def test_only_far_files_are_moved_and_a_tube_keeps_its_axis():
