@@ -17,6 +17,7 @@ from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
+from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
@@ -155,6 +156,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "end_time_s": schedule.end_time,
         "ends_by_itself": bool(schedule.block_steps),
         "n_frames": schedule.n_frames,
+        "expected_arrival_s": expected_arrival(assembly),
         "output_in_parts": written_in_parts(assembly),
         # causes why it holds all sites of a large packing at once
         "held_by_first_rank": [
