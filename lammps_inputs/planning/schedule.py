@@ -121,6 +121,12 @@ class Schedule:
         """Number of snapshots of a run that reaches its last step, including the start."""
         return 1 + (len(self.frame_steps) or math.ceil(self.n_steps / self.frame_every))
 
+    def n_frames_until(self, time: float) -> int:
+        """Return the number of snapshots until a time, s, including the start."""
+        if self.frame_every:
+            return min(self.n_frames, 1 + math.floor(time / (self.frame_every * self.timestep)))
+        return 1 + sum(step * self.timestep <= time for step in self.frame_steps)
+
 
 def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Schedule:
     """Make the schedule of a case.

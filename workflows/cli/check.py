@@ -193,10 +193,9 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
     yield "steps", f"{at_most}{steps}, to {schedule.end_time:.4g} s"
     yield "snapshots", f"{at_most}{schedule.n_frames}"
     if (arrival := values["expected_arrival_s"]) is not None:
-        sooner = sum(step * schedule.timestep <= arrival for step in (0, *schedule.frame_steps))
-        dense = schedule.frame_steps and arrival < schedule.end_time
-        before = f", with {sooner} of the snapshots before" if dense else ""
-        yield "wave at the bottom", f"after about {1e6 * arrival:.3g} us{before}"
+        before = values["n_frames_before_arrival"]
+        some = f", with {before} of the snapshots before" if arrival < schedule.end_time else ""
+        yield "wave at the bottom", f"after about {arrival:.3g} s{some}"
     parts = {name: getattr(times, part) for name, part in _TIMES.items()}
     longer = ", ".join(
         f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5
