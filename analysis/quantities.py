@@ -335,8 +335,8 @@ ENTRIES = (
     Quantity("packing_height_m", "Height of the packing"),
     # motion
     Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c",
-             note="Of the first arrival in the deeper half of the packing; it takes nine layers. Null of cylinders "
-             "beside each other."),
+             note="Of the front of the wave, in the deeper half of the packing: a contact is reached when its force "
+             "first passes 10 % of its largest. Needs nine layers. Null of cylinders beside each other."),
     Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g",
              note="Along the impact or load.direction; negative: it moves back."),
     Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Into the block."),

@@ -29,12 +29,14 @@ from granwave.analysis.figures.style import (
     new_figure,
 )
 from granwave.analysis.measures.geometry import Section, own_plane, planes, section
+from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
+_EDGE_OF_BLANK = "#c4c4c4"
 _TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
@@ -334,15 +336,12 @@ def draw_discs(
     radius: NDArray[np.float64],
     ringed: NDArray[np.bool_] | None = None,
     sticks: NDArray[np.float64] | None = None,
-) -> None:
+) -> EllipseCollection:
     """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as
-    rectangles.
+    rectangles. Return the discs.
     """
     size = _DISC * 2 * radius * _MILLI
-    mapped = colormaps[colouring.map]
-    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
-    faces = np.where((values > 0)[:, None], colours, to_rgba(BLANK))
-    edges = np.where((values > 0)[:, None], colours, to_rgba("#c4c4c4"))
+    faces, edges = disc_colours(values, colouring)
     if ringed is not None:
         edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
     widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(size), 0.2)
@@ -364,8 +363,21 @@ def draw_discs(
         "offset_transform": axes.transData,
     }
     look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
-    axes.add_collection(
-        EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    discs = EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    axes.add_collection(discs)
+    return discs
+
+
+def disc_colours(
+    values: NDArray[np.float64], colouring: Colouring
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the colours of discs with these values (n,), and those of their edges: (n, 4) each."""
+    mapped = colormaps[colouring.map]
+    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
+    coloured = (values > 0)[:, None]
+    return (
+        np.where(coloured, colours, to_rgba(BLANK)),
+        np.where(coloured, colours, to_rgba(_EDGE_OF_BLANK)),
     )
 
 
@@ -446,19 +458,14 @@ def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:
 
 
 def _snapshots(result: Result) -> list[int]:
-    """Select up to four snapshots, evenly spread until the wave reaches the deepest layer."""
-    depth = result["spheres/position"][:, 2]
-    arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
+    """Select up to four snapshots, evenly spread in time until the wave has passed the packing."""
     times = result.frame_times
-    arrival = arrival[arrival > 0]  # contacts that bore a force from the start tell no arrival
-    last = float(arrival.min()) if arrival.size else float(times[-1])
-    moving = np.flatnonzero(
-        (times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)]))
-    )
+    moving = np.flatnonzero(times > 0)
     if not moving.size:
         return []
-    chosen = np.linspace(0, moving.size - 1, min(_SNAPSHOTS, moving.size))
-    return [int(moving[n]) for n in np.unique(np.rint(chosen).astype(int))]
+    wanted = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
+    nearest = np.abs(times[moving] - wanted[:, None]).argmin(axis=1)
+    return moving[np.unique(nearest)].tolist()
 
 
 def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:

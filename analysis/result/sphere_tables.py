@@ -201,7 +201,7 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
     columns: dict[str, NDArray] = {
         "id": ids,
-        "position": spheres.vector("x", "y", "z"),
+        "position": spheres.vector("x", "y", "z") + assemble(case).deck_origin,
         "radius": spheres["diameter"] / 2,
         "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
         **{

@@ -36,7 +36,6 @@ from granwave.lammps_inputs.case.material import (
     with_named_materials,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
-from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     read_list,
@@ -48,7 +47,6 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
-from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -305,12 +303,12 @@ def read_parts(
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with implied values.
 
-    These are strikers as the load, the axis of strikers, a bar for a bottom, and frames of a film.
+    These are strikers as the load, the axis of strikers, and a bar for a bottom.
     """
     data = dict(data)
-    packing, boundary, figures, run = (
+    packing, boundary = (
         data.get(name, {}) if isinstance(data.get(name, {}), Mapping) else None
-        for name in ("packing", "boundary", FIGURES_TABLE, "run")
+        for name in ("packing", "boundary")
     )
     if "striker" in data:
         data.setdefault("load", {"kind": "striker"})
@@ -329,6 +327,4 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
         ]
     if "bar" in data and boundary is not None:
         data["boundary"] = {"bottom": "free", **boundary}
-    if figures and run is not None and figures.get("film", "none") != "none":
-        data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
     return data

@@ -10,7 +10,6 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from granwave.lammps_inputs.case.boundary import Damper
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
@@ -304,7 +303,7 @@ def wall_commands(
             lines.append(f"group           held id {id_ranges(assembly.lattice.last_layer)}")
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
-        place = coordinate(case, wall)
+        place = coordinate(assembly, wall)
         low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
         style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
         line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
@@ -338,14 +337,18 @@ def wall_commands(
     return lines
 
 
-def coordinate(case: Case, wall: Wall) -> str:
-    """Return the position of a plane, or the radius of a tube; of walls that move to a force as a
+def coordinate(assembly: Assembly, wall: Wall) -> str:
+    """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a force as a
     formula.
     """
     name = "tube" if wall.tube else "xyz"[wall.axis]
-    if case.precompression is None or name not in case.precompression.presses:
-        return num(wall.coordinate)
-    return f"$({num(wall.coordinate)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
+    place = wall.coordinate
+    if not wall.tube:
+        place -= float(assembly.deck_origin[wall.axis])
+    stage = assembly.case.precompression
+    if stage is None or name not in stage.presses:
+        return num(place)
+    return f"$({num(place)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
 
 
 def moved_wall(name: str) -> str:

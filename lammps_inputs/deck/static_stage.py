@@ -331,7 +331,7 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     """
     disordered = has_gaps(assembly.case)
     mean = force_of_contact(assembly)
-    span = float(np.abs(assembly.bounds()).max())
+    span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
     )  # of coordinates

@@ -234,6 +234,21 @@ class ScaledLaw {
     return yielded(overlap) ? loading_beyond_yield(overlap, extra) : elastic_force(overlap);
   }
 
+  /* Overlap at which the force was a part of that at a larger one, on the way up; below an initial dent on its reloading curve. */
+  double overlap_at_part(double overlap, double part, const double *extra, const LawHistory &initial) const
+  {
+    const bool dented = yielded(initial.peak);
+    if (!dented && !yielded(overlap) && is_hertzian()) return overlap * std::cbrt(part * part);
+    const Turning dent = dented ? turning(initial) : Turning{};
+    const double highest = dented && overlap < initial.peak ? unloading(overlap, dent) : loading_force(overlap, extra);
+    const double wanted = part * highest;
+    if (dented && wanted < peak_force(dent)) {
+      const double elongation = std::pow(wanted / peak_force(dent), 1.0 / dent.exponent);
+      return std::min(overlap, overlap_ * (dent.residual + (dent.peak - dent.residual) * elongation));
+    }
+    return overlap_on_loading(wanted, overlap, highest, extra);
+  }
+
   double loading_work(double overlap, const double *extra) const
   {
     if (overlap <= 0.0) return 0.0;
@@ -385,6 +400,25 @@ class ScaledLaw {
   CohesionKind cohesion_ = CohesionKind::NONE;
   double pull_per_length_ = 0.0;    // of DMT: pull over the slope of the squared radius of the contact circle
   Neck neck_;
+
+  /* Overlap of a force on the loading curve below a known point, by secants in logarithms: exact for a power law. */
+  double overlap_on_loading(double wanted, double overlap, double force, const double *extra) const
+  {
+    constexpr int SECANTS = 4;
+    constexpr double USUAL_EXPONENT = 1.25;
+    double before = std::log(overlap), log_before = std::log(force);
+    double place = before + std::log(wanted / force) / USUAL_EXPONENT;
+    for (int n = 0; n < SECANTS; n++) {
+      const double log_force = std::log(loading_force(std::exp(place), extra));
+      const double slope = (log_force - log_before) / (place - before);
+      before = place;
+      log_before = log_force;
+      const double change = (std::log(wanted) - log_force) / slope;
+      if (!std::isfinite(change) || change == 0.0) break;
+      place += change;
+    }
+    return std::min(std::exp(place), overlap);
+  }
 
   double pull_of(bool loads, double overlap, const Turning *turning) const    // no rate with cohesion: no history
   {

@@ -49,7 +49,8 @@ void ContactList::clear_histories()
 {
   const std::size_t n = partner.size();
   peak.assign(n, 0.0);
-  for (auto *times : {&time_first, &time_peak, &time_yield}) times->assign(n, -1.0);
+  front.assign(n, Front());
+  for (auto *times : {&time_peak, &time_yield}) times->assign(n, -1.0);
   extra.assign(n * has.n, 0.0);
   turning.assign(n, -1);
   turnings.clear();
@@ -119,7 +120,8 @@ void ContactList::reset(int k, double new_peak, bool dented)
 {
   has.begin(block(k), dented);
   peak[k] = new_peak;
-  time_first[k] = time_peak[k] = time_yield[k] = -1.0;
+  front[k] = Front();
+  time_peak[k] = time_yield[k] = -1.0;
   turning[k] = -1;
   if (has.friction) spring[k].loss = 0.0;
   if (!has.dents) return;
@@ -158,7 +160,7 @@ void ContactList::take_up(ContactHistory &history, int k, int of, tagint other, 
     if (!record->live || record->partner != other) continue;
     unpack(k, side, history.layout(), history.block(of, m));
     peak[k] = record->dent.peak;
-    time_first[k] = record->dent.time_first;
+    front[k] = record->dent.front;
     time_peak[k] = record->dent.time_peak;
     time_yield[k] = record->dent.time_yield;
     record->live = FOUND;
@@ -170,6 +172,6 @@ double ContactList::bytes() const
 {
   const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
   return resting.bytes() + groups.bytes() +
-         bytes(row, begin, row_sphere, partner, partner_sphere, peak, time_first, time_peak, time_yield, turning, turnings,
+         bytes(row, begin, row_sphere, partner, partner_sphere, peak, front, time_peak, time_yield, turning, turnings,
                work_lost, circle, spring, touched, extra, initial, reached, initial_extra);
 }

@@ -31,7 +31,8 @@ class ContactList {
   std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
   std::vector<int> partner;       // local or ghost index
   std::vector<double> peak;       // largest overlap so far
-  std::vector<double> time_first, time_peak, time_yield;
+  std::vector<Front> front;       // of the largest overlap of this run
+  std::vector<double> time_peak, time_yield;
   std::vector<int> turning;                // index into turnings, or -1 while Hertzian
   std::vector<Turning> turnings;           // of contacts that have yielded
   std::vector<double> work_lost;           // normalized dissipated energy at the turning point; -1 if not yet computed
@@ -94,7 +95,7 @@ class ContactList {
   double *block(int k) { return extra.data() + static_cast<std::size_t>(k) * has.n; }
   const double *block(int k) const { return extra.data() + static_cast<std::size_t>(k) * has.n; }
   LawHistory law_history(int k) const { return {peak[k], block(k)}; }
-  Dent dent(int k) const { return {peak[k], time_first[k], time_peak[k], time_yield[k]}; }
+  Dent dent(int k) const { return {peak[k], front[k], time_peak[k], time_yield[k]}; }
   BlockView view(int k) const;
 
   /* Return true if something ends when pair k parts. */
@@ -117,9 +118,9 @@ class ContactList {
   }
 
   /* Increase the largest overlap of this run, which may be smaller than the initial dent. */
-  void raise_reached(int k, double overlap, double now)
+  void raise_reached(int k, double overlap, double now, double step)
   {
-    if (time_first[k] < 0.0) time_first[k] = now;
+    if (Front::crosses(reached[k], overlap)) front[k].rise(reached[k], overlap, now, step);
     reached[k] = overlap;
     time_peak[k] = now;
   }

@@ -24,6 +24,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 
 #include "../laws/contact_memory.h"
 #include "../laws/exact_sum.h"
+#include "../laws/front.h"
 #include "../laws/support.h"
 #include "fix_gran_cylinder.h"
 #include "moved_mass.h"
@@ -152,8 +153,10 @@ class FixWallGranHysteretic : public Fix {
   double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.n_extra(); }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
   double approach(int i, int side) const;
+  void note_largest_force(int i, double force, double now);
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
+  void unpack_reported(int i, const double *values);
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
@@ -163,7 +166,7 @@ class FixWallGranHysteretic : public Fix {
   granwave::ResistanceHistory &resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
   granwave::ViscousHistory &viscous(int i, int side) { return has.loss_of(extra(i, side)); }
   int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (has.n + law.n_extra()); }
-  int n_state() const { return N_REPORTED + n_history(); }
+  int n_state() const { return N_REPORTED + granwave::Front::LEVELS + n_history(); }
 
   int axis = 2;
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
@@ -200,6 +203,7 @@ class FixWallGranHysteretic : public Fix {
   // n_history() numbers per sphere: at lower and upper wall the sides, springs if there is friction, and further history
   // variables of the law, present and initial
   std::vector<double> histories;
+  std::vector<granwave::Front> fronts;    // of the largest force of each sphere
 
   double wall_force[3];              // force of the spheres of this processor on the walls
   granwave::ExactSum on_plane[2];    // force and stiffness of the contacts of this processor with a movable plane

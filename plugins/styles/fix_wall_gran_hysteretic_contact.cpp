@@ -74,7 +74,6 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     error->one(FLERR,
                "Cylinder {} reaches {:.3g} into the wall of fix {}, where the law of a line contact ends: it is too short",
                atom->tag[i], overlap, id);
-  if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
@@ -125,13 +124,21 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     state[FORCE] = contact.force;
     state[OVERLAP] = overlap;
   }
-  if (contact.force > state[PEAK_FORCE]) {
-    state[PEAK_FORCE] = contact.force;
-    state[TIME_PEAK] = now;
-  }
+  if (contact.force > state[PEAK_FORCE]) note_largest_force(i, contact.force, now);
   state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
   touched[i] = 1;
   return contact;
+}
+
+/* Note the largest force of sphere i on the walls so far, and when the part of it passed that is an arrival. */
+void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
+{
+  double *const state = array_atom[i];
+  Front &front = fronts[i];
+  if (Front::crosses(state[PEAK_FORCE], force)) front.rise(state[PEAK_FORCE], force, now, update->dt);
+  state[PEAK_FORCE] = force;
+  state[TIME_PEAK] = now;
+  state[TIME_FIRST] = front.passed(force, ARRIVED);
 }
 
 /* Return true if sphere i touches one wall, is held by a neck, or has just parted. */

@@ -154,6 +154,7 @@ void FixWallGranHysteretic::begin()
     double *const state = array_atom[i];
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
+    fronts[i] = Front();
     for (int which = 0; which < 2; which++) {
       Side &side = sides(i)[which];
       const bool yielded = scaled.yielded(side.dent);
@@ -192,6 +193,7 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
   near.resize(nmax);
   touched.resize(nmax);
   histories.resize(static_cast<std::size_t>(nmax) * n_history());
+  fronts.resize(nmax);
 }
 
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
@@ -200,6 +202,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
   listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
   std::copy_n(at_walls(i), n_history(), at_walls(j));
+  fronts[j] = fronts[i];
 }
 
 void FixWallGranHysteretic::set_arrays(int i)
@@ -209,20 +212,30 @@ void FixWallGranHysteretic::set_arrays(int i)
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
   std::fill_n(at_walls(i), n_history(), 0.0);
   array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
+  fronts[i] = Front();
 }
 
 int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 {
-  std::copy_n(at_walls(i), n_history(), std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf));
+  double *at = std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf);
+  at = std::copy_n(fronts[i].time, static_cast<int>(Front::LEVELS), at);
+  std::copy_n(at_walls(i), n_history(), at);
   return n_state();
+}
+
+/* Take up the reported values of a sphere, and its front. */
+void FixWallGranHysteretic::unpack_reported(int i, const double *values)
+{
+  std::copy_n(values, static_cast<int>(N_REPORTED), array_atom[i]);
+  std::copy_n(values + N_REPORTED, static_cast<int>(Front::LEVELS), fronts[i].time);
 }
 
 int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
   near[i] = touched[i] = 1;
   listed = false;
-  std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
-  std::copy_n(buf + N_REPORTED, n_history(), at_walls(i));
+  unpack_reported(i, buf);
+  std::copy_n(buf + N_REPORTED + Front::LEVELS, n_history(), at_walls(i));
   return n_state();
 }
 
@@ -234,13 +247,14 @@ int FixWallGranHysteretic::pack_restart(int i, double *buf)
 void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
   const AtomState state = atom_state(lmp, *this, i, nth);
-  constexpr int N_BASIC = N_REPORTED + 2 * N_SIDE;
+  constexpr int N_BEFORE = N_REPORTED + Front::LEVELS;
+  constexpr int N_BASIC = N_BEFORE + 2 * N_SIDE;
   const bool whole = has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
   if (!whole && state.n != n_state())
     error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
-  std::copy_n(state.values, static_cast<int>(N_REPORTED), array_atom[i]);
-  std::copy_n(state.values + N_REPORTED, std::min(state.n, n_state()) - N_REPORTED, at_walls(i));
+  unpack_reported(i, state.values);
+  std::copy_n(state.values + N_BEFORE, std::min(state.n, n_state()) - N_BEFORE, at_walls(i));
 }
 
 int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(); }

@@ -49,6 +49,7 @@ class PairGranHysteretic : public Pair {
     double overlap, force;    // present values; overlap < 0 is a gap
     double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
     double peak_force, elastic, dissipated, share_i;
+    double time_first;    // arrival of the force
     double tangential_force, tangential_elastic, frictional_loss;
     double rolling_loss, twisting_loss;    // part of the frictional loss
     double viscous_loss, adhesive_loss;
@@ -223,6 +224,7 @@ class PairGranHysteretic : public Pair {
   void release_contact(int k);
   void forget(int row, int k);
   void sum_up(int i, const granwave::ContactRecord &, const double *block);
+  double arrival(const granwave::ScaledLaw &, const granwave::Dent &, const granwave::BlockView &) const;
   double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
                               double overlap, double at_peak) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;

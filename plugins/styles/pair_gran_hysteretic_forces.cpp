@@ -47,7 +47,7 @@ void PairGranHysteretic::update_history(Batch &batch)
   for (std::uint64_t rest = raised; rest != 0; rest &= rest - 1) {
     const int m = __builtin_ctzll(rest), k = batch.k[m];
     const double before = batch.peak[m];
-    if (before == 0.0) c.time_first[k] = now;
+    if (!has.dents && Front::crosses(before, batch.overlap[m])) c.front[k].rise(before, batch.overlap[m], now, step.dt);
     if ((before <= batch.elastic_limit[m] || has.dents) && batch.overlap[m] > batch.elastic_limit[m] &&
         c.time_yield[k] < 0.0)
       c.time_yield[k] = now;
@@ -56,7 +56,7 @@ void PairGranHysteretic::update_history(Batch &batch)
   }
   if (has.dents)
     for (int m = 0; m < batch.size; m++)
-      if (batch.overlap[m] > c.reached[batch.k[m]]) c.raise_reached(batch.k[m], batch.overlap[m], now);
+      if (batch.overlap[m] > c.reached[batch.k[m]]) c.raise_reached(batch.k[m], batch.overlap[m], now, step.dt);
   if (yielded != 0) compute_plastic(batch, yielded, raised);
 }
 

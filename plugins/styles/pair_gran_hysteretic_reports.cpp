@@ -22,6 +22,16 @@ double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const 
   return reached >= h.peak ? contact.loading_beyond_yield(reached, h.extra) : contact.unloading(reached, contact.turning(h));
 }
 
+/* Time at which the force of a contact first passed a part of its largest one of this run, without viscous forces and the pull
+   of cohesion; -1 = never. */
+double PairGranHysteretic::arrival(const ScaledLaw &contact, const Dent &dent, const BlockView &view) const
+{
+  const double largest = has.dents ? view.reached : dent.peak;
+  if (!(largest > 0.0)) return -1.0;
+  const double there = contact.overlap_at_part(largest, ARRIVED, view.extra, {view.initial, view.initial_extra});
+  return dent.front.passed(largest, there / largest);
+}
+
 namespace {
 
 /* Return 1 if the peak of a contact is beyond half of the range of its law, 2 if beyond all of it, else 0. */
@@ -159,6 +169,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
   }
   report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
+  report.time_first = arrival(contact, report.dent, view);
   report.touches = report.force > 0.0;
   if (contact.cohesive()) {
     const CohesionHistory history = has.cohesion_of(view.extra);
@@ -258,7 +269,7 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
     sums.time_peak = record.dent.time_peak;
   }
   sums.peak_overlap = std::max(sums.peak_overlap, record.dent.peak);
-  earliest(sums.time_first, record.dent.time_first);
+  earliest(sums.time_first, report.time_first);
   earliest(sums.time_yield, record.dent.time_yield);
 }
 
@@ -280,7 +291,7 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
   svector[PEAK_OVERLAP] = report.dent.peak;
   svector[PEAK_FORCE] = report.peak_force;
   svector[LOST] = report.dissipated;
-  svector[TIME_FIRST] = report.dent.time_first;
+  svector[TIME_FIRST] = report.time_first;
   svector[TIME_PEAK] = report.dent.time_peak;
   svector[TIME_YIELD] = report.dent.time_yield;
   fforce = report.force / std::sqrt(rsq);

@@ -18,7 +18,7 @@ constexpr int FORMAT = 3;    // of global states
 constexpr int HEAD = 3;      // format, number of values, checksum
 
 // Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
-constexpr double ATOM_STATE = 0.7071067811865476;
+constexpr double ATOM_STATE = 0.5773502691896258;
 
 /* Checksum of numbers, itself a whole number. */
 double checksum(const double *values, std::size_t n)

@@ -207,6 +207,10 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
     )
     yield "steps", f"{at_most}{steps}, to {schedule.end_time:.4g} s"
     yield "snapshots", f"{at_most}{schedule.n_frames}"
+    if (arrival := values["expected_arrival_s"]) is not None:
+        before = values["n_frames_before_arrival"]
+        some = f", with {before} of the snapshots before" if arrival < schedule.end_time else ""
+        yield "wave at the bottom", f"after about {arrival:.3g} s{some}"
     parts = {name: getattr(times, part) for name, part in _TIMES.items()}
     longer = ", ".join(
         f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5
