@@ -44,6 +44,7 @@ from granwave.workflows.python.inputs import (
 from granwave.workflows.python.spectra import bands, modes, transmission
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import decide, held
+from granwave.workflows.run.turns import turn
 from granwave.workflows.solvers import GRANULAR
 
 __all__ = [
@@ -181,7 +182,7 @@ def run(
                 )
             if not resume:
                 kind.check(found, kind.cost(found, 1, figures), place)
-            with held(place):
+            with held(place), turn(place):
                 kind.run(found, place, **how)
         elif ranks > 1 and not mpi.launched():
             _run_on_ranks(found, place, ranks, checkpoint, **how)

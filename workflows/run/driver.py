@@ -46,6 +46,7 @@ from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_e
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
 from granwave.workflows.run.ranks import shared
+from granwave.workflows.run.turns import refuse_threads_of_ranks, turn
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -135,7 +136,8 @@ def run_case(
             )
         return what
 
-    with held(directory, comm):
+    refuse_threads_of_ranks(comm)
+    with held(directory, comm), turn(directory):
         what = shared(comm, prepare)
         run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
         if what == ANALYSE:
@@ -155,7 +157,7 @@ def run_case(
             )
         if run.show:
             announce(plan(case, n_ranks=comm.size, figures=figures))
-        with StopRequest(comm) as stop, contextlib.chdir(directory):
+        with StopRequest(comm) as stop:
             run.integrate(stop, go_on=what == CONTINUE)
         return run.analyse()
 
@@ -321,7 +323,8 @@ class _Run:
         self.lost_before_block = 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint if go_on else None
-        with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
+        log = "none" if go_on else LOG_FILE
+        with open_engine(self.comm, log, self.directory) as engine:
             if saved:
                 # the snapshots that it will write, and what it will add to
                 added = f"{DUMPS}/{frames_file(self.assembly, saved['file'])}"

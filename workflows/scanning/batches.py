@@ -4,7 +4,6 @@ is left.
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import json
 import math
@@ -261,7 +260,7 @@ def _measure(document: str) -> float:
         path = Path(scratch) / "case.toml"
         path.write_text(document, encoding="utf-8")
         deck = write_deck(load_case(path), Path(scratch) / "deck")
-        with contextlib.chdir(deck.directory), open_engine(mpi.world(), log="none") as engine:
+        with open_engine(mpi.world(), "none", deck.directory) as engine:
             engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
             engine.commands("run 20 post no")
             for span in (_WARM, _SPAN):
