@@ -29,6 +29,7 @@ from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
 from granwave.workflows import library
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
+from granwave.workflows.run.launchers import of_this_machine
 
 STUDY = TIMED = "fcc-impact"  # reference study: its packing, and the one that is run as a whole
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
@@ -329,7 +330,13 @@ def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
         "mpi4py",
         "-c",
     ]
-    done = subprocess.run([*command, program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [*command, program],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=of_this_machine(os.environ),
+    )
     found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
     return found
 

@@ -12,6 +12,7 @@ import traceback
 from collections.abc import Callable
 
 from granwave.workflows.run import mpi
+from granwave.workflows.run.launchers import starting
 
 
 def load(*, figures: bool = False) -> None:
@@ -62,7 +63,8 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         if starts_mpi:
             from mpi4py import MPI
 
-            MPI.Init()
+            with starting():
+                MPI.Init()
         status = work()
         if starts_mpi:
             MPI.Finalize()

