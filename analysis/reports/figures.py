@@ -21,6 +21,7 @@ from granwave.analysis.quantities import SCAN_FIGURES, readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import (
     FIGURES_DIRECTORY,
@@ -363,7 +364,7 @@ def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | 
     None without them.
     """
     try:
-        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+        with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
             dissipated = "dissipated" if "energy/dissipated" in file else "plastic"
             time, lost, given = (
                 np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input")

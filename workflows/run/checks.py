@@ -10,6 +10,7 @@ from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 from granwave.workflows.run.lammps_engine import Engine
@@ -98,7 +99,7 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
         The packing is not in equilibrium, or has rearranged.
     """
     title, values = (
-        (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+        regular(directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     )
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
