@@ -279,6 +279,10 @@ def available_memory() -> float:
 
 _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _SPECIAL = re.compile('[,"#]')
+_NUMBER = re.compile(
+    r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE
+)
+_WHOLE = re.compile(r"[-+]?[0-9]+")
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
@@ -303,6 +307,26 @@ def csv_rows(text: str) -> list[Row]:
         except csv.Error as error:
             raise ValueError(f"line {number}: found no row of a CSV file: {error}") from None
     return found
+
+
+def read_number(word: str) -> float:
+    """Convert a word to a number; NaN and infinity are numbers here.
+
+    Raises
+    ------
+    ValueError
+        It is none, as a word with underscores or with digits beyond ASCII, which Python would take.
+    """
+    if not _NUMBER.fullmatch(word.strip()):
+        raise ValueError(f"found {word!r}, expected a number")
+    return float(word)
+
+
+def read_whole(word: str) -> int:
+    """Convert a word to a whole number; raise ValueError as `read_number`."""
+    if not _WHOLE.fullmatch(word.strip()):
+        raise ValueError(f"found {word!r}, expected a whole number")
+    return int(word)
 
 
 def csv_cell(word: str) -> str:
