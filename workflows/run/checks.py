@@ -52,6 +52,8 @@ class Balance:
                 stream.seek(self._offset)
                 block = stream.read()
         except FileNotFoundError:
+            if self.row:  # it was removed
+                raise
             return self
         whole = block[: block.rfind(b"\n") + 1]
         self._offset += len(whole)

@@ -7,10 +7,10 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-import sys
 import traceback
 from collections.abc import Callable
 
+from granwave.lammps_inputs.streams import flush
 from granwave.workflows.run import mpi
 from granwave.workflows.run.launchers import starting
 
@@ -43,8 +43,7 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
     starts_mpi
         True if the work needs MPI.
     """
-    sys.stdout.flush()
-    sys.stderr.flush()
+    flush()
     ours = {signal.SIGTERM, signal.SIGINT}
     # block signals until the copy has replaced the handlers of this process
     signal.pthread_sigmask(signal.SIG_BLOCK, ours)
@@ -72,6 +71,5 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         traceback.print_exc()
     finally:
         with contextlib.suppress(Exception):
-            sys.stdout.flush()
-            sys.stderr.flush()
+            flush()
         os._exit(status)

