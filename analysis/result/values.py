@@ -21,6 +21,7 @@ _OF_SPHERES = ("id", "mass", "radius", "position/time")  # data sets of the traj
 _IDS = ("id", "i", "j")  # columns
 _MAY_BE_NAN = "time_"  # prefix of columns
 _RISING = ("spheres/id", f"{GROUP}/id", "energy/time", f"{GROUP}/position/time")
+_MAY_BE_INFINITE = "yield_overlap"  # column: contacts that do not yield
 _BLOCK = 2**20  # numbers read at once
 
 
@@ -48,8 +49,11 @@ def _fault_of_column(file: h5py.File, name: str) -> str:
     last = -np.inf
     for first, block in _blocks(values):
         if values.dtype.kind == "f":
-            missing = np.isnan(block) if column.startswith(_MAY_BE_NAN) else False
-            wrong = ~(np.isfinite(block) | missing)
+            wrong = ~np.isfinite(block)
+            if column.startswith(_MAY_BE_NAN):
+                wrong &= ~np.isnan(block)
+            elif column == _MAY_BE_INFINITE:
+                wrong &= block != np.inf
             expected = "a finite number"
         elif column in _IDS:
             wrong = (block < 1) | (block > LARGEST_COUNT)
