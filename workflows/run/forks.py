@@ -13,6 +13,7 @@ from collections.abc import Callable
 from granwave.lammps_inputs.streams import flush
 from granwave.workflows.run import mpi
 from granwave.workflows.run.launchers import starting
+from granwave.workflows.run.leftovers import forget
 
 
 def load(*, figures: bool = False) -> None:
@@ -72,4 +73,5 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
     finally:
         with contextlib.suppress(Exception):
             flush()
+            forget()
         os._exit(status)

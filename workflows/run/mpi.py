@@ -31,6 +31,7 @@ from granwave.workflows.run.launchers import (
     starting,
     wait_for_end,
 )
+from granwave.workflows.run.leftovers import clear, note_segments, scratch_directory
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -91,8 +92,10 @@ def world() -> Intracomm:
     RunError
         The ranks of the launcher are not connected, so that each would run alone.
     """
+    clear()
     with starting(first=is_first()):
         from mpi4py import MPI
+    note_segments()
 
     if STARTED_FILE in os.environ:
         with contextlib.suppress(OSError):
@@ -285,9 +288,9 @@ def launch(
                     while found:
                         found = found[os.write(number, found) :]
 
-    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
-        stop = Path(scratch) / "stop"
-        started = Path(scratch) / "started"
+    with scratch_directory() as scratch:
+        stop = scratch / "stop"
+        started = scratch / "started"
         # its output goes through this process: mpiexec ends the ranks if nobody reads it
         ways = [subprocess.PIPE if given is None else given for given in (stdout, stderr)]
         ranks = start(
