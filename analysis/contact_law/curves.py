@@ -28,7 +28,7 @@ from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, save_as
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_csv_rows
+from granwave.lammps_inputs.files import read_csv_rows, read_number
 
 _TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
@@ -459,7 +459,7 @@ def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
 def _number(row: dict[str, str], name: str, where: str, errors: list[str]) -> float:
     text = (row.get(name) or "").strip()
     try:
-        value = float(text)
+        value = read_number(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
+from granwave.lammps_inputs.files import read_number, read_whole
 
 AGAIN = "run the case again with --force"
 DAMAGED = f"the file is damaged, {AGAIN}"
@@ -71,7 +72,7 @@ def read_rows(
 def whole_number(text: str, name: str, place: str) -> int:
     """Read a count in a header, at least 0; raise as `read_rows`."""
     try:
-        value = int(text)
+        value = read_whole(text)
     except ValueError:
         value = -1
     if value < 0:
@@ -84,7 +85,7 @@ def whole_number(text: str, name: str, place: str) -> int:
 def _fault(word: str, name: str) -> str:
     """Describe the fault in a value of a column; empty if there is none."""
     try:
-        value = float(word)
+        value = read_number(word)
     except ValueError:
         return f"found {word!r} for {name}, expected a number"
     if not math.isfinite(value):

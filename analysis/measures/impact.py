@@ -16,6 +16,7 @@ from granwave.analysis.measures.geometry import layers, nearest, preferred_direc
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.files import regular
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
@@ -191,7 +192,7 @@ def elements_involved(path: Path, energy_input: float) -> Involved:
     """
     import h5py  # takes longer to load than most commands need
 
-    with h5py.File(path, "r") as file:
+    with h5py.File(regular(path), "r") as file:
         density = file["fields/plastic_energy"][()]
         volume = file["element_volume"][()]
     order = np.argsort(-density, kind="stable")

@@ -36,6 +36,7 @@ from granwave.analysis.reports.setting import quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Key, Means
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
@@ -157,7 +158,7 @@ def _names(item: Run | Scan) -> list[str]:
 def _is_thin(run: Run) -> bool:
     """Return True for a long row of grains; False for what has no grains, or cannot be read."""
     try:
-        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+        with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
             extents = np.sort(
                 np.ptp(file["spheres/position"][()], axis=0)
                 + 2 * np.max(file["spheres/radius"][()])

@@ -21,6 +21,7 @@ from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import (
     FIGURES_DIRECTORY,
@@ -373,7 +374,7 @@ def _share_of_input(
     without them.
     """
     try:
-        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+        with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
             chosen = next(name for name in names if f"energy/{name}" in file)
             time, lost, given = (
                 np.asarray(file[f"energy/{n}"][()], float) for n in ("time", chosen, "input")

@@ -33,7 +33,8 @@ from granwave.analysis.studies.registry import is_study_file
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json, read_tables
+from granwave.lammps_inputs.files import read_json, read_tables, regular
+from granwave.lammps_inputs.ownership import refuse_special
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINTS,
@@ -346,8 +347,9 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
 
 
 def _summary(path: Path) -> dict[str, Any]:
+    refuse_special(path)
     try:
-        summary = json.loads((path / SUMMARY_FILE).read_text(encoding="utf-8"))
+        summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
         wrong = (
             ""
             if isinstance(summary, dict)

@@ -33,7 +33,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import changed_result
-from granwave.lammps_inputs.files import read_tables
+from granwave.lammps_inputs.files import read_tables, regular
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import impacted_of, struck_of, struck_site
@@ -106,7 +106,7 @@ class Result:
         try:
             if changed := changed_result(self.path.parent, [self.path.name]):
                 raise OutputFormatError(changed)
-            self.file = h5py.File(self.path, "r")
+            self.file = h5py.File(regular(self.path), "r")
         except OSError as error:
             raise OutputFormatError(self._not_opened(path, error)) from None
         fault = ""

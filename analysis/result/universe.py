@@ -29,6 +29,7 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.directories import changed_result
+from granwave.lammps_inputs.files import regular
 
 DATA = (
     "displacement",
@@ -73,7 +74,7 @@ class ResultReader(ReaderBase):
     @staticmethod
     def parse_n_atoms(filename: str | Path, **kwargs: object) -> int:
         """Return the number of spheres in the file."""
-        with h5py.File(filename, "r") as file:
+        with h5py.File(regular(Path(filename)), "r") as file:
             return file[GROUP]["id"].shape[0]
 
     @property
@@ -102,7 +103,7 @@ class ResultReader(ReaderBase):
             self._file.close()
 
     def _open(self) -> None:
-        self._file = h5py.File(self.filename, "r")
+        self._file = h5py.File(regular(Path(self.filename)), "r")
         self._spheres = self._file[GROUP]
 
     def _reopen(self) -> None:

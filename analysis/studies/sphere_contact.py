@@ -18,6 +18,7 @@ from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.runs import SphereContactRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 TITLE = "Contact law against finite elements"
@@ -137,7 +138,7 @@ def _measured(run: SphereContactRun) -> Contact:
     other = partner.get("material", own)
     radii = sorted((radius, float(partner.get("radius", radius))))
     strengths = [one.get("yield_strength", math.inf) for one in (own, other)]
-    with h5py.File(run.directory / RESULT_FILE) as file:
+    with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
         overlap, force, law = (
             np.asarray(file["loading"][name]) for name in ("overlap", "force", "law_force")
         )

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
@@ -337,7 +338,7 @@ def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDA
     import h5py  # takes longer to load than most commands need
 
     found: dict[str, dict[str, NDArray]] = {}
-    with h5py.File(path, "r") as file:
+    with h5py.File(regular(path), "r") as file:
         for group, columns in _COLUMNS.items():
             table = found[group] = {}
             for name, (kind, width) in columns.items():

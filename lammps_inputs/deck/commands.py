@@ -4,6 +4,7 @@ dents.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from itertools import combinations_with_replacement
 
@@ -36,7 +37,11 @@ _WIDTH = 110
 
 
 def num(value: float) -> str:
-    """Format a number with as few digits as reproduce it exactly."""
+    """Format a number with as few digits as reproduce it exactly; 0 for one below the smallest that
+    LAMMPS reads in formulas.
+    """
+    if 0 < abs(value) < sys.float_info.min:
+        return "0"
     short = f"{value:.6g}"
     return short if float(short) == value else repr(float(value))
 

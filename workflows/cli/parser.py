@@ -415,6 +415,12 @@ class _Parser(argparse.ArgumentParser):
             super().format_help(),
         )
 
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        """Return the value of an option; "--" behind its "=" is a value as any other."""
+        if action.option_strings and action.nargs is None and arg_strings == ["--"]:
+            return self._get_value(action, "--")
+        return super()._get_values(action, arg_strings)
+
     def error(self, message: str) -> NoReturn:
         choice = re.fullmatch(
             r"argument (\S+): invalid choice: '(.*?)' \(choose from (.*)\)", message, re.DOTALL

@@ -12,6 +12,7 @@ from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain
+from granwave.lammps_inputs.streams import is_terminal
 
 # ANSI codes
 BOLD = "1"
@@ -32,7 +33,9 @@ def coloured(text: str, code: str, stream: Any) -> str:
     """Return a text with a colour, if the stream is a terminal that shows it and NO_COLOR is not
     set.
     """
-    shows = stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    shows = (
+        is_terminal(stream) and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    )
     return f"\033[{code}m{text}\033[0m" if shows else text
 
 

@@ -216,7 +216,8 @@ class _Worker:
         stop.unlink(missing_ok=True)
         self.rank_stop = stop
         command = mpi.command(self.batch["ranks"], words, self.batch["launcher"])
-        ranks = mpi.start(command, self.batch["ranks"], stop, log, log)
+        launcher = self.batch["launcher"]
+        ranks = mpi.start(command, self.batch["ranks"], stop, log, log, launcher=launcher)
         if self.stopping.is_set():
             self.stop()
         status = ranks.wait()

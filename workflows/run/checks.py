@@ -11,6 +11,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
@@ -51,6 +52,8 @@ class Balance:
                 stream.seek(self._offset)
                 block = stream.read()
         except FileNotFoundError:
+            if self.row:  # it was removed
+                raise
             return self
         whole = block[: block.rfind(b"\n") + 1]
         self._offset += len(whole)
@@ -109,7 +112,7 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
         The packing is not in equilibrium, or has rearranged.
     """
     title, values = (
-        (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+        regular(directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     )
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     advice = _advice(case)
