@@ -228,7 +228,7 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  return seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
+  return seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD), atom->tag[i]);
 }
 
 void FixWallGranHysteretic::unpack_restart(int i, int nth)

@@ -206,7 +206,8 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
   const double rsq = distance_squared(i, j), apart = std::sqrt(rsq);
   Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, rsq);
   double normal[3];
-  for (int d = 0; d < 3; d++) normal[d] = (atom->x[i][d] - atom->x[j][d]) / apart;
+  const Vector del = vector_between(i, j);
+  for (int d = 0; d < 3; d++) normal[d] = del[d] / apart;
   if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
   for (int d = 0; d < 3; d++) report.on_first[d] = report.force * normal[d] + report.tangential[d];
   return report;

@@ -11,6 +11,7 @@
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using granwave::AtomState;
 
 namespace {
 
@@ -18,7 +19,8 @@ constexpr int FORMAT = 3;    // of global states
 constexpr int HEAD = 3;      // format, number of values, checksum
 
 // Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
-constexpr double ATOM_STATE = 0.7071067811865476;
+constexpr double ATOM_STATE = 0.5773502691896257;
+constexpr int UNCHECKED = AtomState::HEAD - 1;    // numbers before those that the checksum is of
 
 /* Checksum of numbers, itself a whole number. */
 double checksum(const double *values, std::size_t n)
@@ -80,11 +82,12 @@ std::vector<double> granwave::read_state(LAMMPS *lmp, FILE *fp, const std::strin
   return state;
 }
 
-int granwave::seal_atom_state(double *buffer, int n)
+int granwave::seal_atom_state(double *buffer, int n, tagint id)
 {
   buffer[0] = AtomState::HEAD + n;
   buffer[1] = ATOM_STATE;
-  buffer[2] = checksum(buffer + AtomState::HEAD, n);
+  buffer[3] = static_cast<double>(id);
+  buffer[2] = checksum(buffer + UNCHECKED, n + 1);
   return AtomState::HEAD + n;
 }
 
@@ -100,9 +103,14 @@ granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int
     if (!is_size) break;
   }
   if (size < AtomState::HEAD || stored[1] != ATOM_STATE ||
-      stored[2] != checksum(stored + AtomState::HEAD, size - AtomState::HEAD))
+      stored[2] != checksum(stored + UNCHECKED, size - UNCHECKED))
     lmp->error->one(FLERR,
                     "The restart file is damaged, or of an earlier version: the state of atom {} in fix {} {} is none",
                     lmp->atom->tag[i], fix.style, fix.id);
+  if (const auto id = static_cast<tagint>(stored[3]); id != lmp->atom->tag[i])
+    lmp->error->one(FLERR,
+                    "Fix {} {}: the restart file has the state of atom {} where atom {} is now: give the fix, or 'run 0', "
+                    "before atoms are added, deleted or renumbered",
+                    fix.style, fix.id, id, lmp->atom->tag[i]);
   return {stored + AtomState::HEAD, size - AtomState::HEAD};
 }

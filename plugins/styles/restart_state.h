@@ -25,16 +25,17 @@ std::vector<double> read_state(LAMMPS_NS::LAMMPS *, FILE *, const std::string &w
 
 /* State of a fix with an atom. */
 struct AtomState {
-  static constexpr int HEAD = 3;    // size of all, mark of the format, checksum
+  static constexpr int HEAD = 4;    // size of all, mark of the format, checksum, ID of the atom
 
   const double *values;
   int n;
 };
 
-/* Complete a state of n numbers with an atom, which stand behind its head. Returns the size with the head. */
-int seal_atom_state(double *buffer, int n);
+/* Complete a state of n numbers with the atom of this ID, which stand behind its head. Returns the size with the head. */
+int seal_atom_state(double *buffer, int n, LAMMPS_NS::tagint id);
 
-/* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged. */
+/* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged, or of
+   another atom: LAMMPS leaves the states where they were when atoms are added, deleted or sorted. */
 AtomState atom_state(LAMMPS_NS::LAMMPS *, const LAMMPS_NS::Fix &, int i, int nth);
 
 }    // namespace granwave
