@@ -178,7 +178,7 @@ int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 int FixGranHystereticHistory::pack_restart(int i, double *buf)
 {
   if (publish_contacts) publish_contacts();
-  return seal_atom_state(buf, pack(i, buf + AtomState::HEAD), atom->tag[i]);
+  return seal_atom_state(lmp, i, buf, pack(i, buf + AtomState::HEAD));
 }
 
 void FixGranHystereticHistory::unpack_restart(int i, int nth) { unpack(i, atom_state(lmp, *this, i, nth).values); }

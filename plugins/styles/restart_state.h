@@ -25,17 +25,18 @@ std::vector<double> read_state(LAMMPS_NS::LAMMPS *, FILE *, const std::string &w
 
 /* State of a fix with an atom. */
 struct AtomState {
-  static constexpr int HEAD = 4;    // size of all, mark of the format, checksum, ID of the atom
+  static constexpr int HEAD = 7;    // size of all, mark of the format, checksum, ID and position of the atom
 
   const double *values;
   int n;
 };
 
-/* Complete a state of n numbers with the atom of this ID, which stand behind its head. Returns the size with the head. */
-int seal_atom_state(double *buffer, int n, LAMMPS_NS::tagint id);
+/* Complete a state of n numbers with atom i, which stand behind its head. Returns the size with the head. */
+int seal_atom_state(const LAMMPS_NS::LAMMPS *, int i, double *buffer, int n);
 
 /* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged, or of
-   another atom: LAMMPS leaves the states where they were when atoms are added, deleted or sorted. */
+   another atom: between read_restart and the fix LAMMPS does not move the states with the atoms, and a new atom may get the ID of
+   one that was deleted. */
 AtomState atom_state(LAMMPS_NS::LAMMPS *, const LAMMPS_NS::Fix &, int i, int nth);
 
 }    // namespace granwave
