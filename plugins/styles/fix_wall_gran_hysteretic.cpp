@@ -219,6 +219,9 @@ void FixWallGranHysteretic::evaluate()
     moved_mass.resize(atom->nmax);
     set_moved_masses(lmp, rigid, moved_mass);
   }
+  if (cylinders)
+    for (const int i : spheres)
+      if (atom->mask[i] & groupbit) admit_type(atom->type[i]);
   if (has_lines) compute_lines(at);
   for (std::size_t n = 0; n < spheres.size(); n++) {
     const int i = spheres[n];

@@ -38,8 +38,6 @@ void FixWallGranHysteretic::list_spheres()
   const double *radius = atom->radius;
   const double reach[2] = {level(0) + neighbor->skin, level(1) - neighbor->skin};
   listed_level = level(moving);
-  for (int i = 0; i < atom->nlocal && cylinders; i++)
-    if (atom->mask[i] & groupbit) admit_type(atom->type[i]);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
     if (near[i] ||

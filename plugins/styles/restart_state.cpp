@@ -121,8 +121,8 @@ granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int
                     lmp->atom->tag[i], fix.style, fix.id);
   if (static_cast<tagint>(stored[3]) != lmp->atom->tag[i] || !is_at(lmp, i, stored + 4))
     lmp->error->one(FLERR,
-                    "Fix {} {}: atom {} is not the one of the restart file in this place, or was moved: give the fix and "
-                    "'run 0' before atoms are added, deleted, renumbered or moved",
-                    fix.style, fix.id, lmp->atom->tag[i]);
+                    "Fix {} {}: the state of atom {} in the restart file is given to atom {}, or to another place: give the "
+                    "fix and 'run 0' before atoms are deleted, renumbered or moved",
+                    fix.style, fix.id, stored[3], lmp->atom->tag[i]);
   return {stored + AtomState::HEAD, size - AtomState::HEAD};
 }

@@ -35,8 +35,7 @@ struct AtomState {
 int seal_atom_state(const LAMMPS_NS::LAMMPS *, int i, double *buffer, int n);
 
 /* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged, or of
-   another atom: between read_restart and the fix LAMMPS does not move the states with the atoms, and a new atom may get the ID of
-   one that was deleted. */
+   another atom: between read_restart and the fix LAMMPS does not move the states with the atoms, which may get other IDs, too. */
 AtomState atom_state(LAMMPS_NS::LAMMPS *, const LAMMPS_NS::Fix &, int i, int nth);
 
 }    // namespace granwave
