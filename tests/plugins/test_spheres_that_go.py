@@ -121,14 +121,14 @@ def test_a_sphere_that_leaves_a_group_leaves_the_ledger_of_its_wall(lammps, law)
 
 
 def test_cylinders_that_come_during_a_run_touch_the_wall(lammps):
-    """The type is of spheres elsewhere until a sphere is made a cylinder: the force of a line."""
+    """A sphere is made a cylinder during the run: the force is that of a line from then on."""
     text = script_of([(0, 0, -1e-6), (0.03, 0, 0)], types=[1, 2], coefficients=["pair_coeff * * hertz 115e9 0.3"])  # fmt: skip
     rods = "fix rods all gran/cylinder 2 0.01 0 1 0\ngroup beads id 1\n"
     wall = f"fix floor beads wall/gran/hysteretic zplane {-R:.17g} NULL {HERTZ}\n"
     turns = "variable kind atom 2\nfix turn all set 1 1 group beads type v_kind\n"
     lmp = lammps(f"{text}{rods}{wall}{turns}run 2 post no\n")
     always = lammps(f"{text}{rods}{wall}set atom 1 type 2\nrun 2 post no\n")
-    assert value(lmp, "f_floor[3]") == pytest.approx(value(always, "f_floor[3]"), rel=1e-6)
+    assert value(lmp, "f_floor[3]") == pytest.approx(value(always, "f_floor[3]"), rel=1e-4)
     assert value(lmp, "f_floor[3]") < -100
 
 
