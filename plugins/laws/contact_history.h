@@ -35,9 +35,10 @@ inline void earliest(double &time, double other)
 }
 
 struct ContactRecord {
-  static constexpr int SIZE = 9;    // number of doubles in messages and restart files, where it stands as it is
+  static constexpr int SIZE = 10;    // number of doubles in messages and restart files, where it stands as it is
 
-  std::int64_t partner;    // ID of the other sphere
+  std::int64_t partner;          // ID of the other sphere
+  std::int64_t partner_birth;    // and its birth, for another sphere may get the ID of one that was deleted
   double partner_radius;
   std::int32_t partner_type;
   std::int32_t live;
@@ -126,6 +127,7 @@ class ContactHistory {
     first_.resize(n, 0);
     count_.resize(n, 0);
     owner_.resize(n, 0);
+    birth_.resize(n, 0);
     if (!forgotten_.empty()) forgotten_.resize(n);
   }
 
@@ -140,6 +142,10 @@ class ContactHistory {
   /* Set the ID of the sphere that the records belong to, by which a later change of its ID is detected. */
   void own(int i, std::int64_t id) { owner_[i] = id; }
   std::int64_t owner(int i) const { return owner_[i]; }
+
+  /* Number of sphere i, owned or ghost, that no other sphere with the same ID has or had. */
+  std::int64_t birth(int i) const { return birth_[i]; }
+  void set_birth(int i, std::int64_t number) { birth_[i] = number; }
 
   int count(int i) const { return count_[i]; }
   ContactRecord *records(int i) { return pool_.data() + first_[i]; }
@@ -157,6 +163,7 @@ class ContactHistory {
     first_[to] = first_[from];
     count_[to] = count_[from];
     owner_[to] = owner_[from];
+    birth_[to] = birth_[from];
     if (!forgotten_.empty()) forgotten_[to] = forgotten_[from];
   }
 
@@ -224,7 +231,7 @@ class ContactHistory {
   {
     return static_cast<double>(pool_.capacity() * sizeof(ContactRecord) + blocks_.capacity() * sizeof(double) +
                                first_.capacity() * sizeof(std::size_t) +
-                               count_.capacity() * (sizeof(int) + sizeof(std::int64_t)) +
+                               count_.capacity() * (sizeof(int) + 2 * sizeof(std::int64_t)) +
                                forgotten_.capacity() * sizeof(ForgottenContacts));
   }
 
@@ -232,7 +239,7 @@ class ContactHistory {
   BlockLayout layout_;
   std::vector<std::size_t> first_;
   std::vector<int> count_;
-  std::vector<std::int64_t> owner_;
+  std::vector<std::int64_t> owner_, birth_;
   std::vector<ForgottenContacts> forgotten_;    // by sphere; empty as long as there are none
   std::vector<ContactRecord> pool_;
   std::vector<double> blocks_;    // layout_.size() doubles per record

@@ -144,7 +144,7 @@ void ContactList::store(ContactHistory &history)
     const auto place = [&](int of, const Sphere &sphere, const Sphere &other, double side) {
       if (of >= owned) return;
       history.own(of, sphere.tag);
-      pack(k, side, history.layout(), history.place(of, {other.tag, other.radius, other.type, 1, dent(k)}));
+      pack(k, side, history.layout(), history.place(of, {other.tag, other.birth, other.radius, other.type, 1, dent(k)}));
     };
     place(i, row_sphere[r], partner_sphere[k], 1.0);
     place(j, partner_sphere[k], row_sphere[r], -1.0);
@@ -152,12 +152,12 @@ void ContactList::store(ContactHistory &history)
 }
 
 /* Take up the live record of one of the spheres of pair k. */
-void ContactList::take_up(ContactHistory &history, int k, int of, tagint other, double side)
+void ContactList::take_up(ContactHistory &history, int k, int of, const Sphere &other, double side)
 {
   if (of >= owned) return;
   ContactRecord *record = history.records(of);
   for (int m = 0; m < history.count(of); m++, record++) {
-    if (!record->live || record->partner != other) continue;
+    if (!record->live || record->partner != other.tag || record->partner_birth != other.birth) continue;
     unpack(k, side, history.layout(), history.block(of, m));
     peak[k] = record->dent.peak;
     front[k] = record->dent.front;

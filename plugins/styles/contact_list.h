@@ -20,6 +20,7 @@ class ContactList {
     double radius;
     tagint tag;
     int type;
+    std::int64_t birth;    // contact_history.h
   };
 
   explicit ContactList(ContactMemory &memory) : has(memory) {}
@@ -140,8 +141,8 @@ class ContactList {
   template <class Forget> void restore(ContactHistory &history, const Forget &forget)
   {
     each_pair([&](int r, int k, int i, int j) {
-      take_up(history, k, i, partner_sphere[k].tag, 1.0);
-      take_up(history, k, j, row_sphere[r].tag, -1.0);
+      take_up(history, k, i, partner_sphere[k], 1.0);
+      take_up(history, k, j, row_sphere[r], -1.0);
     });
     history.each_record(owned, [&](int i, int m, ContactRecord &record) {
       if (record.live != FOUND) record.live = forget(i, m, record) ? 0 : FOUND;
@@ -160,7 +161,7 @@ class ContactList {
   void add_rows(const std::vector<std::pair<int, int>> &, const tagint *tag, int nall);
   void clear_histories();
   void renew_turning(int k, const ScaledLaw &);
-  void take_up(ContactHistory &, int k, int of, tagint partner, double side);
+  void take_up(ContactHistory &, int k, int of, const Sphere &partner, double side);
   void unpack(int k, double side, const BlockLayout &, const double *block);
 };
 

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "fix_gran_hysteretic_history.h"
 
+#include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "motion.h"
 #include "restart_state.h"
@@ -11,7 +13,7 @@ using namespace granwave;
 namespace {
 
 // the state of a sphere: this head, sums over forgotten contacts if there are any, records with their blocks
-enum { COUNT, OWNER, EXTRA, EXTENDED, SUMS, N_HEAD };
+enum { COUNT, OWNER, BIRTH, EXTRA, EXTENDED, SUMS, N_HEAD };
 
 }    // namespace
 
@@ -19,19 +21,18 @@ FixGranHystereticHistory::FixGranHystereticHistory(LAMMPS *lmp, int narg, char *
 {
   if (std::strcmp(id, ID) != 0)
     error->all(FLERR, "Fix {} belongs to pair style gran/hysteretic and cannot be used by itself", STYLE);
-  restart_peratom = 1;
+  restart_peratom = restart_global = 1;
+  comm_border = N_BORDER;
   create_attribute = 1;
   maxexchange_dynamic = 1;
-  history.grow(atom->nmax);
-  atom->add_callback(Atom::GROW);
-  atom->add_callback(Atom::RESTART);
+  FixGranHystereticHistory::grow_arrays(atom->nmax);
+  for (const int kind : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->add_callback(kind);
 }
 
 FixGranHystereticHistory::~FixGranHystereticHistory()
 {
   if (lose_contacts) lose_contacts();
-  atom->delete_callback(id, Atom::GROW);
-  atom->delete_callback(id, Atom::RESTART);
+  for (const int kind : {Atom::GROW, Atom::RESTART, Atom::BORDER}) atom->delete_callback(id, kind);
 }
 
 /* Copy the flat list of the pair style back to the spheres before they migrate. LAMMPS subsequently assigns spheres to
@@ -44,18 +45,58 @@ void FixGranHystereticHistory::gather()
   maxexchange = most_numbers();
 }
 
+void FixGranHystereticHistory::grow_arrays(int nmax)
+{
+  history.grow(nmax);
+  images_.resize(nmax);
+}
+
 /* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
    before gather() is called: the first call makes the per-sphere records the valid copy. */
 void FixGranHystereticHistory::copy_arrays(int i, int j, int)
 {
   if (release_contacts) release_contacts();
   history.copy(i, j);
+  images_[j] = {};
 }
 
 void FixGranHystereticHistory::set_arrays(int i)
 {
   if (release_contacts) release_contacts();
   history.forget_sphere(i);
+  history.set_birth(i, ++births << RANKS | comm->me);
+  images_[i] = {};
+}
+
+/* Ghosts learn the birth of their sphere, and the periodic boundaries that are between. */
+int FixGranHystereticHistory::pack_border(int n, int *spheres, double *buf)
+{
+  double *at = buf;
+  for (int k = 0; k < n; k++) {
+    const int i = spheres[k];
+    const Images images = i < atom->nlocal ? Images() : images_[i];
+    *at++ = ubuf(history.birth(i)).d;
+    at = std::copy_n(atom->x[i], 3, at);
+    at = std::copy_n(images.along, 3, at);
+  }
+  return static_cast<int>(at - buf);
+}
+
+int FixGranHystereticHistory::unpack_border(int n, int first, double *buf)
+{
+  // in a triclinic box LAMMPS has them in units of its edges
+  const double period[3] = {domain->triclinic ? 1.0 : domain->xprd, domain->triclinic ? 1.0 : domain->yprd,
+                            domain->triclinic ? 1.0 : domain->zprd};
+  const double *at = buf;
+  for (int i = first; i < first + n; i++, at += N_BORDER) {
+    history.set_birth(i, static_cast<std::int64_t>(ubuf(at[0]).i));
+    const double *const of_sender = at + 1;
+    for (int d = 0; d < 3; d++) {
+      const double passed = std::round((atom->x[i][d] - of_sender[d]) / period[d]);
+      images_[i].along[d] = static_cast<std::int8_t>(of_sender[3 + d] + passed);
+    }
+  }
+  return static_cast<int>(at - buf);
 }
 
 /* Size of the state of sphere i, and the largest one of all processors. */
@@ -81,6 +122,7 @@ int FixGranHystereticHistory::pack(int i, double *buf) const
   const ForgottenContacts sums = history.forgotten(i);
   buf[COUNT] = history.count(i);
   buf[OWNER] = ubuf(static_cast<int64_t>(history.owner(i))).d;
+  buf[BIRTH] = ubuf(history.birth(i)).d;
   buf[EXTRA] = layout.n_extra;
   buf[EXTENDED] = layout.extended;
   buf[SUMS] = !sums.none();
@@ -101,6 +143,8 @@ int FixGranHystereticHistory::unpack(int i, const double *buf)
   const double *at = buf + N_HEAD;
   history.forget_sphere(i);
   history.own(i, static_cast<std::int64_t>(ubuf(buf[OWNER]).i));
+  history.set_birth(i, static_cast<std::int64_t>(ubuf(buf[BIRTH]).i));
+  images_[i] = {};
   if (buf[SUMS] != 0.0) {
     std::copy_n(at, static_cast<int>(ForgottenContacts::SIZE), reinterpret_cast<double *>(&history.forgotten_to_change(i)));
     at += ForgottenContacts::SIZE;
@@ -134,7 +178,7 @@ int FixGranHystereticHistory::unpack_exchange(int nlocal, double *buf)
 int FixGranHystereticHistory::pack_restart(int i, double *buf)
 {
   if (publish_contacts) publish_contacts();
-  return seal_atom_state(buf, pack(i, buf + AtomState::HEAD));
+  return seal_atom_state(lmp, i, buf, pack(i, buf + AtomState::HEAD));
 }
 
 void FixGranHystereticHistory::unpack_restart(int i, int nth) { unpack(i, atom_state(lmp, *this, i, nth).values); }
@@ -149,4 +193,18 @@ int FixGranHystereticHistory::maxsize_restart()
 {
   if (publish_contacts) publish_contacts();
   return AtomState::HEAD + most_numbers();    // the first processor writes it for the atoms of all
+}
+
+/* ---------------------------------------------------------------------- number of births, so that those after a restart are others */
+
+void FixGranHystereticHistory::write_restart(FILE *fp)
+{
+  std::int64_t most = 0;
+  MPI_Reduce(&births, &most, 1, MPI_INT64_T, MPI_MAX, 0, world);
+  if (comm->me == 0) write_state(fp, {static_cast<double>(most)});
+}
+
+void FixGranHystereticHistory::restart(char *buffer)
+{
+  births = static_cast<std::int64_t>(*read_state(lmp, *this, buffer, 1));
 }

@@ -31,15 +31,19 @@ class FixGranHystereticHistory : public Fix {
   void pre_exchange() override { gather(); }
   void min_pre_exchange() override { gather(); }
 
-  void grow_arrays(int nmax) override { history.grow(nmax); }
+  void grow_arrays(int nmax) override;
   void copy_arrays(int, int, int) override;
   void set_arrays(int) override;
+  int pack_border(int, int *, double *) override;
+  int unpack_border(int, int, double *) override;
   int pack_exchange(int, double *) override;
   int unpack_exchange(int, double *) override;
   int pack_restart(int, double *) override;
   void unpack_restart(int, int) override;
   int size_restart(int) override;
   int maxsize_restart() override;
+  void write_restart(FILE *) override;
+  void restart(char *) override;
   double memory_usage() override { return history.memory_usage(); }
 
   /* Make room for the records of a sphere that may have so many in addition to its present ones, for commands that migrate spheres
@@ -48,11 +52,24 @@ class FixGranHystereticHistory : public Fix {
 
   granwave::ContactHistory history;
 
+  /* Periodic images that a ghost is away from its sphere, along the edges of the box; 0 for an owned sphere. */
+  struct Images {
+    std::int8_t along[3] = {};
+    bool none() const { return along[0] == 0 && along[1] == 0 && along[2] == 0; }
+  };
+  const Images &images(int i) const { return images_[i]; }
+
   /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list;
      be told that the fix is deleted by somebody else. */
   std::function<void()> publish_contacts, release_contacts, lose_contacts;
 
  private:
+  static constexpr int RANKS = 24;    // bits of the number of a birth that are those of the processor
+  static constexpr int N_BORDER = 7;    // numbers of a ghost: birth, position of its sender and images of that
+
+  std::int64_t births = 0;    // of spheres on any processor so far, at least; those before the fix are not counted
+  std::vector<Images> images_;
+
   void gather();
   int most_numbers() const;
   int size(int i, int further = 0) const;

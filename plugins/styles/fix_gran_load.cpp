@@ -24,6 +24,8 @@ constexpr const char *USAGE =
     "LAST DURATION RAMP, noise AMPLITUDE FIRST LAST "
     "DURATION RAMP SEED, table FILE";
 
+constexpr double ROUNDING = 1e-12;    // of the mass of a group, whose sum depends on the order of its atoms
+
 /* Numbers of a shape: their names, and how many may be left out. */
 struct Words {
   std::vector<const char *> names;
@@ -140,10 +142,8 @@ void FixGranLoad::init()
   stepper = nullptr;
   for (auto *other : modify->get_fix_list())
     if (auto *const found = dynamic_cast<FixGranTimestep *>(other)) stepper = found;
-  atoms = static_cast<double>(group->count(igroup));
-  if (atoms == 0.0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", STYLE, id, group->names[igroup]);
+  if (group->count(igroup) == 0) error->all(FLERR, "Fix {} {}: its group {} has no atoms", STYLE, id, group->names[igroup]);
   if (!moves) return;
-  mass = group->mass(igroup);
   for (const auto *other : modify->get_fix_list()) {
     if (other == this || !other->time_integrate) continue;
     int shared = 0, any = 0;
@@ -158,23 +158,62 @@ void FixGranLoad::init()
   }
 }
 
+/* Count the atoms of the group, some of which may have got lost, been deleted, or left it since. */
+void FixGranLoad::count_atoms()
+{
+  atoms = static_cast<double>(group->count(igroup));
+  if (atoms == 0.0) error->all(FLERR, "Fix {} {}: its group {} has lost all its atoms", STYLE, id, group->names[igroup]);
+}
+
+/* Atoms that got lost take their motion with them; the work and impulse of the load that made it stay. */
+void FixGranLoad::post_neighbor()
+{
+  const double atoms_then = atoms, mass_then = mass;
+  count_atoms();
+  if (!moves || atoms == atoms_then) return;
+  mass = group->mass(igroup);
+  keep_motion(mass_then - mass, moved / update->dt);
+}
+
+/* Add the work and impulse that a mass got which has left the group. */
+void FixGranLoad::keep_motion(double lost_mass, double speed)
+{
+  if (comm->me != 0) return;
+  total[WORK] += 0.5 * lost_mass * speed * speed;
+  total[IMPULSE] += lost_mass * speed;
+}
+
+/* Subtract the motion of the atoms beyond that which they have from the load. */
+void FixGranLoad::subtract_foreign_motion()
+{
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!(atom->mask[i] & groupbit)) continue;
+    const double *const v = atom->v[i];
+    double own[3] = {};
+    add_along(own, velocity);
+    if (std::equal(own, own + 3, v)) continue;
+    const double mass_i = mass_of(atom, i);
+    total[WORK] += 0.5 * mass_i * (velocity * velocity - (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]));
+    total[IMPULSE] += mass_i * (velocity - along(v));
+  }
+}
+
 /* Set force or motion for the time at which the last run ended, so that no timestep is counted twice. */
 void FixGranLoad::setup(int)
 {
   const double now = simulated_time(*update);
+  count_atoms();
+  atoms_before = atoms;
   if (!moves) {
     force = shape.integral(now - 0.5 * update->dt, now + 0.5 * update->dt) / update->dt;
     apply_force(force);
     stepped = update->dt;
     if (!started) total[WORK] -= half_kick_work(update->dt);
   } else {
-    if (!started)    // the initial motion of the atoms is not due to the load
-      for (int i = 0; i < atom->nlocal; i++) {
-        if (!(atom->mask[i] & groupbit)) continue;
-        const double *const v = atom->v[i];
-        total[WORK] -= 0.5 * mass_of(atom, i) * (v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-        total[IMPULSE] -= mass_of(atom, i) * along(v);
-      }
+    const double mass_then = mass;    // 0 after a restart, which has the totals without the motion
+    mass = group->mass(igroup);
+    if (!started || mass_then > 0.0) subtract_foreign_motion();
+    if (started && mass_then > 0.0 && std::fabs(mass_then - mass) > ROUNDING * mass) keep_motion(mass_then - mass, velocity);
     place = shape.value(now);
     velocity = shape.slope(now);
     set_velocity(velocity);
@@ -227,7 +266,9 @@ void FixGranLoad::post_force(int)
     if (atom->mask[i] & groupbit) speeds += along(atom->v[i]);
   if (!std::isfinite(speeds)) require_finite_motion(lmp);
   const double moved = speeds / atoms * dt, mean = 0.5 * (before + force);
-  total[WORK] += mean * moved;
+  // the atoms that are left had their part alone of the force before
+  total[WORK] += 0.5 * (before * (atoms / atoms_before) + force) * moved;
+  atoms_before = atoms;
   total[DISPLACEMENT] += moved;
   if (comm->me == 0) total[IMPULSE] += mean * dt;
   apply_force(force);

@@ -30,9 +30,14 @@ class FixGranLoad : public Fix {
 
   FixGranLoad(LAMMPS *, int, char **);
 
-  int setmask() override { return moves ? FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : FixConst::POST_FORCE; }
+  int setmask() override
+  {
+    return FixConst::POST_NEIGHBOR |
+           (moves ? FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : FixConst::POST_FORCE);
+  }
   void init() override;
   void setup(int) override;
+  void post_neighbor() override;
   void reset_dt() override;
   void initial_integrate(int) override;
   void post_force(int) override;
@@ -48,6 +53,9 @@ class FixGranLoad : public Fix {
 
   int read_direction(int narg, char **arg);
   void read_table(const char *file);
+  void count_atoms();
+  void keep_motion(double lost_mass, double speed);
+  void subtract_foreign_motion();
   void apply_force(double whole);
   void set_velocity(double speed);
   double along(const double *vector) const { return way[0] * vector[0] + way[1] * vector[1] + way[2] * vector[2]; }
@@ -65,7 +73,8 @@ class FixGranLoad : public Fix {
   std::array<double, 3> way = {0.0, 0.0, 1.0};    // direction of the load, a unit vector
   bool moves = false;                             // prescribed displacement
   granwave::LoadShape shape;
-  double atoms = 0.0, mass = 0.0;    // of the group
+  double atoms = 0.0, mass = 0.0;    // of the group; atoms may get lost
+  double atoms_before = 0.0;         // at the last step
   bool started = false;
   double stepped = 0.0;    // timestep that the force is a mean over
   // part of this processor in the totals so far; after a restart the first processor has the totals

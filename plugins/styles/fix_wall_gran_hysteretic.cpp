@@ -215,11 +215,16 @@ void FixWallGranHysteretic::evaluate()
   tallied = -1;
   const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
   if (!listed || grows || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
+  if (cylinders)
+    for (const int i : spheres)
+      if (atom->mask[i] & groupbit) admit_type(atom->type[i]);
   if (has_lines) compute_lines(at);
   for (std::size_t n = 0; n < spheres.size(); n++) {
     const int i = spheres[n];
-    if (!(atom->mask[i] & groupbit) || radius[i] == 0.0) continue;    // flat faces do not interact with walls
-    if (cylinders && stands[atom->type[i]]) continue;
+    if (!meets_walls(i)) {
+      if (near[i]) part(i);
+      continue;
+    }
     const double overlap[2] = {tube ? -INFINITE : at[0] + radius[i] - x[i][axis],
                                tube ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
     const bool touches[2] = {joins(i, 0, overlap[0]), joins(i, 1, overlap[1])};

@@ -124,12 +124,15 @@ class FixWallGranHysteretic : public Fix {
   };
 
   void list_spheres();
+  bool meets_walls(int i) const;
+  void part(int i);
   void evaluate();
   double level(int side) const;
   double depth(int i, int side) const;
   void inward(int i, int side, double normal[3]) const;
   void place_of(int i, double place[2]) const;
   void init_cylinders();
+  void admit_type(int type);
   bool is_line(int i) const;
   const granwave::ScaledLaw &scaled_law(int i);
   void compute_lines(const double at[2]);
@@ -175,7 +178,8 @@ class FixWallGranHysteretic : public Fix {
   granwave::Material body{}, wall{};                       // materials of the spheres and of the wall
   bool plane_strain = false;                               // of cylinders
   std::shared_ptr<const granwave::Cylinders> cylinders;    // null if there are none
-  std::vector<char> stands;    // by type: 1 for cylinders on their end, which the wall does not touch
+  std::vector<char> stands;      // by type: 1 for cylinders on their end, which the wall does not touch
+  std::vector<char> admitted;    // by type: 1 if cylinders of it can be at the wall
   std::map<std::pair<int, double>, granwave::ElasticContact> lines;    // of cylinders, by type and radius
   bool has_lines = false;                                              // true if any of them touches along a line
   granwave::LineBatch line_batch{};

@@ -267,6 +267,21 @@ void FixWallGranHysteretic::report_losses(int i)
   if (resistance) state[FRICTION_LOSS] += resisted(i, 0).loss() + resisted(i, 1).loss();
 }
 
+/* End the contacts of a sphere that does not meet the walls any more. Its losses stay in the totals. */
+void FixWallGranHysteretic::part(int i)
+{
+  near[i] = 0;
+  array_atom[i][OVERLAP] = array_atom[i][FORCE] = array_atom[i][TANGENTIAL] = 0.0;
+  for (int side = 0; side < 2; side++) {
+    sides(i)[side].touching = 0.0;
+    if (loss) viscous(i, side).forget_state();
+    if (friction > 0.0) has.release_spring(springs(i)[side], extra(i, side));
+    if (resistance) resisted(i, side).release();
+    if (has.cohesion) sticking(i, side) = {0.0, 0.0, 0.0, sticking(i, side).lost};
+  }
+  report_losses(i);
+}
+
 /* ---------------------------------------------------------------------- output */
 
 void FixWallGranHysteretic::tally()

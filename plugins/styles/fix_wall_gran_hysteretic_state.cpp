@@ -24,6 +24,12 @@ FixWallGranHysteretic::~FixWallGranHysteretic()
 
 /* ---------------------------------------------------------------------- spheres within reach */
 
+/* True for spheres of the group; flat faces and cylinders that stand on the wall do not interact with it. */
+bool FixWallGranHysteretic::meets_walls(int i) const
+{
+  return (atom->mask[i] & groupbit) && atom->radius[i] != 0.0 && !(cylinders && stands[atom->type[i]]);
+}
+
 /* List the spheres that can reach a wall before the next reneighboring: until then no sphere moves by more than half the skin
    of the neighbor lists. The other half is for the motion of the plane. */
 void FixWallGranHysteretic::list_spheres()
@@ -34,7 +40,7 @@ void FixWallGranHysteretic::list_spheres()
   listed_level = level(moving);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
-    if ((near[i] && atom->mask[i] & groupbit) ||
+    if (near[i] ||
         (tube ? !(depth(i, 1) < -neighbor->skin)
               : !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1])))
       spheres.push_back(i);
@@ -51,24 +57,31 @@ void FixWallGranHysteretic::init_cylinders()
   last_laws.clear();
   has_lines = false;
   stands.assign(atom->ntypes + 1, 0);
+  admitted.assign(atom->ntypes + 1, 0);
   if (!cylinders) return;
   std::vector<int> mine(atom->ntypes + 1, 0), present(atom->ntypes + 1, 0);
   for (int i = 0; i < atom->nlocal; i++)
     if (atom->mask[i] & groupbit) mine[atom->type[i]] = 1;
   MPI_Allreduce(mine.data(), present.data(), atom->ntypes + 1, MPI_INT, MPI_MAX, world);
-  for (int type = 1; type <= atom->ntypes; type++) {
-    const Cylinder &cylinder = cylinders->shape(type);
-    if (cylinder.is_sphere() || !present[type]) continue;
-    if (has.cohesion) error->all(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
-    if (tube) error->all(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
-    const double along = std::fabs(cylinder.axis[axis]);
-    stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
-    has_lines = has_lines || !stands[type];
-    if (!stands[type] && along > ROUNDING_OF_AXIS)
-      error->all(FLERR,
-                 "Fix {} {}: cylinders of type {} are oblique to the wall; expected their axis parallel or normal to it",
-                 STYLE, id, type);
-  }
+  for (int type = 1; type <= atom->ntypes; type++)
+    if (present[type]) admit_type(type);
+}
+
+/* Find out how atoms of a type touch the wall, if they are cylinders. Some may come, or change their type, during a run. */
+void FixWallGranHysteretic::admit_type(int type)
+{
+  const Cylinder &cylinder = cylinders->shape(type);
+  if (cylinder.is_sphere() || admitted[type]) return;
+  admitted[type] = 1;
+  if (has.cohesion) error->one(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
+  if (tube) error->one(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
+  const double along = std::fabs(cylinder.axis[axis]);
+  stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
+  has_lines = has_lines || !stands[type];
+  if (!stands[type] && along > ROUNDING_OF_AXIS)
+    error->one(FLERR,
+               "Fix {} {}: cylinders of type {} are oblique to the wall; expected their axis parallel or normal to it",
+               STYLE, id, type);
 }
 
 /* True for a cylinder, which touches the wall along a line. */
@@ -241,7 +254,7 @@ int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 
 int FixWallGranHysteretic::pack_restart(int i, double *buf)
 {
-  return seal_atom_state(buf, pack_exchange(i, buf + AtomState::HEAD));
+  return seal_atom_state(lmp, i, buf, pack_exchange(i, buf + AtomState::HEAD));
 }
 
 void FixWallGranHysteretic::unpack_restart(int i, int nth)

@@ -65,6 +65,7 @@ void GranDents::build_lists()
   comm->borders();
   if (domain->triclinic) domain->lamda2x(atom->nlocal + atom->nghost);
   neighbor->build(1);
+  if (domain->triclinic) comm->forward_comm();    // ghosts are shifted as in a run
 }
 
 std::vector<GranDents::Line> GranDents::read(const std::string &file)

@@ -13,7 +13,9 @@
    their distance is the radius of the sphere, with R* the radius of the sphere, without friction. Two faces never touch.
 
    Types of fix gran/cylinder are cylinders. Their pairs, those with cohesion, and those whose force is a power of the overlap, are in further rows
-   of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). */
+   of the flat list, evaluated one by one (pair_gran_hysteretic_shapes.cpp). So are pairs across a periodic boundary, which are in the
+   list twice, once for each sphere: both are computed from the same numbers, so that they have one history
+   (pair_gran_hysteretic_images.cpp). */
 
 #ifdef PAIR_CLASS
 // clang-format off
@@ -34,6 +36,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 
 #include "atom.h"
 
+#include <array>
 #include <map>
 
 namespace LAMMPS_NS {
@@ -123,7 +126,7 @@ class PairGranHysteretic : public Pair {
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.
   static constexpr int STEPS_BETWEEN_CHECKS = 100;
   int evaluations = 0;
-  static constexpr int RESTART_FORMAT = 10;
+  static constexpr int RESTART_FORMAT = 11;
 
   enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
 
@@ -196,6 +199,13 @@ class PairGranHysteretic : public Pair {
   {
     return scaled_law(atom->type[i], record.partner_type, atom->radius[i], record.partner_radius);
   }
+  using Vector = std::array<double, 3>;
+  const FixGranHystereticHistory::Images &images(int i) const { return fix_history->images(i); }
+  bool crosses(int i, int j) const { return !images(i).none() || !images(j).none(); }
+  Vector vector_between(int i, int j) const;
+  Vector relative_velocity(int i, int j) const;
+  void renew_ghosts();
+  void set_relative_velocities(Batch &) const;
   granwave::CylinderPair::Separation separation(int i, int j) const;
   double distance_squared(int i, int j) const;
   double distance(int i, int j, double rsq) const;
@@ -250,6 +260,7 @@ class PairGranHysteretic : public Pair {
   bool has_rate = false;          // true if a law depends on the rate
   bool has_dashpot = false;       // true if a pair of types has one
   granwave::MovedMass masses;     // with a dashpot
+  bool flows = false;             // true if velocities jump across periodic boundaries, as those of the box do
   granwave::ContactList contacts{has};
   Batch batch;                         // of the pairs found last
   granwave::LoadingBatch loading{};    // those beyond their elastic limit

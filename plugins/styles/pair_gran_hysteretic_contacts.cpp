@@ -36,19 +36,21 @@ void PairGranHysteretic::build_contacts()
       if (force->special_lj[sbmask(jlist[jj])] == 0.0) continue;
       const int j = jlist[jj] & NEIGHMASK;
       if (radius[i] == 0.0 && radius[j] == 0.0) continue;    // two faces
+      const double far = (radii_vary ? largest_radius[type[i]] + largest_radius[type[j]] : radius[i] + radius[j]) + reach;
       if (is_special(type[i], type[j])) {
         const CylinderPair::Separation found = separation(i, j);
-        if (found.distance < radius[i] + radius[j] + reach && found.beyond < reach) special.emplace_back(i, j);
+        if (found.distance < far && found.beyond < reach) special.emplace_back(i, j);
         continue;
       }
-      const double far = (radii_vary ? largest_radius[type[i]] + largest_radius[type[j]] : radius[i] + radius[j]) + reach;
-      if (distance_squared(i, j) < far * far) plain.emplace_back(i, j);
+      if (distance_squared(i, j) < far * far) (crosses(i, j) ? special : plain).emplace_back(i, j);
     }
   }
   ContactList &c = contacts;
   has.n = fix_history->history.layout().n_extra;
   c.build(plain, special, atom->tag, atom->nlocal, nall,
-          [this](int i) { return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i]}; });
+          [this](int i) {
+            return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], fix_history->history.birth(i)};
+          });
   check_displacements();
   restore_history();
   std::vector<int> pairs_of(c.owned, 0);
@@ -167,7 +169,7 @@ void PairGranHysteretic::forget(int row, int k)
     if (i >= atom->nlocal) return;
     history.own(i, atom->tag[i]);
     c.pack(k, side, history.layout(), block.data());
-    const ContactRecord record{atom->tag[j], atom->radius[j], atom->type[j], 0, dent};
+    const ContactRecord record{atom->tag[j], history.birth(j), atom->radius[j], atom->type[j], 0, dent};
     if (lists_forgotten) {
       history.append(i, record, block.data());
       fix_history->expect_records(i, c.most_pairs);

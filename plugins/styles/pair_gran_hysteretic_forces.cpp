@@ -5,6 +5,7 @@
 #include "pair_gran_hysteretic.h"
 
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "motion.h"
 #include "neighbor.h"
@@ -22,9 +23,9 @@ constexpr int PEAKS_AHEAD = 256;    // pairs of the next batches, whose peaks ar
 double PairGranHysteretic::approach(const Batch &batch, int m) const
 {
   if (update->whichflag != 1) return 0.0;
-  const double *const vi = atom->v[batch.i[m]], *const vj = atom->v[batch.j[m]];
+  const Vector velocity = relative_velocity(batch.i[m], batch.j[m]);
   double sum = 0.0;
-  for (int d = 0; d < 3; d++) sum -= batch.del[d][m] * (vi[d] - vj[d]);
+  for (int d = 0; d < 3; d++) sum -= batch.del[d][m] * velocity[d];
   return sum / batch.r[m];
 }
 
@@ -202,6 +203,7 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
       batch.circle[m] = 1.0;    // any value, for a pair without friction
     }
   batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
+  if (flows) set_relative_velocities(batch);
   if (!step.advances) {
     batch.compute_forces_and_torques();
     return;
@@ -378,7 +380,7 @@ void PairGranHysteretic::compute_forces(Tally what)
     c.resting.set_quiet(block, quiet);
   }
   if (batch.size > 0) compute_batch(what);
-  if (has_special) compute_special(what);
+  compute_special(what);
 }
 
 void PairGranHysteretic::compute(int eflag, int vflag)
@@ -390,7 +392,9 @@ void PairGranHysteretic::compute(int eflag, int vflag)
         FLERR,
         "Pair style gran/hysteretic: rerun lacks the steps between its snapshots, by which the history of contacts with "
         "more than a dent grows");
+  if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) build_contacts();
+  flows = domain->deform_vremap != 0;
   if (has_dashpot && masses.differ() && neighbor->ago == 0) {
     masses.update();
     comm->forward_comm(this);

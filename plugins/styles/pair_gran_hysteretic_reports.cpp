@@ -217,7 +217,8 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
   const double rsq = distance_squared(i, j), apart = std::sqrt(rsq);
   Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, rsq);
   double normal[3];
-  for (int d = 0; d < 3; d++) normal[d] = (atom->x[i][d] - atom->x[j][d]) / apart;
+  const Vector del = vector_between(i, j);
+  for (int d = 0; d < 3; d++) normal[d] = del[d] / apart;
   if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
   for (int d = 0; d < 3; d++) report.on_first[d] = report.force * normal[d] + report.tangential[d];
   return report;
@@ -283,10 +284,11 @@ void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::functio
 double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
 {
   require_contacts();
-  if (std::fabs(rsq - distance_squared(i, j)) > 1e-9 * rsq)
+  const double square = distance_squared(i, j);    // with the rounding of the run across a periodic boundary
+  if (std::fabs(rsq - square) > 1e-9 * rsq)
     error->one(FLERR, "Pair style gran/hysteretic has forces of present contacts only: pair_write is not supported");
   const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);
-  const Report report = report_pair(i, j, contacts.find(lower, higher).second, 1.0, rsq);
+  const Report report = report_pair(i, j, contacts.find(lower, higher).second, 1.0, square);
   svector[OVERLAP] = report.overlap;
   svector[PEAK_OVERLAP] = report.dent.peak;
   svector[PEAK_FORCE] = report.peak_force;

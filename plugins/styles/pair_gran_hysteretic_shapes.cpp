@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Pair style gran/hysteretic: special pairs, which are those of cylinders, those with cohesion, and those whose force is a power of the
-   overlap.
+/* Pair style gran/hysteretic: special pairs, which are those of cylinders, those with cohesion, those whose force is a power of the
+   overlap, and those across a periodic boundary.
 
    They have rows of their own behind those of all other pairs, and are found one by one; forces, history and friction are
    those of any batch, with the vector between the centers replaced by its part along the normal. */
@@ -77,19 +77,17 @@ ScaledLaw PairGranHysteretic::special_law(int itype, int jtype, double ri, doubl
 /* Separation of the bodies of a special pair. */
 CylinderPair::Separation PairGranHysteretic::separation(int i, int j) const
 {
-  const double *const *x = atom->x;
-  const double del[3] = {x[i][0] - x[j][0], x[i][1] - x[j][1], x[i][2] - x[j][2]};
+  const Vector del = vector_between(i, j);
   if (const auto *const geometry = geometries[atom->type[i] * (atom_types + 1) + atom->type[j]].get())
-    return geometry->separation(del);
+    return geometry->separation(del.data());
   const double r = std::sqrt(del[0] * del[0] + del[1] * del[1] + del[2] * del[2]);
   return {r, {del[0] / r, del[1] / r, del[2] / r}, -1.0};
 }
 
 double PairGranHysteretic::distance_squared(int i, int j) const
 {
-  const double *const xi = atom->x[i], *const xj = atom->x[j];
-  const double delx = xi[0] - xj[0], dely = xi[1] - xj[1], delz = xi[2] - xj[2];
-  return delx * delx + dely * dely + delz * delz;
+  const Vector del = vector_between(i, j);
+  return del[0] * del[0] + del[1] * del[1] + del[2] * del[2];
 }
 
 /* Distance that the overlap is counted from, from the squared one of the centers. Beyond the end of a cylinder it is that. */

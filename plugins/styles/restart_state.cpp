@@ -3,14 +3,17 @@
 
 #include "atom.h"
 #include "comm.h"
+#include "domain.h"
 #include "error.h"
 #include "fmt/format.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstring>
 
 using namespace LAMMPS_NS;
+using granwave::AtomState;
 
 namespace {
 
@@ -18,7 +21,9 @@ constexpr int FORMAT = 3;    // of global states
 constexpr int HEAD = 3;      // format, number of values, checksum
 
 // Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
-constexpr double ATOM_STATE = 0.5773502691896258;
+constexpr double ATOM_STATE = 0.8660254037844386;
+constexpr int UNCHECKED = 3;               // numbers before those that the checksum is of
+constexpr double ROUNDING_OF_BOX = 1e-9;    // of positions, relative to the length of the box
 
 /* Checksum of numbers, itself a whole number. */
 double checksum(const double *values, std::size_t n)
@@ -31,6 +36,14 @@ double checksum(const double *values, std::size_t n)
     sum ^= sum >> 32;
   }
   return static_cast<double>(sum >> 12);    // all of its bits fit into a double
+}
+
+/* True if atom i is in this place, up to rounding. */
+bool is_at(const LAMMPS *lmp, int i, const double *place)
+{
+  for (int d = 0; d < 3; d++)
+    if (std::fabs(lmp->atom->x[i][d] - place[d]) > ROUNDING_OF_BOX * lmp->domain->prd[d]) return false;
+  return true;
 }
 
 }    // namespace
@@ -80,11 +93,13 @@ std::vector<double> granwave::read_state(LAMMPS *lmp, FILE *fp, const std::strin
   return state;
 }
 
-int granwave::seal_atom_state(double *buffer, int n)
+int granwave::seal_atom_state(const LAMMPS *lmp, int i, double *buffer, int n)
 {
   buffer[0] = AtomState::HEAD + n;
   buffer[1] = ATOM_STATE;
-  buffer[2] = checksum(buffer + AtomState::HEAD, n);
+  buffer[3] = static_cast<double>(lmp->atom->tag[i]);
+  std::copy_n(lmp->atom->x[i], 3, buffer + 4);
+  buffer[2] = checksum(buffer + UNCHECKED, AtomState::HEAD + n - UNCHECKED);
   return AtomState::HEAD + n;
 }
 
@@ -100,9 +115,14 @@ granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int
     if (!is_size) break;
   }
   if (size < AtomState::HEAD || stored[1] != ATOM_STATE ||
-      stored[2] != checksum(stored + AtomState::HEAD, size - AtomState::HEAD))
+      stored[2] != checksum(stored + UNCHECKED, size - UNCHECKED))
     lmp->error->one(FLERR,
                     "The restart file is damaged, or of an earlier version: the state of atom {} in fix {} {} is none",
                     lmp->atom->tag[i], fix.style, fix.id);
+  if (static_cast<tagint>(stored[3]) != lmp->atom->tag[i] || !is_at(lmp, i, stored + 4))
+    lmp->error->one(FLERR,
+                    "Fix {} {}: the state of atom {} in the restart file is given to atom {}, or to another place: give the "
+                    "fix and 'run 0' before atoms are deleted, renumbered or moved",
+                    fix.style, fix.id, stored[3], lmp->atom->tag[i]);
   return {stored + AtomState::HEAD, size - AtomState::HEAD};
 }

@@ -25,16 +25,17 @@ std::vector<double> read_state(LAMMPS_NS::LAMMPS *, FILE *, const std::string &w
 
 /* State of a fix with an atom. */
 struct AtomState {
-  static constexpr int HEAD = 3;    // size of all, mark of the format, checksum
+  static constexpr int HEAD = 7;    // size of all, mark of the format, checksum, ID and position of the atom
 
   const double *values;
   int n;
 };
 
-/* Complete a state of n numbers with an atom, which stand behind its head. Returns the size with the head. */
-int seal_atom_state(double *buffer, int n);
+/* Complete a state of n numbers with atom i, which stand behind its head. Returns the size with the head. */
+int seal_atom_state(const LAMMPS_NS::LAMMPS *, int i, double *buffer, int n);
 
-/* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged. */
+/* Return the state of a fix with atom i, for Fix::unpack_restart(). Stops with an error if it is damaged, or of
+   another atom: between read_restart and the fix LAMMPS does not move the states with the atoms, which may get other IDs, too. */
 AtomState atom_state(LAMMPS_NS::LAMMPS *, const LAMMPS_NS::Fix &, int i, int nth);
 
 }    // namespace granwave

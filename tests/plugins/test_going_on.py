@@ -175,7 +175,7 @@ def test_a_wall_without_friction_ignores_springs_of_a_restart(lammps, tmp_path):
 
 WALL = f"fix wall all wall/gran/hysteretic zplane {-R:.17g} NULL hertz 115e9 0.3 support 1e-3 1e6 0"
 PUSH = "fix push all gran/load z force half-sine 10 1e-3"
-ATOM_STATE = struct.pack("<d", 0.5773502691896258)
+ATOM_STATE = struct.pack("<d", 0.8660254037844386)
 
 
 def resume(lmp, path, *fixes: str) -> None:

@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 
 from tests.conftest import printed, script_of
-from tests.helpers.rubbing import BRASS, MU, rubbing
+from tests.helpers.rubbing import BRASS, HERTZ, MU, rubbing
 from tests.helpers.two_spheres import DRIVEN, LAW, PAIR, REPORT, R
 from tests.plugins.fixes.test_holder_and_damping import bar
-from tests.plugins.test_packings import text_of
+from tests.plugins.test_packings import ROLLS, SLIPS, text_of
 
 SUMS = "compute sums all reduce sum c_dents[13] c_dents[15] inputs local\nthermo_style custom step c_en c_en[*] c_sums[*]\n"
 ENERGIES = ["c_en", "c_en[1]", "c_en[6]", "c_en[7]", "c_sums[1]", "c_sums[2]"]
@@ -59,6 +59,31 @@ def driven() -> str:
     return text.replace("boundary m m m", "boundary p p p\nprocessors 1 1 *") + fix
 
 
+def drifting(law: str, tilt: float = 0.0, flow: str = "") -> str:
+    """Periodic FCC packing in random motion that drifts across all borders of its box, which may be
+    tilted and deformed.
+    """
+    cell = 0.01412
+    cells = np.array([(i, j, k) for k in range(2) for j in range(2) for i in range(2)])
+    basis = 0.5 * np.array([(0, 0, 0), (1, 1, 0), (1, 0, 1), (0, 1, 1)])
+    places = cell * (cells[:, None] + basis + 0.25).reshape(-1, 3)
+    side = 2 * cell
+    shift = places[:, 1] * tilt / side
+    places[:, 0] = shift + (places[:, 0] - shift) % side
+    rng = np.random.default_rng(1)
+    speeds = np.array([100, 60, 35]) + rng.uniform(-2, 2, places.shape)
+    spins = rng.uniform(-100, 100, places.shape)
+    extra = f"timestep 5e-8\nneighbor 2e-4 bin\n{flow}"
+    text = rubbing(places, law, velocities=speeds, spins=spins, box=[0, side] * 3, extra=extra)
+    text = text.replace("boundary m m m", "boundary p p p")
+    if not tilt:
+        return text
+    return text.replace("block", "prism").replace(
+        "units box\ncreate_box", f"{tilt} 0 0 units box\ncreate_box"
+    )
+
+
+ACROSS = f"{BRASS} friction {MU} loss time 1e-8"
 # script, of the folder of the test, steps, values that are equal to rounding, further columns of
 # the spheres
 RUNS = {
@@ -70,6 +95,13 @@ RUNS = {
     "plate": (lambda _: sheet(), 300, ["f_plate[10]", "f_plate[11]", "f_plate[13]", "f_plate[15]"], ""),
     "initial dents": (row_with_dents, 6000, ["c_en[1]"], "f_end[*]"),
     "beads and bar": (lambda _: bar(60, beads=5, load="half-sine 5000 4e-5")[0], 2400, ["f_push", "c_ep[1]", "c_ep[2]", "ebond"], ""),
+    "across the border": (lambda _: drifting(ACROSS), 2000, [*ENERGIES[:4], "c_en[8]"], ""),
+    "slip across the border": (lambda _: drifting(f"{HERTZ} {SLIPS} {ROLLS}"), 2000, ["c_en", "c_en[6]", "c_en[7]"], ""),
+    "necks across the border": (lambda _: drifting(f"{HERTZ} friction 0.3 cohesion jkr 100"), 2000, ["c_en", "c_en[6]"], ""),
+    "rate across the border": (lambda _: drifting(f"{BRASS} friction 0.3 rate 0.05 1"), 2000, ENERGIES[:4], ""),
+    "flow": (lambda _: drifting(ACROSS, flow="fix flow all deform 1 x erate 20 remap v\n"), 2000, [*ENERGIES[:4], "c_en[8]"], ""),
+    "tilted box": (lambda _: drifting(ACROSS, tilt=0.008), 2000, [*ENERGIES[:4], "c_en[8]"], ""),
+    "shear": (lambda _: drifting(ACROSS, tilt=0.002, flow="fix flow all deform 1 xy erate 200 remap v\n"), 2000, [*ENERGIES[:4], "c_en[8]"], ""),
     "driven sphere": (lambda _: driven(), 2000, ["f_push", "f_push[2]", "f_push[3]", "z[1]"], ""),
 }  # fmt: skip
 
