@@ -192,7 +192,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
         *(f"unfix           {_PREFIX}{name}" for name in plane_names(assembly)),
-        "gran/dents      begin",
+        "gran/dents      clear",
         *pair_coefficients(assembly),
         _STAGE_END,
     ]
