@@ -48,13 +48,18 @@ std::int64_t units_of(double term)
 }
 
 /* Fixes of LAMMPS that multiply the step counter by the timestep, or an interval by it. */
-constexpr const char *MULTIPLY_STEPS = "^deform|^move|^wiggle|^controller";
+constexpr std::array<const char *, 4> MULTIPLY_STEPS = {"^controller", "^deform", "^move", "^pour"};
 
 /* Fixes of LAMMPS that wait for certain steps, and with Nevery = 1 for each of them. */
-constexpr const char *WAIT_FOR_STEPS = "^ave/|^vector|^print";
+constexpr std::array<const char *, 3> WAIT_FOR_STEPS = {"^ave/", "^print", "^vector"};
 
 /* Functions of variables that multiply the step counter by the timestep. */
 constexpr std::array<const char *, 3> FUNCTIONS_OF_STEPS = {"vdisplace(", "swiggle(", "cwiggle("};
+
+template <std::size_t N> bool matches(const char *style, const std::array<const char *, N> &patterns)
+{
+  return std::any_of(patterns.begin(), patterns.end(), [style](const char *p) { return utils::strmatch(style, p); });
+}
 
 bool power_of_two(std::int64_t n) { return n > 0 && (n & (n - 1)) == 0; }
 
@@ -177,17 +182,18 @@ void FixGranTimestep::refuse_fixes_that_count_steps() const
 {
   if (longest == 1) return;    // a step is a tick
   for (const auto *other : modify->get_fix_list()) {
-    if (utils::strmatch(other->style, MULTIPLY_STEPS))
+    if (matches(other->style, MULTIPLY_STEPS))
       error->all(FLERR,
                  "Fix {} {}: fix {} {} multiplies the number of steps by the timestep, and a step has several ticks: "
                  "unfix one of the two",
                  STYLE, id, other->style, other->id);
-    if (other->nevery == 1 && utils::strmatch(other->style, WAIT_FOR_STEPS))
+    if (other->nevery == 1 && matches(other->style, WAIT_FOR_STEPS))
       error->all(FLERR,
                  "Fix {} {}: fix {} {} waits for every tick, and a step has several: give it an interval, best a multiple "
                  "of {}",
                  STYLE, id, other->style, other->id, longest);
-    const bool wall_of_lammps = utils::strmatch(other->style, "^wall/gran") && !dynamic_cast<const FixWallGranHysteretic *>(other);
+    const bool wall_of_lammps =
+        utils::strmatch(other->style, "^wall/gran") && !dynamic_cast<const FixWallGranHysteretic *>(other);
     if (wall_of_lammps && comm->me == 0)
       error->warning(FLERR, "Fix {} {}: a wall of fix {} {} must not wiggle, since it takes a tick for a step", STYLE, id,
                      other->style, other->id);
@@ -401,7 +407,7 @@ void FixGranTimestep::end_of_step()
   }
   const bool held = origin + static_cast<double>(reached) * tick < until;
   const double most = held ? std::min(bound, static_cast<double>(first)) : bound;
-  const std::int64_t next = controller.choose(s, AIM * tolerance * energy, most, reached, next_due());
+  std::int64_t next = controller.choose(s, AIM * tolerance * energy, most, reached, next_due());
   // what is due now is written here, as the run would do right after this, before the counter moves on
   if (reached == output->next) {
     const double dt = update->dt;
@@ -410,6 +416,10 @@ void FixGranTimestep::end_of_step()
     output->write(reached);
     timer->stamp(Timer::OUTPUT);
     update->dt = dt;
+    // only now the next output is known
+    const bigint due = next_due();
+    while (next > 1 && reached + next > due) next /= 2;
+    controller.take(next, s);
   }
   take(next);
   pending = reached >= update->laststep;
