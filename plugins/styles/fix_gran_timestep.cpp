@@ -205,14 +205,16 @@ void FixGranTimestep::refuse_variables_that_count_steps() const
 {
   if (longest == 1) return;
   Info info(lmp);
-  for (int n = 0; n < input->variable->nvar; n++) {
+  Variable *const variables = input->variable;
+  for (int n = 0; n < variables->nvar; n++) {
+    if (!variables->equalstyle(n) && !variables->atomstyle(n) && !variables->vectorstyle(n)) continue;
     const std::string text = info.get_variable_info(n);
     for (const std::string function : FUNCTIONS_OF_STEPS)
       if (text.find(function) != std::string::npos)
         error->all(FLERR,
                    "Fix {} {}: variable {} has {}...), which multiplies the number of steps by the timestep, and a step "
                    "has several ticks: write it with the keyword time",
-                   STYLE, id, input->variable->names[n], function);
+                   STYLE, id, variables->names[n], function);
   }
 }
 
