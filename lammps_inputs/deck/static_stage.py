@@ -1,10 +1,12 @@
 """Static stage before a precompressed run, in the LAMMPS input script.
 
 Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek
-et al. 2006) without friction. FIRE overshoots, which must not leave dents: the first half uses
-Hertz's law for all contacts, and the contact history is reset afterwards. The second half starts
-from that equilibrium with the laws and initial dents of the case; contacts whose static force
-exceeds yield get their dents there. Then time and energies are reset to zero.
+et al. 2006) without friction. The first half uses Hertz's law for all contacts, and the contact
+history is cleared afterwards, since its overlaps are not those of the case's law. The second half
+starts from that equilibrium with the laws and initial dents of the case; contacts whose static force
+exceeds yield get their dents there. FIRE overshoots, which leaves no dents: every iteration begins
+with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of a
+load that grows steadily. Then time and energies are reset to zero.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
@@ -168,7 +170,7 @@ def first_half(assembly: Assembly) -> list[str]:
     ]
     return [
         _STAGE_MARKER,
-        "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
+        "# To balance under the dead loads, first with elastic contacts; what they leave is cleared.",
         *pair_coefficients(assembly, elastic=True),
         *(
             f"variable        {moved_wall(name)} equal {num(overlap)}"
@@ -193,7 +195,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
         *(f"unfix           {_PREFIX}{name}" for name in plane_names(assembly)),
-        "gran/dents      begin",
+        "gran/dents      clear",
         *pair_coefficients(assembly),
         _STAGE_END,
     ]

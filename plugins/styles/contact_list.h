@@ -43,6 +43,13 @@ class ContactList {
   std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
   std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
   std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
+  /* Histories at the start of a minimization, which every evaluation in it continues from: a position that it tries and does not keep
+     leaves no dent. */
+  struct Start {
+    bool kept = false;
+    std::vector<double> peak, time_first, time_peak, time_yield, reached, extra;
+  };
+  Start start;
   RestingBlocks resting;
   RowGroups groups;    // of the plain rows
 
@@ -126,6 +133,10 @@ class ContactList {
     time_peak[k] = now;
   }
 
+  /* Keep the present histories as those at the start of a minimization, or return to those that were kept. */
+  void keep_start();
+  void return_to_start();
+
   /* Reset pair k to a contact that has not touched in this run, with this peak. With `dented` the peak is that of an initial dent,
      whose history is kept. */
   void reset(int k, double peak, bool dented);
@@ -158,6 +169,9 @@ class ContactList {
   ContactMemory &has;           // of the pair style
   std::vector<double> extra;    // blocks of has.n doubles
 
+  void begin_anew(int k, double new_peak, bool dented);
+  void keep_start_of(int k);
+  void return_to_start_of(int k);
   void add_rows(const std::vector<std::pair<int, int>> &, const tagint *tag, int nall);
   void clear_histories();
   void renew_turning(int k, const ScaledLaw &);

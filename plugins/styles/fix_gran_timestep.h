@@ -53,6 +53,9 @@ class FixGranTimestep : public Fix {
   Sums sums() const;
   void bound_step();
   bigint next_due() const;
+  void refuse_fixes_that_count_steps() const;
+  void refuse_variables_that_count_steps() const;
+  bool fits(std::int64_t ticks, bigint due) const;
   bool tallied(bigint step) const;
   void take(std::int64_t ticks);
   void set_clock();
@@ -78,7 +81,9 @@ class FixGranTimestep : public Fix {
   bool pending = false;       // the counter is to be set as the next step begins
   int rotates = 0;            // bits of the groups whose spheres follow the torques on them
   std::shared_ptr<const granwave::Cylinders> cylinders;
-  std::vector<const Fix *> others;                           // that act at the end of some steps
+  bigint n_atoms = 0;                                        // when the last step ended
+  std::vector<const Fix *> others;                           // that act in some steps
+  std::vector<const Fix *> rebuilders;                       // that ask for new neighbor lists at some step
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move
 };
 

@@ -92,7 +92,8 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
 int FixWallGranHysteretic::setmask()
 {
   const int forces = FixConst::POST_FORCE | FixConst::MIN_POST_FORCE | FixConst::POST_NEIGHBOR | FixConst::MIN_POST_NEIGHBOR;
-  return support ? forces | FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : forces;
+  const int all = forces | FixConst::MIN_PRE_EXCHANGE;
+  return support ? all | FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : all;
 }
 
 void FixWallGranHysteretic::init()
@@ -137,8 +138,45 @@ void FixWallGranHysteretic::setup(int)
   evaluate();
 }
 
+void FixWallGranHysteretic::min_setup(int)
+{
+  keep_start();
+  setup(0);
+}
+
+/* Spheres are about to be exchanged between processors, with the histories at the start of the minimization. */
+void FixWallGranHysteretic::min_pre_exchange()
+{
+  return_to_start();
+  start.kept = false;
+}
+
+void FixWallGranHysteretic::keep_start()
+{
+  const std::size_t n = atom->nlocal;
+  start.kept = true;
+  start.histories.assign(histories.begin(), histories.begin() + static_cast<std::ptrdiff_t>(n * n_history()));
+  start.reports.clear();
+  for (std::size_t i = 0; i < n; i++) start.reports.insert(start.reports.end(), array_atom[i], array_atom[i] + N_REPORTED);
+}
+
+/* Only spheres that may have touched a wall have changed. Those whose present force is no longer known count as near. */
+void FixWallGranHysteretic::return_to_start()
+{
+  if (!start.kept) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!touched[i]) continue;
+    std::copy_n(start.histories.data() + static_cast<std::size_t>(i) * n_history(), n_history(), at_walls(i));
+    std::copy_n(start.reports.data() + static_cast<std::size_t>(i) * N_REPORTED, static_cast<int>(N_REPORTED),
+                array_atom[i]);
+    near[i] = 1;
+  }
+}
+
 void FixWallGranHysteretic::min_post_force(int)
 {
+  if (!start.kept) keep_start();
+  return_to_start();
   if (support) support->settle(contact_stiffness);
   evaluate();
 }

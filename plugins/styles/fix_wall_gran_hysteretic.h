@@ -45,7 +45,8 @@ class FixWallGranHysteretic : public Fix {
   void init() override;
   void reset_dt() override;
   void setup(int) override;
-  void min_setup(int) override { setup(0); }
+  void min_setup(int) override;
+  void min_pre_exchange() override;
   void initial_integrate(int) override { support->advance(update->dt); }
   void setup_post_neighbor() override { post_neighbor(); }
   void post_neighbor() override
@@ -64,7 +65,7 @@ class FixWallGranHysteretic : public Fix {
   /* Set the initial dent of a sphere at its present position, on the nearer of the two walls. */
   void set_dent(int i, double peak);
   /* Turn all dents so far into initial dents, and reset the totals. */
-  void begin();
+  void begin(bool keeps);
   /* The coefficient of friction. */
   void *extract(const char *, int &) override;
   /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
@@ -127,6 +128,8 @@ class FixWallGranHysteretic : public Fix {
   bool meets_walls(int i) const;
   void part(int i);
   void evaluate();
+  void keep_start();
+  void return_to_start();
   double level(int side) const;
   double depth(int i, int side) const;
   void inward(int i, int side, double normal[3]) const;
@@ -208,6 +211,14 @@ class FixWallGranHysteretic : public Fix {
   // variables of the law, present and initial
   std::vector<double> histories;
   std::vector<granwave::Front> fronts;    // of the largest force of each sphere
+
+  /* Histories and output of the spheres at the start of a minimization, which every evaluation in it continues from: a position that
+     it tries and does not keep leaves no dent. */
+  struct Start {
+    bool kept = false;
+    std::vector<double> histories, reports;
+  };
+  Start start;
 
   double wall_force[3];              // force of the spheres of this processor on the walls
   granwave::ExactSum on_plane[2];    // force and stiffness of the contacts of this processor with a movable plane

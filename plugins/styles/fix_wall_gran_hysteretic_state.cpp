@@ -160,7 +160,7 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   report_dents(i);
 }
 
-void FixWallGranHysteretic::begin()
+void FixWallGranHysteretic::begin(bool keeps)
 {
   for (int i = 0; i < atom->nlocal; i++) {
     const ScaledLaw &scaled = scaled_law(i);
@@ -170,10 +170,12 @@ void FixWallGranHysteretic::begin()
     fronts[i] = Front();
     for (int which = 0; which < 2; which++) {
       Side &side = sides(i)[which];
-      const bool yielded = scaled.yielded(side.dent);
+      const bool yielded = keeps && scaled.yielded(side.dent);
+      const double rounding = ROUNDING * atom->radius[i];
       side.initial = yielded ? side.dent : 0.0;
-      if (!yielded)
-        side.dent = side.touching != 0.0 ? std::max(depth(i, which), has.cohesion ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
+      if (side.touching == 0.0 && !yielded) side.dent = 0.0;
+      else if (!keeps) side.dent = rounding;
+      else if (!yielded) side.dent = std::max(depth(i, which), has.cohesion ? rounding : 0.0);
       side.lost_before = 0.0;
       has.begin(extra(i, which), yielded);
       std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));

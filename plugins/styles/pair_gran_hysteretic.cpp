@@ -36,7 +36,8 @@ PairGranHysteretic::~PairGranHysteretic()
   delete[] pvector;
   if (copymode) return;
   if (fix_history) {
-    fix_history->publish_contacts = fix_history->release_contacts = fix_history->lose_contacts = nullptr;
+    fix_history->publish_contacts = fix_history->release_contacts = nullptr;
+    fix_history->lose_contacts = fix_history->return_to_start = nullptr;
     if (modify && modify->get_fix_by_id(FixGranHystereticHistory::ID)) modify->delete_fix(FixGranHystereticHistory::ID);
   }
   if (allocated) {
@@ -160,11 +161,13 @@ void PairGranHysteretic::init_style()
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->publish_contacts = [this] { publish_contacts(); };
     fix_history->release_contacts = [this] { release_contacts(); };
+    fix_history->return_to_start = [this] { contacts.return_to_start(); };
     fix_history->lose_contacts = [this] {
       fix_history = nullptr;
       contacts.valid = false;
       lost_contacts = true;
     };
+    fix_history->agree_on_layout();
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;

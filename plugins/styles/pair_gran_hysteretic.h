@@ -114,12 +114,12 @@ class PairGranHysteretic : public Pair {
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
   /* Initial dents (gran_dents.h). `prepare` must be called first, with LAMMPS's neighbor lists rebuilt: from then on initial
-     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` sets those of pairs of IDs, lower first,
-     and returns how this went for the pairs within reach. All three are called on all processors. */
+     dents are stored. `begin` turns all dents so far into initial dents, or forgets them. `set_dents` sets those of pairs of IDs, lower first,
+     and returns how this went for the pairs within reach. All of them are called on all processors. */
   using Ids = std::pair<tagint, tagint>;
   enum DentStatus { SET = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };
   void prepare_initial_dents();
-  void begin_initial_dents();
+  void begin_initial_dents(bool keeps);
   std::map<Ids, DentStatus> set_dents(const std::map<Ids, double> &dents);
 
  private:
@@ -128,7 +128,21 @@ class PairGranHysteretic : public Pair {
   int evaluations = 0;
   static constexpr int RESTART_FORMAT = 11;
 
-  enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
+  /* Columns of compute pair/local. The first ten are those of LAMMPS's pair styles gran/..., which compute fabric reads. */
+  enum {
+    TANGENTIAL_FORCE,
+    TANGENTIAL_MAGNITUDE = TANGENTIAL_FORCE + 3,
+    NORMAL_VELOCITY,
+    TANGENTIAL_VELOCITY = NORMAL_VELOCITY + 3,
+    OVERLAP = TANGENTIAL_VELOCITY + 3,
+    PEAK_OVERLAP,
+    PEAK_FORCE,
+    LOST,
+    TIME_FIRST,
+    TIME_PEAK,
+    TIME_YIELD,
+    N_SINGLE
+  };
 
   struct PairParameters {    // parameters of a contact, from its two spheres
     double radius_i, radius_j, radsum, touch_sq, largest_overlap;
@@ -211,6 +225,7 @@ class PairGranHysteretic : public Pair {
   double distance(int i, int j, double rsq) const;
   double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
   void build_contacts();
+  void begin_evaluation();
   void check_displacements();
   void restore_history();
   void require_contacts();
@@ -241,6 +256,8 @@ class PairGranHysteretic : public Pair {
   Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);
   Report report_pair(std::size_t r, int k);
+  void unit_normal(int i, int j, double (&normal)[3]) const;
+  void write_lammps_columns(const Report &);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;

@@ -383,6 +383,14 @@ void PairGranHysteretic::compute_forces(Tally what)
   compute_special(what);
 }
 
+/* In a minimization, begin with the histories at its start: of the positions it tries only the last ones leave dents. */
+void PairGranHysteretic::begin_evaluation()
+{
+  if (update->whichflag != 2) contacts.start.kept = false;
+  else if (contacts.start.kept) contacts.return_to_start();
+  else contacts.keep_start();
+}
+
 void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
@@ -399,6 +407,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
     masses.update();
     comm->forward_comm(this);
   }
+  begin_evaluation();
   contacts.published = false;
   now = simulated_time(*update);
   step = {update->dt, update->whichflag == 1 && !update->setupflag};

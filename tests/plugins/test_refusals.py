@@ -68,8 +68,8 @@ REFUSED = {
         ("1 2e-3 0 1 0\nfix w all wall/gran/hysteretic zplane -0.003 NULL hertz 1e9 0.3\nrun 0", "the law of a line contact ends: it is too short"),
     ]),
     "dents": (ONE, "gran/dents {}", [
-        ("", "expected 'read FILE' or 'begin'"),
-        ("begin now", "expected 'read FILE' or 'begin'"),
+        ("", "expected 'read FILE', 'begin' or 'clear'"),
+        ("begin now", "expected 'read FILE', 'begin' or 'clear'"),
         ("read /nowhere/dents", "cannot read file /nowhere/dents"),
     ]),
     "dents without the pair style": (BARE + "pair_style zero 1.0\npair_coeff * *\n", "{}", [
