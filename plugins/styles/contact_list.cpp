@@ -141,13 +141,13 @@ void ContactList::reset(int k, double new_peak, bool dented)
 
 void ContactList::keep_start()
 {
-  start = {true, peak, time_first, time_peak, time_yield, has.dents ? reached : std::vector<double>(), extra};
+  start = {true, front, peak, time_peak, time_yield, has.dents ? reached : std::vector<double>(), extra};
 }
 
 void ContactList::keep_start_of(int k)
 {
   start.peak[k] = peak[k];
-  start.time_first[k] = time_first[k];
+  start.front[k] = front[k];
   start.time_peak[k] = time_peak[k];
   start.time_yield[k] = time_yield[k];
   if (has.dents) start.reached[k] = reached[k];
@@ -157,7 +157,7 @@ void ContactList::keep_start_of(int k)
 void ContactList::return_to_start_of(int k)
 {
   peak[k] = start.peak[k];
-  time_first[k] = start.time_first[k];
+  front[k] = start.front[k];
   time_peak[k] = start.time_peak[k];
   time_yield[k] = start.time_yield[k];
   if (has.dents) reached[k] = start.reached[k];

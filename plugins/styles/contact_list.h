@@ -47,7 +47,8 @@ class ContactList {
      leaves no dent. */
   struct Start {
     bool kept = false;
-    std::vector<double> peak, time_first, time_peak, time_yield, reached, extra;
+    std::vector<Front> front;
+    std::vector<double> peak, time_peak, time_yield, reached, extra;
   };
   Start start;
   RestingBlocks resting;

@@ -156,6 +156,7 @@ void FixWallGranHysteretic::keep_start()
   const std::size_t n = atom->nlocal;
   start.kept = true;
   start.histories.assign(histories.begin(), histories.begin() + static_cast<std::ptrdiff_t>(n * n_history()));
+  start.fronts.assign(fronts.begin(), fronts.begin() + static_cast<std::ptrdiff_t>(n));
   start.reports.clear();
   for (std::size_t i = 0; i < n; i++) start.reports.insert(start.reports.end(), array_atom[i], array_atom[i] + N_REPORTED);
 }
@@ -169,6 +170,7 @@ void FixWallGranHysteretic::return_to_start()
     std::copy_n(start.histories.data() + static_cast<std::size_t>(i) * n_history(), n_history(), at_walls(i));
     std::copy_n(start.reports.data() + static_cast<std::size_t>(i) * N_REPORTED, static_cast<int>(N_REPORTED),
                 array_atom[i]);
+    fronts[i] = start.fronts[i];
     near[i] = 1;
   }
 }

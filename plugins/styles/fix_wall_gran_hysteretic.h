@@ -217,6 +217,7 @@ class FixWallGranHysteretic : public Fix {
   struct Start {
     bool kept = false;
     std::vector<double> histories, reports;
+    std::vector<granwave::Front> fronts;
   };
   Start start;
 
