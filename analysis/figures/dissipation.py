@@ -89,7 +89,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
         axes.legend(loc="lower left")
     axes.set_ylim(bottom=max(float(values.min()), float(values[0]) * _RANGE) / 2)
     quantity = r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
-    label(axes, "Number of spheres that dissipated energy, in descending order", quantity)
+    label(axes, "Dissipating spheres, in descending order", quantity)
     return Drawing(figure, columns)
 
 

@@ -97,16 +97,19 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
 
 
 def _put_above(axes: Axes, legend: Legend) -> None:
-    """Replace a legend by one above its axes, in columns."""
+    """Replace a legend by one above its axes, in as many columns as have room."""
     entries = [text.get_text() for text in legend.get_texts()]
-    title = legend.get_title().get_text() or None
-    size = legend.get_texts()[0].get_fontsize()
-    axes.legend(
-        legend.legend_handles,
-        entries,
-        title=title,
-        loc="lower center",
-        bbox_to_anchor=_ABOVE,
-        ncols=min(_COLUMNS_ABOVE, len(entries)),
-        fontsize=size,
-    )
+    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
+    for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
+        above = axes.legend(
+            legend.legend_handles,
+            entries,
+            title=legend.get_title().get_text() or None,
+            loc="lower center",
+            bbox_to_anchor=_ABOVE,
+            ncols=columns,
+            columnspacing=1.0,
+            fontsize=legend.get_texts()[0].get_fontsize(),
+        )
+        if above.get_window_extent(renderer).width <= axes.bbox.width:
+            return

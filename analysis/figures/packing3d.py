@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
 from granwave.analysis.figures.sections import (
     Colouring,
     colour_bar,
@@ -30,6 +31,7 @@ AZIMUTH = -58.0
 ELEVATION = 30.0
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
+_ARROW = 0.1  # length of the arrow of the load over the width of the picture
 _CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
 _BELOW = 0.3  # widths of the picture below a tube
 _LEAST_SPHERES = 8
@@ -103,16 +105,11 @@ def draw_packing(
         ha="center",
         va="bottom",
     )
-    # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see,
-    # and it points down
-    place, beyond = _CAMERA.project(
-        np.array([result.origin, result.origin + result.case.load.way])
-    )[:, :2]
-    seen = float(np.hypot(*(beyond - place)))
-    back = (place - beyond) / seen if seen > 0.1 else np.array([0.0, 1.0])
-    tip, tail = (tuple(place * _MILLI + share * (right - left) * back) for share in (0.02, 0.12))
-    arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=tip, xytext=tail, arrowprops=arrow, annotation_clip=False)
+    arrow = impact_arrow(result)
+    place, beyond = _CAMERA.project(np.array([arrow.place, arrow.place + arrow.direction]))[:, :2]
+    diameter = result.case.packing.diameter * _MILLI
+    length = max(_ARROW * (right - left) / diameter, 1.0)
+    draw_arrow(axes, place * _MILLI, beyond - place, diameter, length)
     colour_bar(
         figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size)
     )
@@ -150,9 +147,10 @@ def _surface_of(result: Result) -> tuple[NDArray[np.intp], Surface]:
         positions = result["spheres/position"]
         beyond = (positions - result.origin)[:, :2]
         towards = np.sign(_CAMERA.towards[:2])
-        # the quarter that is cut away
+        # the quarter that is cut away, but of a single layer, which hides nothing
         facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)
-        kept = np.flatnonzero(~facing)
+        one_layer = np.ptp(positions[:, 2]) < _CUT * result.case.packing.diameter
+        kept = np.flatnonzero(~facing | one_layer)
         places = positions[kept]
         radii = result["spheres/radius"][kept]
         across, up = np.ptp(_CAMERA.project(places)[:, :2], axis=0) + 2 * radii.max()

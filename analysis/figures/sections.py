@@ -19,6 +19,7 @@ from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
 from granwave.analysis.figures.style import (
     BLANK,
     DENT_MAP,
@@ -40,6 +41,7 @@ _EDGE_OF_BLANK = "#c4c4c4"
 _TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
+_AROUND_ARROW = 0.3  # between the arrow of the load and the edge of a section, in diameters
 _DISC = 0.96  # drawn over actual diameter
 # length of an axis in a section, over the radius: of a shorter one the end is seen
 _SEEN_ALONG = 0.1
@@ -253,9 +255,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
             axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
-            axes.plot(
-                0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4
-            )  # where the impact is
+            _draw_impact(axes, result, cut, window)
     if len(panels) > 1:
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     else:
@@ -267,6 +267,21 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)
     }
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
+
+
+def _draw_impact(
+    axes: Axes, result: Result, cut: Section, window: tuple[float, float, float, float]
+) -> None:
+    """Draw the arrow of the load in a section, and widen its window to show the whole of it."""
+    arrow = impact_arrow(result)
+    plane = np.stack([cut.plane.across, cut.plane.down])
+    place = plane @ (arrow.place - result.origin) * _MILLI
+    diameter = result.case.packing.diameter * _MILLI
+    tail = draw_arrow(axes, place, plane @ arrow.direction, diameter)
+    left, right, top, bottom = window
+    margin = _AROUND_ARROW * diameter
+    axes.set_xlim(min(left, tail[0] - margin), max(right, tail[0] + margin))
+    axes.set_ylim(max(bottom, tail[1] + margin), min(top, tail[1] - margin))
 
 
 def cut_of(result: Result, name: str) -> Section | None:
