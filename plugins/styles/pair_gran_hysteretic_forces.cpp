@@ -391,7 +391,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
         "Pair style gran/hysteretic: rerun lacks the steps between its snapshots, by which the history of contacts with "
         "more than a dent grows");
   if (!contacts.valid) build_contacts();
-  if (has_dashpot && masses.differ() && neighbor->ago == 0) {
+  if (has_dashpot && masses.differ() && neighbor->ago == 0 && update->whichflag == 1) {
     masses.update();
     comm->forward_comm(this);
   }
