@@ -18,8 +18,9 @@ they do there, -i omega C.
 
 A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
 time A (``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the
-effective mass m*, as in the runs. A network whose springs have c for k, no static force and no
-friction has the matrix of these dampers for its stiffness.
+effective mass m*, as in the runs: grains that are held or driven along the normal do not move. A
+network whose springs have c for k, no static force and no friction has the matrix of these dampers
+for its stiffness.
 """
 
 from __future__ import annotations

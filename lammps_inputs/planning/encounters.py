@@ -334,30 +334,30 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
 
 def _behind(assembly: Assembly, name: str, material: Material) -> Backing | None:
     """Return what moves behind the wall of this name when grains of a material press it."""
-    wall = next((one for one in walls(assembly) if one.name == name), None)
+    wall = next((wall for wall in walls(assembly) if wall.name == name), None)
     return None if wall is None else backing_of(assembly, wall, material)
 
 
-def _with_body(one: Encounter, behind: Backing | None, key: str) -> Encounter:
+def _with_body(collision: Encounter, behind: Backing | None, key: str) -> Encounter:
     """Return a collision with a plane, with the mass of the body behind it, which has this key."""
-    if behind is None or one.energy <= 0 or one.law.name == NO_FORCE:
-        return one
+    if behind is None or collision.energy <= 0 or collision.law.name == NO_FORCE:
+        return collision
     try:
-        stiffness = one.stiffness
+        stiffness = collision.stiffness
     except (ArithmeticError, ValueError):  # `some_encounters` names it
-        return one
+        return collision
     if not 0 < stiffness < math.inf:
-        return one
-    sphere = one.mass / 2
+        return collision
+    sphere = collision.mass / 2
     body = behind.moved_mass(sphere, stiffness)
     return dataclasses.replace(
-        one, mass=2 * sphere / (1 + sphere / body), body=key if body < sphere else ""
+        collision, mass=2 * sphere / (1 + sphere / body), body=key if body < sphere else ""
     )
 
 
 def _of_any(assembly: Assembly) -> list[Encounter]:
     """Return a collision with the whole energy input for each kind of touching pair."""
-    found = _of_pairs(assembly)
+    collisions = _of_pairs(assembly)
     energy = expected_energy(assembly)
     for sphere, material, behind, key in _flats(assembly):
         law = flat_contact(assembly, sphere, material)
@@ -365,8 +365,8 @@ def _of_any(assembly: Assembly) -> list[Encounter]:
         loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
         taken = _limited(assembly, law, energy)
         at_flat = Encounter(law, taken, mass, against_wall=True, loss=loss)
-        found.append(_with_body(at_flat, behind, key))
-    return found
+        collisions.append(_with_body(at_flat, behind, key))
+    return collisions
 
 
 def _of_pairs(assembly: Assembly) -> list[Encounter]:
@@ -379,20 +379,22 @@ def _of_pairs(assembly: Assembly) -> list[Encounter]:
     def may_be_held(grain: int) -> bool:
         return grain <= len(of) and int(of[grain - 1]) in kinds
 
-    found = []
+    collisions = []
     for first, second in kinds_of_pairs(assembly):
         masses = assembly.mass_of(first), assembly.mass_of(second)
         law = pair_contact(assembly, first, second)
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
         share = max(masses) / sum(masses)
         effective = math.prod(masses) / sum(masses)
-        found.append(
+        collisions.append(
             Encounter(law, _limited(assembly, law, energy * share), 2 * effective, loss=loss)
         )
         for mass, partner in zip(masses, (second, first), strict=True):
             if may_be_held(partner):
-                found.append(Encounter(law, _limited(assembly, law, energy), 2 * mass, loss=loss))
-    return found
+                collisions.append(
+                    Encounter(law, _limited(assembly, law, energy), 2 * mass, loss=loss)
+                )
+    return collisions
 
 
 def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | None, str]]:

@@ -72,13 +72,14 @@ void MovedMass::update()
     if ((atom->mask[i] & frozen) || !(atom->mask[i] & integrated)) std::fill_n(spheres[i].left, 6, 0.0);
 }
 
-/* Let the fixes change forces of 0 and of 1 along x, y and z: the differences are the columns of P. */
+/* Let the fixes change forces of 0 and of 1 along x, y and z: the differences are the columns of P, of which n.P n needs the
+   symmetric part. */
 void MovedMass::ask_holders()
 {
   constexpr int ROW[6] = {0, 1, 2, 0, 0, 1}, COLUMN[6] = {0, 1, 2, 1, 2, 2};
   const Atom *const atom = lmp->atom;
   const int n = atom->nlocal;
-  std::vector<double> forces(3 * static_cast<std::size_t>(n)), at_rest(forces.size());
+  std::vector<double> forces(3 * static_cast<std::size_t>(n)), without(forces.size());
   if (n > 0) std::copy_n(atom->f[0], forces.size(), forces.begin());
   const auto answer = [&](int axis) {
     for (int i = 0; i < n; i++)
@@ -86,14 +87,14 @@ void MovedMass::ask_holders()
     for (auto *fix : holders) fix->post_force(0);
   };
   answer(-1);
-  if (n > 0) std::copy_n(atom->f[0], at_rest.size(), at_rest.begin());
+  if (n > 0) std::copy_n(atom->f[0], without.size(), without.begin());
   for (auto &sphere : spheres) std::fill_n(sphere.left, 6, 0.0);
   for (int axis = 0; axis < 3; axis++) {
     answer(axis);
     for (int i = 0; i < n; i++)
       for (int k = 0; k < 6; k++) {
-        if (COLUMN[k] == axis) spheres[i].left[k] += (atom->f[i][ROW[k]] - at_rest[3 * i + ROW[k]]) * (k < 3 ? 1.0 : 0.5);
-        else if (ROW[k] == axis) spheres[i].left[k] += (atom->f[i][COLUMN[k]] - at_rest[3 * i + COLUMN[k]]) * 0.5;
+        if (COLUMN[k] == axis) spheres[i].left[k] += 0.5 * (atom->f[i][ROW[k]] - without[3 * i + ROW[k]]);
+        if (ROW[k] == axis) spheres[i].left[k] += 0.5 * (atom->f[i][COLUMN[k]] - without[3 * i + COLUMN[k]]);
       }
   }
   if (n > 0) std::copy_n(forces.begin(), forces.size(), atom->f[0]);
@@ -108,15 +109,15 @@ double MovedMass::mass(int i) const { return differs && spheres[i].body > 0.0 ? 
 double MovedMass::effective(int i, int j, const double e[3], double others) const
 {
   double moved = others, free = others;
-  for (const int one : {i, j}) {
-    if (one == BODY) continue;
-    const double inverse = 1.0 / mass(one);
+  for (const int sphere : {i, j}) {
+    if (sphere == BODY) continue;
+    const double inverse = 1.0 / mass(sphere);
     free += inverse;
     if (!differs) {
       moved += inverse;
       continue;
     }
-    const double *const p = spheres[one].left;
+    const double *const p = spheres[sphere].left;
     const double along = p[0] * e[0] * e[0] + p[1] * e[1] * e[1] + p[2] * e[2] * e[2] +
                          2.0 * (p[3] * e[0] * e[1] + p[4] * e[0] * e[2] + p[5] * e[1] * e[2]);
     moved += along * inverse;

@@ -403,7 +403,7 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) build_contacts();
   flows = domain->deform_vremap != 0;
-  if (has_dashpot && masses.differ() && neighbor->ago == 0) {
+  if (has_dashpot && masses.differ() && neighbor->ago == 0 && update->whichflag == 1) {
     masses.update();
     comm->forward_comm(this);
   }
