@@ -199,8 +199,7 @@ def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) ->
     def show(number: int) -> None:
         colouring = colourings[number]
         faces, edges = sections.disc_colours(colouring.values[cut.index], colouring)
-        discs.set_facecolor(faces)
-        discs.set_edgecolor(edges)
+        discs.set(facecolor=faces, edgecolor=edges)
         clock.set_text(_reading(float(result.frame_times[number])))
 
     return Scene(result.frame_times, figure, (discs, clock), show)

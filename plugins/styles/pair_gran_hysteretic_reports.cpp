@@ -169,7 +169,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
   }
   report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
-  report.time_first = arrival(contact, report.dent, view);
+  report.time_first = report.peak_force > 0.0 ? arrival(contact, report.dent, view) : -1.0;
   report.touches = report.force > 0.0;
   if (contact.cohesive()) {
     const CohesionHistory history = has.cohesion_of(view.extra);

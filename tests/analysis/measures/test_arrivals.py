@@ -99,8 +99,8 @@ def test_speed_of_a_chain_of_twelve_thousand_beads(tmp_path, speed):
 
 
 def test_arrivals_of_a_chain_are_those_of_the_twin(tmp_path, twin):
-    """Also at the wall; the parabola through three powers of four errs by 1 % of the time from bead
-    to bead.
+    """Also at the wall; the parabola through three powers of two errs by 0.3 % of the time from
+    bead to bead, sampling by as much.
     """
     run_case(case_from_dict(CHAIN), tmp_path, figures=False)
     with Result(tmp_path) as result:
@@ -108,9 +108,23 @@ def test_arrivals_of_a_chain_are_those_of_the_twin(tmp_path, twin):
         assert passage(result) == pytest.approx(found[18], rel=1e-12)
         mean, first = front_arrivals(result)
     expected = [arrival(twin.times, force, 0.1 * force.max()) for force in twin.forces.T]
-    assert found == pytest.approx(expected, abs=0.015 * (expected[15] - expected[14]))
+    assert found == pytest.approx(expected, abs=6e-3 * (expected[15] - expected[14]))
     assert mean == pytest.approx(D * np.arange(20), abs=1e-12)
     assert first[1:] == pytest.approx(found[:19], rel=1e-12)
+
+
+@pytest.mark.parametrize("law", ["elastoplastic", "bilinear"])
+def test_arrivals_of_contacts_that_yield_are_those_of_the_twin(tmp_path, law):
+    """The overlap at 10 % of the force follows from the law; forces fall along the chain."""
+    chain = Chain([Bead(radius=D / 2)] * 20, law, right=RIGID)
+    twin = chain.run(6e-4, 2e-8, velocity={0: 5.0}, every=5)
+    tables = CHAIN | {"contact": {"law": law}, "load": {"velocity": 5.0}}
+    run_case(case_from_dict(tables), tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        found = result["contacts/time_first"]
+        assert result["contacts/peak_force"] == pytest.approx(twin.peak_force[:19], rel=2e-3)
+    expected = [arrival(twin.times, force, 0.1 * force.max()) for force in twin.forces.T[:19]]
+    assert found == pytest.approx(expected, abs=0.02 * (expected[15] - expected[14]))
 
 
 @pytest.mark.parametrize("seed", range(3))
