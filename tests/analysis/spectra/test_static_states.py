@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import band_structure
 from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.states import State, packing_state
@@ -374,3 +375,28 @@ def test_damping_of_rolling_is_no_part_of_a_steady_motion() -> None:
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=contact)
     with pytest.raises(InputError, match=r"contact\.rolling\.damping: found 1, expected 0"):
         losses_of(assemble(case), packing_state(case).network)
+
+
+def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
+    """Spun about y on its wall, a bead moves along x at both frequencies of sliding and rolling."""
+    contact = ROUGH | {"rolling": {"coefficient": 0.05, "stiffness": 2e6}}
+    case = case_of(
+        file_of([(0.0, 0.0, 0.0)]),
+        UNIAXIAL | {"force": 20.0},
+        contact=contact,
+        load={"kind": "impact", "velocity": 1e-6, "spin": [0.0, 0.02, 0.0]},
+        run={"end_time": 3e-3, "frames": 450},
+    )
+    moves = np.zeros((1, 6), dtype=bool)
+    moves[0, [0, 4]] = True
+    network = dataclasses.replace(packing_state(case).network, moves=moves)
+    expected = solve_modes(stiffness_of(network)).frequency
+    with Result(run_of(case, tmp_path / "run")) as result:
+        time = result["particles/spheres/contact_force/time"]
+        motion = result["particles/spheres/displacement/value"][:, 0, 0]
+    motion = (motion - motion.mean()) * np.hanning(len(motion))
+    for frequency in expected:
+        near = frequency * np.linspace(0.99, 1.01, 201)
+        size = np.abs(np.exp(-2j * np.pi * np.outer(near, time)) @ motion)
+        assert near[np.argmax(size)] == pytest.approx(frequency, rel=1e-3)
+        assert 0 < np.argmax(size) < len(near) - 1
