@@ -303,6 +303,12 @@ def test_beads_between_walls_of_friction() -> None:
             {"boundary": {"bottom": "free"}},
             "precompression.force: found a force on the top, which nothing bears",
         ),
+        (
+            CHAIN,
+            UNIAXIAL,
+            {"boundary": {"bottom": "wall", "holder_friction": 0.2}},
+            "boundary.holder_friction: found 0.2, expected 0",
+        ),
     ],
 )
 def test_states_that_nothing_holds(
