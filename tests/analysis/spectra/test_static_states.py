@@ -406,3 +406,14 @@ def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
         size = np.abs(np.exp(-2j * np.pi * np.outer(near, time)) @ motion)
         assert near[np.argmax(size)] == pytest.approx(frequency, rel=1e-3)
         assert 0 < np.argmax(size) < len(near) - 1
+
+
+def test_five_steel_beads_along_their_row() -> None:
+    """26.0 to 44.3 kHz, as a run gave before: sliding along the walls, and turning."""
+    case = case_of(COLUMN, WALLS, boundary=BOX, contact=ROUGH, material="steel")
+    network = packing_state(case).network
+    assert (len(network.springs), len(network.supports)) == (4, 21)
+    found = solve_modes(stiffness_of(network.turned_off("z"))).frequency
+    assert found[[0, -1]] == pytest.approx([26.0e3, 44.3e3], abs=50)
+    ratio = transmission(stiffness_of(network), 1, [5], np.array([3e4])).ratio
+    assert abs(ratio[0, 0]) > 0.01
