@@ -253,9 +253,14 @@ def packing_bodies(assembly: Assembly) -> Bodies:
     Raises
     ------
     InputError
-        There is friction, and the axis of a cylinder is not along x, y or z.
+        There is friction, and the axis of a cylinder is not along x, y or z; or a holder rubs.
     """
     case = assembly.case
+    if case.has_holder_friction:
+        raise InputError(
+            f"{case.name}: boundary.holder_friction: found {case.boundary.holder_friction:g}, "
+            "expected 0: friction of the holder keeps beads in place in small motions"
+        )
     sites = assembly.sites
     inside = assembly.ids <= assembly.lattice.n_spheres
     ids = assembly.ids[inside]

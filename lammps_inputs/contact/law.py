@@ -46,14 +46,11 @@ def elastic_contact(contact: Contact) -> Contact:
 
 def elastic_case(case: Case) -> Case:
     """Return a case with the elastic contacts of the first half of its static stage."""
-
-    def elastic(contact: Contact) -> Contact:
-        bare = dataclasses.replace(contact, initial_overlap=None, friction=0.0)
-        own = bare if contact.entry.is_power else HERTZ
-        return dataclasses.replace(own, line=contact.line)
-
-    pairs = tuple(dataclasses.replace(one, contact=elastic(one.contact)) for one in case.pair)
-    return dataclasses.replace(case, contact=elastic(case.contact), pair=pairs)
+    contact = dataclasses.replace(elastic_contact(case.contact), line=case.contact.line)
+    pairs = tuple(
+        dataclasses.replace(pair, contact=elastic_contact(pair.contact)) for pair in case.pair
+    )
+    return dataclasses.replace(case, contact=contact, pair=pairs)
 
 
 def sphere_contact(case: Case) -> ContactLaw:

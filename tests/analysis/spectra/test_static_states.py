@@ -10,6 +10,7 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.analysis.result.reader import Result
 from granwave.analysis.spectra.band_structure import band_structure
 from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.states import State, packing_state
@@ -302,6 +303,12 @@ def test_beads_between_walls_of_friction() -> None:
             {"boundary": {"bottom": "free"}},
             "precompression.force: found a force on the top, which nothing bears",
         ),
+        (
+            CHAIN,
+            UNIAXIAL,
+            {"boundary": {"bottom": "wall", "holder_friction": 0.2}},
+            "boundary.holder_friction: found 0.2, expected 0",
+        ),
     ],
 )
 def test_states_that_nothing_holds(
@@ -374,3 +381,39 @@ def test_damping_of_rolling_is_no_part_of_a_steady_motion() -> None:
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=contact)
     with pytest.raises(InputError, match=r"contact\.rolling\.damping: found 1, expected 0"):
         losses_of(assemble(case), packing_state(case).network)
+
+
+def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
+    """Spun about y on its wall, a bead moves along x at both frequencies of sliding and rolling."""
+    contact = ROUGH | {"rolling": {"coefficient": 0.05, "stiffness": 2e6}}
+    case = case_of(
+        file_of([(0.0, 0.0, 0.0)]),
+        UNIAXIAL | {"force": 20.0},
+        contact=contact,
+        load={"kind": "impact", "velocity": 1e-6, "spin": [0.0, 0.02, 0.0]},
+        run={"end_time": 3e-3, "frames": 450},
+    )
+    moves = np.zeros((1, 6), dtype=bool)
+    moves[0, [0, 4]] = True
+    network = dataclasses.replace(packing_state(case).network, moves=moves)
+    expected = solve_modes(stiffness_of(network)).frequency
+    with Result(run_of(case, tmp_path / "run")) as result:
+        time = result["particles/spheres/contact_force/time"]
+        motion = result["particles/spheres/displacement/value"][:, 0, 0]
+    motion = (motion - motion.mean()) * np.hanning(len(motion))
+    for frequency in expected:
+        near = frequency * np.linspace(0.99, 1.01, 201)
+        size = np.abs(np.exp(-2j * np.pi * np.outer(near, time)) @ motion)
+        assert near[np.argmax(size)] == pytest.approx(frequency, rel=1e-3)
+        assert 0 < np.argmax(size) < len(near) - 1
+
+
+def test_five_steel_beads_along_their_row() -> None:
+    """26.0 to 44.3 kHz, as a run gave before: sliding along the walls, and turning."""
+    case = case_of(COLUMN, WALLS, boundary=BOX, contact=ROUGH, material="steel")
+    network = packing_state(case).network
+    assert (len(network.springs), len(network.supports)) == (4, 21)
+    found = solve_modes(stiffness_of(network.turned_off("z"))).frequency
+    assert found[[0, -1]] == pytest.approx([26.0e3, 44.3e3], abs=50)
+    ratio = transmission(stiffness_of(network), 1, [5], np.array([3e4])).ratio
+    assert abs(ratio[0, 0]) > 0.01
