@@ -7,7 +7,7 @@ contact loaded beyond the range of the law have a ring around them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -29,7 +29,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     new_figure,
 )
-from granwave.analysis.measures.geometry import Section, own_plane, planes, section
+from granwave.analysis.measures.geometry import Plane, Section, own_plane, planes, section
 from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
@@ -205,7 +205,7 @@ def wave_front(result: Result) -> Drawing | None:
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
     for empty in axes.flat[len(chosen) :]:
         empty.set_visible(False)
-    figure.supxlabel("Distance from the impact axis (mm)", fontsize=8)
+    figure.supxlabel(f"{cut.plane.across_label} (mm)", fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
     repeat = len(chosen)
@@ -295,12 +295,23 @@ def cut_of(result: Result, name: str) -> Section | None:
         found.append(own_plane(own.normal, own.through, largest / diameter))
     for plane in found:
         if plane.name == name:
+            plane = _from_struck_sphere(plane, result)
             cut = section(plane, result["spheres/position"], result.origin, diameter)
             wide = (
                 len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
             )
             return cut if wide else None
     return None
+
+
+def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
+    """Return the plane with a label that says from where distances count: the struck sphere, where
+    the impact axis goes between several.
+    """
+    if np.array_equal(result.impact_axis, result.origin[:2]):
+        return plane
+    across_label = plane.across_label.replace("impact axis", "struck sphere")
+    return replace(plane, across_label=across_label)
 
 
 def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:

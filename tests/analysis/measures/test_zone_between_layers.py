@@ -9,6 +9,7 @@ import numpy as np
 import pytest
 
 from granwave.analysis import Result, summarise, write_result
+from granwave.analysis.figures.sections import cut_of
 from granwave.analysis.measures.impact import zone_growth
 from granwave.analysis.measures.zone_size import (
     extent_holding,
@@ -175,3 +176,14 @@ def test_yielded_contacts_and_those_that_dissipate_are_counted_apart(tmp_path):
         n_spheres = np.count_nonzero(result["spheres/dissipated_energy"] > 0)
         assert summary["n_dissipating_spheres"] == n_spheres
     assert json.loads((tmp_path / "summary.json").read_text())["n_dissipating_spheres"] == n_spheres
+
+
+@pytest.mark.parametrize(("spheres", "zero"), [(1, "impact axis"), (3, "struck sphere")])
+def test_sections_say_from_where_distances_count(tmp_path, spheres, zero):
+    analysed(tmp_path, size=(9, 9, 5), load={"spheres": spheres})
+    with Result(tmp_path) as result:
+        cut = cut_of(result, "principal")
+        assert cut is not None
+        assert cut.plane.across_label == f"Distance from the {zero}"
+        row = np.flatnonzero(cut.index == result.rows(result.struck[0]))
+        assert cut.across[row] == pytest.approx([0.0], abs=1e-12)
