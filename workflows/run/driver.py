@@ -197,6 +197,7 @@ class _Run:
         )  # disk space to keep free, bytes
         # dissipated energy at the start of the current block of end_time = "auto", J
         self.lost_before_block = 0.0
+        self.began = False  # LAMMPS has opened its output
 
     # ------------------------------------------------------------------ attempts
 
@@ -276,7 +277,7 @@ class _Run:
     def gone(self) -> str:
         """Describe that the directory, or its output, was removed or moved meanwhile; empty if not."""
         places = [self.directory]
-        if self.balance.row:
+        if self.began:
             places += [self.directory / DUMPS, self.balance.path]
         missing = next((path for path in places if not path.exists()), None)
         if missing is None:
@@ -349,6 +350,7 @@ class _Run:
 
     def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
         script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
+        self.began = False
         self.state = record.RUNNING
         self.lost_before_block = 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
@@ -378,6 +380,7 @@ class _Run:
                 engine.commands(before)
                 make_spheres(engine, self.assembly)
             self._set_up(engine, setup, stop)
+            self.began = True
             if not saved and self.case.precompression:
                 found = on_first(
                     self.comm, lambda: checks.check_equilibrium(self.case, self.directory)

@@ -4,6 +4,7 @@ in the same order.
 
 from __future__ import annotations
 
+import contextlib
 import subprocess
 import sys
 from pathlib import Path
@@ -47,7 +48,7 @@ def states(case, directory: Path, comm) -> list[list[bytes]]:
     )
     found = []
     for made in (False, True):
-        with open_engine(comm, "none", directory) as engine:
+        with contextlib.chdir(directory), open_engine(comm, log="none") as engine:
             engine.commands(before)
             make_spheres(engine, assemble(case)) if made else engine.commands(READ_DATA)
             engine.commands("write_restart state")
