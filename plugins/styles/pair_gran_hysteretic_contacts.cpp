@@ -210,7 +210,7 @@ void PairGranHysteretic::begin_initial_dents()
     contacts.reset(k, dented ? peak : overlap, dented);
   });
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
-  contacts.resting.disturb();
+  contacts.disturb();
   contacts.published = false;
 }
 
@@ -230,7 +230,7 @@ PairGranHysteretic::set_dents(const std::map<Ids, double> &dents)
     contacts.reset(k, 0.0, false);
     if (pair_parameters(i, j).contact.yielded(peak)) contacts.reset(k, peak, true);    // a smaller peak is no dent
   });
-  contacts.resting.disturb();
+  contacts.disturb();
   contacts.published = false;
   return found;
 }
