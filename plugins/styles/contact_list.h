@@ -43,7 +43,7 @@ class ContactList {
   std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
   std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
   RestingBlocks resting;
-  RowGroups groups;                  // of the plain rows
+  RowGroups groups;                   // of the plain rows
   std::vector<char> quiet_special;    // 1 for special rows in which no pair touched at the last evaluation
 
   /* Make a list of these pairs of atoms, with contacts that have not touched. `sphere` returns an atom as a Sphere. */

@@ -47,10 +47,9 @@ void PairGranHysteretic::build_contacts()
   }
   ContactList &c = contacts;
   has.n = fix_history->history.layout().n_extra;
-  c.build(plain, special, atom->tag, atom->nlocal, nall,
-          [this](int i) {
-            return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], fix_history->history.birth(i)};
-          });
+  c.build(plain, special, atom->tag, atom->nlocal, nall, [this](int i) {
+    return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], fix_history->history.birth(i)};
+  });
   check_displacements();
   restore_history();
   std::vector<int> pairs_of(c.owned, 0);

@@ -88,7 +88,11 @@ def test_states_of_a_restart_file_are_refused_by_other_spheres(lammps, tmp_path,
     lammps(dented().replace("run 0", f"{fix}run 0") + f"write_restart {tmp_path}/r")
     reads = f"atom_modify map yes\nnewton off\ncomm_modify vel yes\nread_restart {tmp_path}/r\n"
     text = f"{reads}{change}{fix}fix motion all nve/sphere\nrun 0 post no"
-    refuses(lammps(), text, "the state of atom 1 in the restart file is given to atom [12], or to another place")
+    refuses(
+        lammps(),
+        text,
+        "the state of atom 1 in the restart file is given to atom [12], or to another place",
+    )
 
 
 # ---------------------------------------------------------------------- walls
@@ -171,7 +175,9 @@ def test_work_on_spheres_that_leave_the_group_of_a_displacement_stays(lammps):
     kinetic = MASS * value(lmp, "vz[1]") ** 2
     start = 0.5 * MASS * 3.0**2
     assert value(lmp, "f_push") == pytest.approx(kinetic - start, rel=1e-9)
-    assert value(lmp, "f_push[2]") == pytest.approx(MASS * (2 * value(lmp, "vz[1]") - 3.0), rel=1e-9)
+    assert value(lmp, "f_push[2]") == pytest.approx(
+        MASS * (2 * value(lmp, "vz[1]") - 3.0), rel=1e-9
+    )
     lmp.commands_string("group driven clear\ngroup driven id 1\nrun 0 post no\n")
     assert value(lmp, "f_push") == pytest.approx(kinetic - start, rel=1e-9)
     # stopped, and driven again by the load
