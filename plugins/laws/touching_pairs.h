@@ -163,6 +163,9 @@ class RestingBlocks {
     return true;
   }
 
+  /* Return true if a sphere of the block of sphere i has moved. */
+  bool moved(int i) const { return moved_[of(i)]; }
+
   /* Set whether no pair of a block touched in the evaluation just done. */
   void set_quiet(int block, bool quiet) { quiet_[block] = quiet; }
 

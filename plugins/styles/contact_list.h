@@ -52,7 +52,8 @@ class ContactList {
   };
   Start start;
   RestingBlocks resting;
-  RowGroups groups;    // of the plain rows
+  RowGroups groups;                   // of the plain rows
+  std::vector<char> quiet_special;    // 1 for special rows in which no pair touched at the last evaluation
 
   /* Make a list of these pairs of atoms, with contacts that have not touched. `sphere` returns an atom as a Sphere. */
   template <class AsSphere>
@@ -68,6 +69,7 @@ class ContactList {
     resting.build(row, begin, partner);
     groups.build(row, begin, partner, RestingBlocks::SIZE);
     add_rows(special_pairs, tag, nall);
+    quiet_special.assign(row.size() - plain, 0);
     row_sphere.clear();
     for (const int i : row) row_sphere.push_back(sphere(i));
     partner_sphere.clear();
@@ -94,6 +96,21 @@ class ContactList {
         for (int k = begin[r]; k < begin[r + 1]; k++)
           if (peak[k] != 0.0) visit(r, k, row[r], partner[k]);
     }
+  }
+
+  /* Return true if special row r need not be evaluated. */
+  bool rests(int r) const
+  {
+    if (!quiet_special[r - plain] || resting.moved(row[r])) return false;
+    const auto moved = [this](int j) { return resting.moved(j); };
+    return std::none_of(partner.begin() + begin[r], partner.begin() + begin[r + 1], moved);
+  }
+
+  /* Have all rows evaluated next time, after a change of their history. */
+  void disturb()
+  {
+    resting.disturb();
+    std::fill(quiet_special.begin(), quiet_special.end(), 0);
   }
 
   /* Row and index of the pair of these IDs, the lower first; -1 if it is not in the list. Across a periodic boundary it may be

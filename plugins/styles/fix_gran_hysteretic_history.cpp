@@ -216,7 +216,7 @@ int FixGranHystereticHistory::maxsize_restart()
 void FixGranHystereticHistory::write_restart(FILE *fp)
 {
   std::int64_t most = 0;
-  MPI_Reduce(&births, &most, 1, MPI_INT64_T, MPI_MAX, 0, world);
+  MPI_Reduce(&births, &most, 1, MPI_LONG_LONG, MPI_MAX, 0, world);
   if (comm->me == 0) write_state(fp, {static_cast<double>(most)});
 }
 

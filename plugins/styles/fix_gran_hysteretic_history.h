@@ -67,7 +67,7 @@ class FixGranHystereticHistory : public Fix {
   std::function<void()> publish_contacts, release_contacts, lose_contacts, return_to_start;
 
  private:
-  static constexpr int RANKS = 24;    // bits of the number of a birth that are those of the processor
+  static constexpr int RANKS = 24;      // bits of the number of a birth that are those of the processor
   static constexpr int N_BORDER = 7;    // numbers of a ghost: birth, position of its sender and images of that
 
   std::int64_t births = 0;    // of spheres on any processor so far, at least; those before the fix are not counted

@@ -40,9 +40,8 @@ void FixWallGranHysteretic::list_spheres()
   listed_level = level(moving);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
-    if (near[i] ||
-        (tube ? !(depth(i, 1) < -neighbor->skin)
-              : !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1])))
+    if (near[i] || (tube ? !(depth(i, 1) < -neighbor->skin)
+                         : !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1])))
       spheres.push_back(i);
   listed = true;
 }

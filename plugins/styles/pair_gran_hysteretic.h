@@ -235,6 +235,7 @@ class PairGranHysteretic : public Pair {
   void set_parameters();
   void compute_batch(Tally, bool special = false);
   void compute_special(Tally);
+  bool add_special(int r, int k);
   void set_elastic(Batch &);
   void update_history(Batch &);
   double approach(const Batch &, int m) const;

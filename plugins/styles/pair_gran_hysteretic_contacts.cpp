@@ -47,10 +47,9 @@ void PairGranHysteretic::build_contacts()
   }
   ContactList &c = contacts;
   has.n = fix_history->history.layout().n_extra;
-  c.build(plain, special, atom->tag, atom->nlocal, nall,
-          [this](int i) {
-            return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], fix_history->history.birth(i)};
-          });
+  c.build(plain, special, atom->tag, atom->nlocal, nall, [this](int i) {
+    return ContactList::Sphere{atom->radius[i], atom->tag[i], atom->type[i], fix_history->history.birth(i)};
+  });
   check_displacements();
   restore_history();
   std::vector<int> pairs_of(c.owned, 0);
@@ -211,7 +210,7 @@ void PairGranHysteretic::begin_initial_dents(bool keeps)
     contacts.reset(k, dented ? peak : overlap, dented);
   });
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);
-  contacts.resting.disturb();
+  contacts.disturb();
   contacts.published = false;
 }
 
@@ -231,7 +230,7 @@ PairGranHysteretic::set_dents(const std::map<Ids, double> &dents)
     contacts.reset(k, 0.0, false);
     if (pair_parameters(i, j).contact.yielded(peak)) contacts.reset(k, peak, true);    // a smaller peak is no dent
   });
-  contacts.resting.disturb();
+  contacts.disturb();
   contacts.published = false;
   return found;
 }

@@ -129,29 +129,41 @@ void PairGranHysteretic::compute_special(Tally what)
   const int rows = static_cast<int>(c.row.size());
   if (rows == c.plain) return;
   batch.size = 0;
-  for (int r = c.plain; r < rows; r++)
+  for (int r = c.plain; r < rows; r++) {
+    if (c.rests(r)) continue;
+    bool quiet = true;
     for (int k = c.begin[r]; k < c.begin[r + 1]; k++) {
-      const int i = c.row[r], j = c.partner[k];
-      const double radsum = atom->radius[i] + atom->radius[j];
-      const CylinderPair::Separation found = separation(i, j);
-      const bool touches =
-          !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
-      const bool sticks = has.cohesion && has.cohesion_of(c.block(k)).active();
-      if (!sticks && (!touches || found.beyond > 0.0)) {
-        if (touches && c.peak[k] > 0.0)
-          error->one(FLERR,
-                     "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
-                     "longer cylinders",
-                     atom->tag[i], atom->tag[j]);
-        if (c.has_spring(k)) release_contact(k);
-        if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
-        continue;
-      }
-      const double r = found.distance, *const normal = found.normal;
-      batch.put(batch.size++, k, i, j, normal[0] * r, normal[1] * r, normal[2] * r, r * r);
+      if (!add_special(r, k)) continue;
+      quiet = false;
       if (batch.size < Batch::CAPACITY) continue;
       compute_batch(what, true);
       batch.size = 0;
     }
+    c.quiet_special[r - c.plain] = quiet;
+  }
   if (batch.size > 0) compute_batch(what, true);
+}
+
+/* Put special pair k of row r into the batch, or end what ends when it does not touch. Returns true if it is in the batch. */
+bool PairGranHysteretic::add_special(int r, int k)
+{
+  ContactList &c = contacts;
+  const int i = c.row[r], j = c.partner[k];
+  const double radsum = atom->radius[i] + atom->radius[j];
+  const CylinderPair::Separation found = separation(i, j);
+  const bool touches = !(found.distance * found.distance >= TouchingPairs::touch_squared(radsum));    // also true for NaN
+  const bool sticks = has.cohesion && has.cohesion_of(c.block(k)).active();
+  if (sticks || (touches && found.beyond <= 0.0)) {
+    const double apart = found.distance, *const normal = found.normal;
+    batch.put(batch.size++, k, i, j, normal[0] * apart, normal[1] * apart, normal[2] * apart, apart * apart);
+    return true;
+  }
+  if (touches && c.peak[k] > 0.0)
+    error->one(FLERR,
+               "Particles {} and {} touch beyond the end of a cylinder, where the law of their contact ends: take "
+               "longer cylinders",
+               atom->tag[i], atom->tag[j]);
+  if (c.has_spring(k)) release_contact(k);
+  if (c.peak[k] > 0.0 && found.distance > radsum + gap) forget(r, k);
+  return false;
 }

@@ -22,7 +22,7 @@ constexpr int HEAD = 3;      // format, number of values, checksum
 
 // Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
 constexpr double ATOM_STATE = 0.8660254037844386;
-constexpr int UNCHECKED = 3;               // numbers before those that the checksum is of
+constexpr int UNCHECKED = 3;                // numbers before those that the checksum is of
 constexpr double ROUNDING_OF_BOX = 1e-9;    // of positions, relative to the length of the box
 
 /* Checksum of numbers, itself a whole number. */
@@ -114,8 +114,7 @@ granwave::AtomState granwave::atom_state(LAMMPS *lmp, const Fix &fix, int i, int
     size = is_size ? static_cast<int>(stored[0]) : 0;
     if (!is_size) break;
   }
-  if (size < AtomState::HEAD || stored[1] != ATOM_STATE ||
-      stored[2] != checksum(stored + UNCHECKED, size - UNCHECKED))
+  if (size < AtomState::HEAD || stored[1] != ATOM_STATE || stored[2] != checksum(stored + UNCHECKED, size - UNCHECKED))
     lmp->error->one(FLERR,
                     "The restart file is damaged, or of an earlier version: the state of atom {} in fix {} {} is none",
                     lmp->atom->tag[i], fix.style, fix.id);

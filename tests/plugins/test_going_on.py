@@ -229,7 +229,7 @@ def ours(data: bytes) -> list[int]:
     """
     at = data.index(b"gran/hysteretic\0") + len(b"gran/hysteretic\0")
     places = [*range(at, laws(data) + struct.unpack("<i", data[laws(data) - 4 : laws(data)])[0])]
-    for style in (b"wall/gran/hysteretic\0", b"gran/load\0"):
+    for style in (b"gran/hysteretic/history\0", b"wall/gran/hysteretic\0", b"gran/load\0"):
         at = data.index(style) + len(style)
         (size,) = struct.unpack("<i", data[at : at + 4])
         places += range(at + 4, at + 4 + size)
