@@ -234,6 +234,11 @@ class Contact {
     if (scaled.cohesive()) return sticking(overlap, peak).energy;
     return scaled.elastic_energy(overlap, history(std::max(peak, overlap)));
   }
+  double force_error(double overlap, double peak) const
+  {
+    return overlap > 0.0 ? scaled.force_error(overlap, history(std::max(peak, overlap))) : 0.0 * scaled.force_error(1e-300, history(1e-300));
+  }
+  double restitution_error(double peak) const { return scaled.restitution_error(history(peak)); }
   double dissipated_energy(double peak) const { return scaled.dissipated_energy(history(peak)); }
   double residual_overlap(double peak) const { return scaled.residual_overlap(history(peak)); }
   double unloading_exponent(double peak) const { return scaled.unloading_exponent(history(peak)); }
@@ -479,6 +484,10 @@ PYBIND11_MODULE(_contact_laws, module)
                              "share of the dissipated energy that belongs to the first body")
       .def("force", py::vectorize(&Contact::force), overlap, peak,
            "Force at an overlap when the largest so far was peak_overlap, N.")
+      .def("force_error", py::vectorize(&Contact::force_error), overlap, peak,
+           "Error bar of that force, N, that the law states for itself; NaN where it states none.")
+      .def("restitution_error", py::vectorize(&Contact::restitution_error), peak,
+           "Error bar of the coefficient of restitution of a collision with this largest overlap; NaN if there is none.")
       .def("loading_force", py::vectorize(&Contact::loading_force), overlap, "Force of first loading, N.")
       .def("loading_work", py::vectorize(&Contact::loading_work), overlap, "Work of first loading from zero, J.")
       .def("elastic_energy", py::vectorize(&Contact::elastic_energy), overlap, peak,
