@@ -4,7 +4,7 @@
 # make validate  the long validations
 # make docs      the site, into build/docs; warnings are errors, links and its search are checked. make gallery runs its scripts alone
 # make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
-# make law       the finite-element contacts of the law elastoplastic-fe that build/law lacks (an hour), their table and fit; then the plugin
+# make law       the finite-element contacts of the law elastoplastic-fe that its table lacks, their table, fit and error bars; then the plugin
 # make docs-links  links of the site to other sites; says so and passes where there is no network
 # make wheel     a source distribution and a wheel that installs without a compiler, into dist
 # make wheels    that for every Python found, 3.11 to 3.14, in PATH or pyenv: each is installed into an environment of its own, and passes selftest

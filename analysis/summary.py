@@ -13,13 +13,13 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.driven import (
     SteadyMotion,
     amplitude_sweep_of,
     mean_power_of,
     transmission_of,
 )
+from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.lines import (
     line_summary,
     sensor_accelerations,

@@ -105,10 +105,12 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
     bars = {}
     if law.entry.states_error and not law.rate_sensitivity and not law.pull_off_force:
         peaks = [values if name == "loading" else values.max() for name, values, _ in branches]
-        bars["force_error_N"] = np.concatenate([
-            law.force_error(values, np.broadcast_to(peak, values.shape))
-            for (_, values, _), peak in zip(branches, peaks, strict=True)
-        ])
+        bars["force_error_N"] = np.concatenate(
+            [
+                law.force_error(values, np.broadcast_to(peak, values.shape))
+                for (_, values, _), peak in zip(branches, peaks, strict=True)
+            ]
+        )
     overlap = np.concatenate([branch[1] for branch in branches])
     force = np.concatenate([branch[2] for branch in branches])
     if not np.all(np.isfinite(force)):

@@ -178,7 +178,8 @@ class ElastoplasticFe : public NormalLaw {
   static constexpr double FLATTEST = 0.01;    // share of a flat in the relative curvature: radii beyond 99:1 count as flats
   static constexpr double LEAST_PART = 1e-12, EVEN = 1e-12, NOT_ALIKE = 1e-6;
   static constexpr double UNEVEN = 0.02;    // of v, from which on the finite elements end at 0.2 R* as those of a flat do
-  static constexpr double MIRRORED = 0.05;    // scatter of radii, or compliance of the flat, up to which a contact is mirrored
+  static constexpr double MIRRORED =
+      0.05;    // scatter of radii, or compliance of the flat, up to which a contact is mirrored
   static constexpr double LEAST_COMPLIANCE = 0.33, LEAST_SHARE = 0.09, ROUNDING = 1e-9;    // range of the finite elements
 
   /* What follows from the radii. */
@@ -197,14 +198,16 @@ class ElastoplasticFe : public NormalLaw {
   static bool is_fitted(const Material &m)
   {
     const double ratio = m.youngs_modulus / m.yield_strength;
-    return m.poisson_ratio >= 0.0 && m.poisson_ratio <= LARGEST_POISSON + ROUNDING && ratio >= LEAST_RATIO * (1.0 - ROUNDING) &&
-           ratio <= LARGEST_RATIO * (1.0 + ROUNDING) && m.hardening <= LARGEST_HARDENING + ROUNDING;
+    return m.poisson_ratio >= 0.0 && m.poisson_ratio <= LARGEST_POISSON + ROUNDING &&
+           ratio >= LEAST_RATIO * (1.0 - ROUNDING) && ratio <= LARGEST_RATIO * (1.0 + ROUNDING) &&
+           m.hardening <= LARGEST_HARDENING + ROUNDING;
   }
 
   /* True for equal spheres, and a sphere on a rigid flat. */
   bool is_mirrored(const Site &site) const
   {
-    return same_ ? std::abs(site.share1 - site.share2) < MIRRORED : std::min(compliance_a_, share_of_a(site)) > 1.0 - MIRRORED;
+    return same_ ? std::abs(site.share1 - site.share2) < MIRRORED
+                 : std::min(compliance_a_, share_of_a(site)) > 1.0 - MIRRORED;
   }
 
   double share_of_a(const Site &site) const { return swapped_ ? site.share2 : site.share1; }
@@ -260,8 +263,8 @@ class ElastoplasticFe : public NormalLaw {
     double g = d * s.flat, hard = 0.0, bend = s.bend, width = knee_width_;
     if (s.rate > 0.0) {
       const double own = d * s.own;
-      hard = s.hard * power(own, s.power) * (1.0 + s.harder * c_.gk * g) *
-             exponential(c_.hd * own * logarithm(1.0 + s.rate));
+      hard =
+          s.hard * power(own, s.power) * (1.0 + s.harder * c_.gk * g) * exponential(c_.hd * own * logarithm(1.0 + s.rate));
       const double h = hard / (1.0 + hard);
       g *= 1.0 + h * (s.soft + c_.hf2 * h);
       bend *= exponential(c_.gqh * h);
@@ -280,8 +283,8 @@ class ElastoplasticFe : public NormalLaw {
     const double root = std::sqrt(d) - std::sqrt(overlap_per_radius_), own = std::sqrt(s.own) * root;
     const double far = (d - overlap_per_radius_) * s.curved, stiff = root * s.stiff;
     const double h = STRAIN * s.eta * own, hard = h / (1.0 + h);
-    const double sum = c_.r0 * l + c_.r1 * z + c_.r2 * l * z + c_.r3 * nu_ * z + c_.r4 * z * z + c_.r5 * stiff + c_.r6 * far +
-                       c_.r7 * l * nu_ + (c_.r8 * l + c_.r9 * own) * hard;
+    const double sum = c_.r0 * l + c_.r1 * z + c_.r2 * l * z + c_.r3 * nu_ * z + c_.r4 * z * z + c_.r5 * stiff +
+                       c_.r6 * far + c_.r7 * l * nu_ + (c_.r8 * l + c_.r9 * own) * hard;
     const double share = z / (1.0 + z), late = l / (1.0 + l);
     const double drop = (c_.n0 + c_.n9 * unlike_) * late + (c_.n1 + c_.n7 * unlike_) * share +
                         c_.n2 * l / ((3.0 + l) * (3.0 + l)) + c_.n3 * far + c_.n4 * stiff +

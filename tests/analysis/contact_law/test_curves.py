@@ -180,6 +180,30 @@ def test_built_in_studies(granwave, tmp_path, study):
         )
 
 
+@pytest.mark.parametrize("study", ["two-spheres", "sphere-on-wall"])
+def test_the_summary_has_the_error_bars_of_the_law(tmp_path, study):
+    """Of law elastoplastic-fe alone; a sphere and its mirror plane are half of two spheres."""
+    changes = {"contact.law": "elastoplastic-fe", "run.frames": 2}
+    summary = run_case(
+        load_case(library.find(study), changes), tmp_path / "fe", figures=False
+    ).summary
+    other = BRASS if study == "two-spheres" else None
+    law = contact_of((BRASS, other), (R, R if other else math.inf), "elastoplastic-fe")
+    if study == "two-spheres":
+        peak = summary["peak_overlap_m"]
+        assert summary["peak_force_error_N"] == pytest.approx(law.force_error(peak, peak))
+        assert summary["restitution_error"] == pytest.approx(law.restitution_error(peak))
+    else:
+        assert summary["peak_force_error_N"] is None  # no pair of grains
+    relative = summary["restitution_error"] / summary["restitution"]
+    assert 0.01 < relative < 0.1
+    rate = {"material.rate_sensitivity": 0.01}
+    fast = run_case(
+        load_case(library.find(study), changes | rate), tmp_path / "rate", figures=False
+    ).summary
+    assert fast["peak_force_error_N"] is None and fast["restitution_error"] is None
+
+
 def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):
     """A blow at 0.05 m/s lasts 75 us; the automatic end comes after 50 us, in which nothing yields."""
     changes = {"load.velocity": 0.05, "run.frames": 2}
