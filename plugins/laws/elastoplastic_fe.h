@@ -156,7 +156,7 @@ class ElastoplasticFe : public NormalLaw {
   {
     if (!in_range_ || (!same_ && share_of_a(site) < LEAST_SHARE)) return {};
     if (peak <= 1.0) return {0.0, 0.0, 0.0};
-    if (peak * overlap_per_radius_ * shape(site).reach > DEEPEST) return {};
+    if (peak * overlap_per_radius_ * reach(shape(site)) > DEEPEST) return {};
     const auto &bars = FE_BARS[is_mirrored(site) ? 0 : 1];
     const FeBar *bar = bars;
     for (const FeBar &each : bars)
@@ -184,7 +184,7 @@ class ElastoplasticFe : public NormalLaw {
 
   /* What follows from the radii. */
   struct Shape {
-    double stiff, own, curved, flat, knee, fall, bend, eta, rate, hard, harder, power, soft, reach;
+    double stiff, own, curved, flat, knee, fall, bend, eta, rate, hard, harder, power, soft, uneven;
   };
 
   FeConstants c_;
@@ -212,6 +212,15 @@ class ElastoplasticFe : public NormalLaw {
 
   double share_of_a(const Site &site) const { return swapped_ ? site.share2 : site.share1; }
 
+  /* exp(x), quickly where there is nothing to compute. */
+  static double factor(double x) { return x == 0.0 ? 1.0 : exponential(x); }
+
+  /* Share of the depth of equal spheres in that of a flat at which the finite elements end. */
+  double reach(const Shape &s) const
+  {
+    return 1.0 - 3.0 * alike_ * compliance_a_ * (1.0 - compliance_a_) * exponential(-s.uneven / UNEVEN);
+  }
+
   Shape shape(const Site &site) const
   {
     if (std::abs(site.share1 - site.share2) < EVEN) return equal_;
@@ -225,32 +234,33 @@ class ElastoplasticFe : public NormalLaw {
     const double p = logistic(stronger_ + c_.rb * logarithm(sa / sb)), q = 1.0 - p, even = 4.0 * p * q;
     const double v = alike_ * (sa - sb) * (sa - sb), z = (1.0 - alike_) * (1.0 - sa);
     const auto own = [&](double part, double share) {
-      return part * part * part * power(share / std::max(part, LEAST_PART), c_.q1);
+      return part == 0.0 ? 0.0 : part * part * part * power(share / std::max(part, LEAST_PART), c_.q1);
     };
     Shape s;
     s.stiff = compliance_a_ * sa + (1.0 - compliance_a_) * sb;
     s.own = p * p * p + q * q * q;
-    s.curved = (c_.q0 * s.own + (1.0 - c_.q0) * (own(p, sa) + own(q, sb))) * exponential(c_.qr * v);
+    s.curved = (c_.q0 * s.own + (1.0 - c_.q0) * (own(p, sa) + own(q, sb))) * factor(c_.qr * v);
     s.flat = s.curved * flat_;
-    s.knee = knee_ * exponential(c_.cq * v);
-    s.fall = c_.fl * exponential(c_.fla * v);
-    s.bend = c_.gq * exponential(c_.gqe * z);
+    s.knee = knee_ * factor(c_.cq * v);
+    s.fall = c_.fl * factor(c_.fla * v);
+    s.bend = c_.gq * factor(c_.gqe * z);
     s.eta = p * rate_a_ + q * rate_b_;
-    s.reach = 1.0 - 3.0 * alike_ * compliance_a_ * (1.0 - compliance_a_) * exponential(-v / UNEVEN);
+    s.uneven = v;
     s.rate = s.hard = s.harder = s.power = s.soft = 0.0;
     if (s.eta > 0.0) {
       s.rate = power(s.eta, c_.h3);
-      s.hard = c_.h1 * s.rate * (1.0 + c_.e3 * (1.0 - even) * (1.0 - p * sa - q * sb)) * exponential(c_.hq * v);
-      s.harder = c_.hg * exponential(c_.hge * z);
+      s.hard = c_.h1 * s.rate * (1.0 + c_.e3 * (1.0 - even) * (1.0 - p * sa - q * sb)) * factor(c_.hq * v);
+      s.harder = c_.hg * factor(c_.hge * z);
       s.power = c_.h2 + c_.h2a * v;
-      s.soft = c_.hf * exponential(c_.hfa * v + c_.hfe * z);
+      s.soft = c_.hf * factor(c_.hfa * v + c_.hfe * z);
     }
     return s;
   }
 
   double beyond(double a, const Shape &s) const
   {
-    const double end = DEEPEST / (s.reach * overlap_per_radius_);
+    if (!(a * overlap_per_radius_ > DEEPEST)) return fitted(a, s);
+    const double end = DEEPEST / (reach(s) * overlap_per_radius_);
     if (!(a > end && end > 1.0)) return fitted(a, s);
     const double before = end - SECANT * (end - 1.0), force = fitted(end, s);
     return force + (force - fitted(before, s)) / (end - before) * (a - end);
