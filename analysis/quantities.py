@@ -249,6 +249,11 @@ ENTRIES = (
     Quantity("peak_force_with_walls_N", "Peak contact force, walls included", "Of all contacts at any time, those of "
              "spheres with walls, plates and bars included.", short="peak force, with walls", digits=".6g", axis="Peak force, walls included",
              symbol=r"F_\mathrm{max}"),
+    Quantity("peak_force_error_N", "Error bar of the peak contact force", digits=".2g",
+             meaning="Largest deviation of the contact law from finite elements that law elastoplastic-fe states for the "
+             "contact with the peak force.",
+             note="Of the law at that overlap, not of the run; null for other laws, beyond the range of the fit, with "
+             "cohesion and with a yield strength that follows the rate."),
     Quantity("peak_overlap_m", note="Of any contact at any time."),
     Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
              note="Contacts that were pressed beyond 0.2 R*, where the fit of the law ends."),
@@ -342,6 +347,10 @@ ENTRIES = (
     Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Into the block."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
              note="Of a single sphere on a rigid wall, or of two spheres of which one is struck."),
+    Quantity("restitution_error", "Error bar of the restitution", digits=".2g",
+             meaning="Largest deviation of the coefficient of restitution from finite elements that law "
+             "elastoplastic-fe states.",
+             note="Null where peak_force_error_N is, and with contact.loss."),
     Quantity("sensor_*_peak_force_N", note="Of a chain: largest mean of the two contact forces of the bead."),
     Quantity("sensor_*_peak_acceleration_m_s2", note="Of other packings."),
     Quantity("sensor_*_peak_velocity_m_s", note="Of other packings."),

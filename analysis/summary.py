@@ -19,6 +19,7 @@ from granwave.analysis.measures.driven import (
     mean_power_of,
     transmission_of,
 )
+from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.lines import (
     line_summary,
     sensor_accelerations,
@@ -103,6 +104,7 @@ def summarise(
 def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
     """The summary of a result that is open."""
     of_contacts = _of_contacts(result, processes)
+    rebound = restitution(result)
     record = result.record
     n_cylinders = result.assembly.n_cylinders
     end_time = float(result["energy/time"][-1])
@@ -147,7 +149,8 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         **({"n_cylinders": n_cylinders} if n_cylinders else {}),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
-        "restitution": restitution(result),
+        "restitution": rebound,
+        **law_errors(result, rebounds=rebound is not None),
         "wall_time_s": wall_time,
         "sphere_steps_per_s": result.n_spheres * n_steps / wall_time if wall_time else None,
         "n_ranks": record.get("n_ranks"),

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import Material, check_shape
@@ -364,18 +365,21 @@ def outside_fit(material: Material) -> str:
         else material.youngs_modulus / material.yield_strength
     )
     ranges = (
-        ("Poisson's ratio", material.poisson_ratio, 0.0, 0.45),
-        (
-            "Young's modulus over yield strength",
-            ratio if math.isfinite(ratio) else 50.0,
-            50.0,
-            1000.0,
-        ),
-        ("hardening", material.hardening or 0.0, 0.0, 0.1),
+        ("Poisson's ratio", material.poisson_ratio, FE_RANGE["poisson_ratio"]),
+        ("Young's modulus over yield strength", ratio, FE_RANGE["modulus_over_strength"]),
+        ("hardening", material.hardening or 0.0, FE_RANGE["hardening"]),
     )
-    found = [f"{name} {value:.3g}, expected {low:g} to {high:g}" for name, value, low, high in ranges
-             if not low <= value <= high]  # fmt: skip
-    return f"law elastoplastic-fe is used beyond its fit: {'; '.join(found)}" if found else ""
+    outside = [
+        f"{name} {value:.3g}, expected {low:g} to {high:g}"
+        for name, value, (low, high) in ranges
+        if math.isfinite(value) and not low <= value <= high
+    ]
+    if not outside:
+        return ""
+    return (
+        f"law elastoplastic-fe is used beyond its fit, where it states no error bar: "
+        f"{'; '.join(outside)}"
+    )
 
 
 def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:

@@ -108,6 +108,10 @@ class ContactLaw {
     constexpr double STEP = 1e-5;    // relative
     return (area(a + STEP * a, site) - area(a - STEP * a, site)) / (2.0 * STEP * a);
   }
+  ErrorBar error_bar(double peak, const Site &site) const
+  {
+    return with([&](const auto &law) { return law.error_bar(peak, site); });
+  }
   bool update(double a, double peak, double rate, const Site &site, double *extra) const
   {
     return with([&](const auto &law) { return law.update(a, peak, rate, site, extra); });
@@ -353,6 +357,25 @@ class ScaledLaw {
 
   double residual_overlap(const LawHistory &h) const { return yielded(h.peak) ? overlap_ * turning(h).residual : 0.0; }
   double unloading_exponent(const LawHistory &h) const { return yielded(h.peak) ? turning(h).exponent : 1.5; }
+
+  /* Error bar of the force that the law states, not a number where it states none: below the peak that of the peak force plus
+     that of the unloading curve. */
+  double force_error(double overlap, const LawHistory &h) const
+  {
+    if (elastic_ || cohesive()) return NAN;
+    const double peak = std::max(overlap, h.peak);
+    const ErrorBar bar = law_->error_bar(normalised(peak), site(h.extra));
+    const double of_peak = overlap < h.peak ? bar.unloading * peak_force(h) : 0.0;
+    return of_peak + bar.force * std::abs(force(overlap, h));
+  }
+
+  /* Error bar of the coefficient of restitution of a collision with this peak, absolute. */
+  double restitution_error(const LawHistory &h) const
+  {
+    if (elastic_ || cohesive()) return NAN;
+    const double work = loading_work(h.peak, h.extra), lost = dissipated_energy(h);
+    return law_->error_bar(normalised(h.peak), site(h.extra)).restitution * std::sqrt(std::max(0.0, 1.0 - lost / work));
+  }
 
   /* Slope of the force over the overlap, on loading at the peak and below it on unloading: the tangent stiffness. */
   double tangent_stiffness(double overlap, const LawHistory &h) const

@@ -32,6 +32,23 @@ def nothing_warned_about(monkeypatch):
     monkeypatch.setattr(contacts, "_warned", set())
 
 
+def test_error_bars_come_with_the_force():
+    """Of law elastoplastic-fe within the range of its fit; NaN for other laws."""
+    bodies = [BALL, {"shape": "plane"}]
+    overlap = np.array([[1e-6, 1e-5], [1e-4, 1e-3]])
+    force, bar = gw.contact_force("elastoplastic-fe", bodies, overlap, error=True)
+    np.testing.assert_array_equal(force, gw.contact_force("elastoplastic-fe", bodies, overlap))
+    assert bar.shape == overlap.shape and np.isnan(bar[1, 1])  # beyond 0.2 R*
+    within = bar.ravel()[:3] / force.ravel()[:3]
+    assert within[0] == 0 and np.all((within[1:] > 0.01) & (within[1:] < 0.1))
+    unloaded, bar = gw.contact_force(
+        "elastoplastic-fe", bodies, 0.9e-4, peak_overlap=1e-4, error=True
+    )
+    assert isinstance(bar, float) and bar > 0.02 * unloaded
+    for law in ("elastoplastic", "hertz"):
+        assert math.isnan(gw.contact_force(law, bodies, 1e-5, error=True)[1])
+
+
 def test_a_sphere_on_a_cylinder_of_the_thesis():
     """Thesis 7.2, with its radius of 2.38 mm: K = 4.528092e9 N/m^1.5."""
     overlap = np.array([[1e-8, 1e-7], [1e-6, -1e-6]])
