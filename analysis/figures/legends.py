@@ -42,9 +42,8 @@ def uncover_curves(figure: Figure) -> bool:
 
 def covers_curve(axes: Axes, legend: Legend) -> bool:
     """Return True if a legend covers a part of a line or a marker of its axes."""
-    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
     margin = _MARGIN * axes.figure.dpi / _POINTS  # type: ignore[union-attr]
-    box = legend.get_window_extent(renderer).padded(margin)
+    box = legend.get_window_extent().padded(margin)
     if any(path.intersects_bbox(box, filled=False) for path in _lines(axes)):
         return True
     return any(_contains(box, places) for places in _markers(axes))
@@ -80,8 +79,7 @@ def _contains(box: Bbox, places: np.ndarray) -> bool:
 
 def _is_outside(axes: Axes, legend: Legend) -> bool:
     """Return True if a legend does not overlap the inside of its axes."""
-    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
-    return not axes.bbox.overlaps(legend.get_window_extent(renderer).padded(-1.0))
+    return not axes.bbox.overlaps(legend.get_window_extent().padded(-1.0))
 
 
 def _moves_within(axes: Axes, legend: Legend) -> bool:
@@ -99,7 +97,6 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
 def _put_above(axes: Axes, legend: Legend) -> None:
     """Replace a legend by one above its axes, in as many columns as have room."""
     entries = [text.get_text() for text in legend.get_texts()]
-    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
     for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
         above = axes.legend(
             legend.legend_handles,
@@ -111,5 +108,5 @@ def _put_above(axes: Axes, legend: Legend) -> None:
             columnspacing=1.0,
             fontsize=legend.get_texts()[0].get_fontsize(),
         )
-        if above.get_window_extent(renderer).width <= axes.bbox.width:
+        if above.get_window_extent().width <= axes.bbox.width:
             return
