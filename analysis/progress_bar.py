@@ -34,4 +34,4 @@ def progress_bar(shown: bool, **options: Any) -> tqdm:
         return bar_of_notebooks(**options)
     from tqdm import tqdm  # not at the top: most commands show no bar
 
-    return tqdm(disable=None if shown else True, **options)
+    return tqdm(disable=None if shown and sys.stderr is not None else True, **options)

@@ -9,6 +9,7 @@ up.
 from __future__ import annotations
 
 import dataclasses
+from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
@@ -80,10 +81,17 @@ def readable(name: str) -> str:
 _OUTERMOST = "Of the outermost sphere (element) that yielded at all, however little it dissipated."
 _HOLDS_90 = {
     "depth": "Smallest depth below the struck sphere's centre (the block's face) that holds 90 % of the energy "
-    "dissipated by yielding, weighed by the centres of spheres (elements), not interpolated; 50 and 99 % likewise.",
+    "dissipated by yielding, at the centres of spheres (elements), not interpolated: in a lattice it is the depth of a "
+    "layer. Strikers are left out. 50 and 99 % likewise.",
+    "radius": "The same of the distance from the impact axis, which goes along z through the centroid of the impacted "
+    "spheres.",
+    "volume": "Smallest volume that holds 90 % of it: of the spheres (elements) in the order of their energy per volume, "
+    "the highest first; without the voids between spheres, strikers left out.",
+}
+_INTERPOLATED_90 = {
+    "depth": "The depth that holds 90 % between layers: straight in the energy from layer to layer, so that it does not "
+    "jump by layers; at most the depth of the layer.",
     "radius": "The same of the distance from the impact axis.",
-    "volume": "Volume of the fewest spheres (elements) that hold 90 % of it, those with most for their volume; without "
-    "the voids between spheres.",
 }
 
 
@@ -101,6 +109,19 @@ def _zone_sizes() -> tuple[Quantity, ...]:
             symbol=f"{symbol}_{{{share}}}",
         )
         for size, unit, symbol in (("depth", "m", "z"), ("radius", "m", "r"), ("volume", "m3", "V"))
+        for share in SHARES
+    ) + tuple(
+        Quantity(
+            f"zone_{size}_{share}_interpolated_m",
+            f"Zone of {share} %, {size}, interpolated",
+            short=f"{share} % {size}",
+            digits=".4g",
+            meaning=_INTERPOLATED_90[size] if share == 90 else "",
+            note="" if share == 90 else f"As zone_{size}_90_interpolated_m.",
+            axis=f"{size.capitalize()} that holds {share} %, interpolated",
+            symbol=f"{symbol}_{{{share}}}",
+        )
+        for size, symbol in (("depth", "z"), ("radius", "r"))
         for share in SHARES
     )
 
@@ -188,6 +209,8 @@ ENTRIES = (
     Quantity("energy_balance_error", "Balance error", digits=".1e", phrase="{} of it",
              note="Largest misfit of kinetic + elastic + dissipated - input at any time, over the largest input up to "
              "the end; of a prescribed displacement without the kinetic energy of the moved grains."),
+    Quantity("energy_balance_accepted", "Accepted balance error",
+             note="Largest balance error with which this run is accepted; with a larger one it is refused."),
     Quantity("energy_kinetic_J", "Kinetic energy", note="At the end, with rotation."),
     Quantity("energy_rotational_J", "Kinetic energy of rotation", "Part of the kinetic energy."),
     Quantity("energy_elastic_J", "Elastic energy", note="At the end: what contacts, springs and bars would give back."),
@@ -220,8 +243,17 @@ ENTRIES = (
     Quantity("kinetic_share_max", short="kinetic energy", digits=".1e", phrase="{} of the internal, at most",
              note="Largest kinetic over internal energy from first yield on: small if the contact is static."),
     # contacts
-    Quantity("peak_force_N", "Peak contact force", digits=".6g", axis="Peak force", symbol=r"F_\mathrm{max}",
-             note="Of any contact at any time; in the continuum of the punch."),
+    Quantity("peak_force_N", "Peak contact force, walls left out", "Of all contacts between two spheres at any time; "
+             "in the continuum that of the punch.", short="peak force, walls left out", digits=".6g", axis="Peak force between spheres",
+             symbol=r"F_\mathrm{max}"),
+    Quantity("peak_force_with_walls_N", "Peak contact force, walls included", "Of all contacts at any time, those of "
+             "spheres with walls, plates and bars included.", short="peak force, with walls", digits=".6g", axis="Peak force, walls included",
+             symbol=r"F_\mathrm{max}"),
+    Quantity("peak_force_error_N", "Error bar of the peak contact force", digits=".2g",
+             meaning="Largest deviation of the contact law from finite elements that law elastoplastic-fe states for the "
+             "contact with the peak force.",
+             note="Of the law at that overlap, not of the run; null for other laws, beyond the range of the fit, with "
+             "cohesion and with a yield strength that follows the rate."),
     Quantity("peak_overlap_m", note="Of any contact at any time."),
     Quantity("contacts_beyond_law", "Contacts beyond the law", short="contacts beyond 0.2 R*",
              note="Contacts that were pressed beyond 0.2 R*, where the fit of the law ends."),
@@ -229,9 +261,15 @@ ENTRIES = (
              note="Contacts that were pressed beyond 0.1 R*."),
     # plastic zone
     Quantity("n_plastic_contacts", "Yielded contacts",
-             "Contacts that yielded in this run; a dent from before it counts only if it grew."),
-    Quantity("n_plastic_spheres", "Yielded spheres", short="plastic spheres", axis="Plastic spheres",
-             symbol=r"N_\mathrm{p}", note="Spheres with a contact that yielded."),
+             "Contacts between two spheres whose overlap passed that of first yield in this run; a dent from before it "
+             "counts only if it grew. Just beyond first yield a contact keeps a dent and may dissipate nothing."),
+    Quantity("n_dissipating_contacts", "Yielded contacts that dissipated energy",
+             "Those of the yielded contacts that dissipated energy by yielding.", short="  that dissipated"),
+    Quantity("n_plastic_spheres", "Yielded spheres", axis="Yielded spheres",
+             symbol=r"N_\mathrm{p}", meaning="Spheres with a yielded contact; contacts with walls do not count."),
+    Quantity("n_dissipating_spheres", "Spheres that dissipated energy",
+             "By any cause, at walls too: the number in the figures of dissipation. Spheres whose contacts yielded, but "
+             "dissipated nothing yet, are not among them.", short="dissipating spheres"),
     Quantity("plastic_zone_volume_m3", "Plastic zone volume", "Of all spheres that yielded; in the continuum the "
              "largest volume at yield at one instant. Not to be compared with each other.", short="plastic zone",
              digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
@@ -302,13 +340,17 @@ ENTRIES = (
     Quantity("packing_height_m", "Height of the packing"),
     # motion
     Quantity("wave_speed_m_s", digits=".4g", axis="Wave speed", symbol="c",
-             note="Of the first arrival in the deeper half of the packing; it takes nine layers. Null of cylinders "
-             "beside each other."),
+             note="Of the front of the wave, in the deeper half of the packing: a contact is reached when its force "
+             "first passes 10 % of its largest. Needs nine layers. Null of cylinders beside each other."),
     Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g",
              note="Along the impact or load.direction; negative: it moves back."),
     Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Into the block."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
              note="Of a single sphere on a rigid wall, or of two spheres of which one is struck."),
+    Quantity("restitution_error", "Error bar of the restitution", digits=".2g",
+             meaning="Largest deviation of the coefficient of restitution from finite elements that law "
+             "elastoplastic-fe states.",
+             note="Null where peak_force_error_N is, and with contact.loss."),
     Quantity("sensor_*_peak_force_N", note="Of a chain: largest mean of the two contact forces of the bead."),
     Quantity("sensor_*_peak_acceleration_m_s2", note="Of other packings."),
     Quantity("sensor_*_peak_velocity_m_s", note="Of other packings."),
@@ -396,9 +438,10 @@ REPORT_COLUMNS = (
     "dissipated_fraction", "plastic_fraction", "friction_fraction", "rolling_fraction", "twisting_fraction",
     "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
-    "peak_force_N", "n_plastic_contacts",
-    "n_plastic_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
-    "plastic_zone_radius_m", "zone_depth_90_m", "zone_radius_90_m", "zone_volume_90_m3", "zone_cut",
+    "peak_force_N", "peak_force_with_walls_N", "n_plastic_contacts", "n_dissipating_contacts",
+    "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
+    "plastic_zone_radius_m", "zone_depth_90_m", "zone_depth_90_interpolated_m",
+    "zone_radius_90_m", "zone_radius_90_interpolated_m", "zone_volume_90_m3", "zone_cut",
     "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
@@ -414,8 +457,8 @@ RUN_ROWS = _quantities(
     "n_steps", "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "rolling_fraction", "twisting_fraction",
     "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction",
-    "energy_balance_error", "peak_force_N",
-    "n_plastic_contacts", "n_plastic_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
+    "energy_balance_error", "peak_force_N", "peak_force_with_walls_N",
+    "n_plastic_contacts", "n_dissipating_contacts", "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_depth_m", "plastic_zone_radius_m", "wave_speed_m_s",
     "contacts_beyond_law", "wall_peak_force_N", "wall_impulse_Ns", "peak_reduction", "impactor_velocity_m_s",
     "transmission", "load_power_W", "absorbed_power_W", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
@@ -432,8 +475,9 @@ CONTINUUM_ROWS = _quantities(
 #: Columns at the terminal at the end of a scan: numbers, with the unit in the head.
 SCAN_COLUMNS = _quantities(
     _changed("restitution", digits=".5f"), "transmission", "dissipated_fraction",
-    "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_m", "zone_volume_90_m3",
-    "zone_cut", _changed("peak_force_N", short="peak force", digits=".5g"),
+    "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_interpolated_m", "zone_volume_90_m3",
+    "zone_cut", _changed("peak_force_N", short="peak force, no walls", digits=".5g"),
+    _changed("peak_force_with_walls_N", short="with walls", digits=".5g"),
     _changed("max_force_N", short="largest force"),
     _changed("force_deviation_rms_percent", short="less the law (%, rms)", digits=".2f"),
 )  # fmt: skip
@@ -442,9 +486,25 @@ SCAN_COLUMNS = _quantities(
 SCAN_FIGURES = {
     "peak_reduction": "peak_reduction", "restitution": "restitution",
     "transmission": "transmission", "dissipated_fraction": "dissipated_fraction",
-    "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_m",
-    "zone_radius_90": "zone_radius_90_m", "zone_volume_90": "zone_volume_90_m3",
+    "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_interpolated_m",
+    "zone_radius_90": "zone_radius_90_interpolated_m", "zone_volume_90": "zone_volume_90_m3",
     "plastic_zone_volume": "plastic_zone_volume_m3", "plastic_spheres": "n_plastic_spheres",
     "peak_force": "peak_force_N", "max_force": "max_force_N", "force_deviation": "force_deviation_rms_percent",
     "wave_speed": "wave_speed_m_s",
 }  # fmt: skip
+
+#: What figures show of results of 1.0 and earlier, which lack a value of `SCAN_FIGURES`.
+_EARLIER = {
+    "zone_depth_90_interpolated_m": "zone_depth_90_m",
+    "zone_radius_90_interpolated_m": "zone_radius_90_m",
+}
+
+
+def scan_figures(there: Container[str]) -> dict[str, str]:
+    """Return the quantities of figures of a scan by the names of figures, of a scan whose summaries
+    have the values ``there``.
+    """
+    return {
+        name: _EARLIER[key] if key in _EARLIER and key not in there else key
+        for name, key in SCAN_FIGURES.items()
+    }

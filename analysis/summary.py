@@ -19,6 +19,7 @@ from granwave.analysis.measures.driven import (
     mean_power_of,
     transmission_of,
 )
+from granwave.analysis.measures.law_errors import law_errors
 from granwave.analysis.measures.lines import (
     line_summary,
     sensor_accelerations,
@@ -55,7 +56,9 @@ _CONTACT_COLUMNS = (
     "yield_overlap",
     "touching",
     "yielded",
+    "dissipated_energy",
 )
+_OTHER_LOSSES = ("friction_energy", "viscous_energy")  # of contacts, as far as there are any
 _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have parted
 
 
@@ -101,6 +104,7 @@ def summarise(
 def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
     """The summary of a result that is open."""
     of_contacts = _of_contacts(result, processes)
+    rebound = restitution(result)
     record = result.record
     n_cylinders = result.assembly.n_cylinders
     end_time = float(result["energy/time"][-1])
@@ -122,11 +126,16 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         "precompression_residual": _last(result, "prestage/residual"),
         **_transmission(result),
         "peak_force_N": of_contacts["peak_force"],
+        "peak_force_with_walls_N": max(
+            of_contacts["peak_force"],
+            float(result["wall_contacts/peak_force"].max(initial=0.0)),
+        ),
         "peak_overlap_m": of_contacts["peak_overlap"],
         "contacts_beyond_law": of_contacts["beyond_law"],
         "contacts_beyond_half_law": of_contacts["beyond_half_law"],
         "n_wall_contacts": len(result["wall_contacts/id"]),
         "n_plastic_contacts": of_contacts["yielded"],
+        "n_dissipating_contacts": of_contacts["dissipating"] if result.yields else None,
         **_plasticity(result),
         **zone_summary(result),
         **_normalised(result),
@@ -140,11 +149,13 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         **({"n_cylinders": n_cylinders} if n_cylinders else {}),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
-        "restitution": restitution(result),
+        "restitution": rebound,
+        **law_errors(result, rebounds=rebound is not None),
         "wall_time_s": wall_time,
         "sphere_steps_per_s": result.n_spheres * n_steps / wall_time if wall_time else None,
         "n_ranks": record.get("n_ranks"),
         "end_reason": record.get("end_reason"),
+        "energy_balance_accepted": record.get("energy_balance_accepted"),
         "deck_changed": changed_files(result.path.parent) or None,
         "versions": result.versions,
     }
@@ -235,7 +246,7 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
     n_rows = len(result.file["contacts/i"])
     size = result.at_once
     if n_rows <= size:
-        parts = [_of_rows([result[f"contacts/{name}"] for name in _CONTACT_COLUMNS])]
+        parts = [_of_rows(_columns(result))]
     else:
         parts = list(
             processes.map(
@@ -256,23 +267,34 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
 
 def _of_block(path: Path, size: int, case: Case, first: int) -> dict[str, float]:
     with Result(path, size, case) as result:
-        return _of_rows(
-            [
-                result.read(f"contacts/{name}", slice(first, first + size))
-                for name in _CONTACT_COLUMNS
-            ]
-        )
+        return _of_rows(_columns(result, slice(first, first + size)))
 
 
-def _of_rows(columns: list[Array]) -> dict[str, float]:
+def _columns(result: Result, rows: slice | tuple[()] = ()) -> dict[str, Array]:
+    """Return the columns of some contacts, with those of other losses as far as there are any."""
+    others = [name for name in _OTHER_LOSSES if f"contacts/{name}" in result]
+    names = (*_CONTACT_COLUMNS, *others)
+    if rows == ():
+        return {name: result[f"contacts/{name}"] for name in names}
+    return {name: result.read(f"contacts/{name}", rows) for name in names}
+
+
+def _of_rows(columns: dict[str, Array]) -> dict[str, float]:
     """Return what some contacts add to the numbers; pairs that were pressed by rounding alone are
     not loaded.
     """
-    overlap, force, radius, yield_overlap, touching, yielded = columns
+    overlap = columns["peak_overlap"]
+    force = columns["peak_force"]
+    radius = columns["effective_radius"]
+    yield_overlap = columns["yield_overlap"]
+    yielded = columns["yielded"] > 0
     pressed = overlap > np.where(np.isfinite(yield_overlap), LISTED_FROM * yield_overlap, 0.0)
+    lost = columns["dissipated_energy"]
+    by_yielding = lost - sum(columns[name] for name in _OTHER_LOSSES if name in columns)
     counted = {
-        "touching": touching,
+        "touching": columns["touching"],
         "yielded": yielded,
+        "dissipating": yielded & (by_yielding > _ROUNDING * lost),
         "loaded": pressed & (force > 0),
         "beyond_law": overlap > LAW_LIMIT * radius,
         "beyond_half_law": overlap > HALF_LAW_LIMIT * radius,
@@ -292,16 +314,19 @@ def _plasticity(result: Result) -> Summary:
             "spheres/position", "spheres/radius", "spheres/contacts_yielded"
         )
     ]
+    dissipating = [
+        np.count_nonzero(energy > 0) for (energy,) in result.blocks("spheres/dissipated_energy")
+    ]
     positions, radii = (np.concatenate(column) for column in zip(*found, strict=True))
-    offset = positions - result.origin
+    below = positions[:, 2] - result.origin[2]
+    from_axis = result.distance_from_axis(positions)
     yields = result.yields
     return {
         "n_plastic_spheres": len(radii),
+        "n_dissipating_spheres": int(sum(dissipating)),
         "plastic_zone_volume_m3": float(np.sum(4 / 3 * np.pi * radii**3)) if yields else None,
-        "plastic_zone_depth_m": float(np.max(offset[:, 2], initial=0.0)) if yields else None,
-        "plastic_zone_radius_m": float(np.max(np.hypot(*offset[:, :2].T), initial=0.0))
-        if yields
-        else None,
+        "plastic_zone_depth_m": float(np.max(below, initial=0.0)) if yields else None,
+        "plastic_zone_radius_m": float(np.max(from_axis, initial=0.0)) if yields else None,
     }
 
 

@@ -82,6 +82,12 @@ def _zone_rows(summary: Mapping[str, Any]) -> list[Row]:
         if found:
             rows.append(Row(label, f"{what} {', '.join(found)} {unit}", keys))
             label = ""
+    for what in ("depth", "radius"):
+        keys = tuple(f"zone_{what}_{percent}_interpolated_m" for percent in SHARES)
+        found = [f"{summary[key]:.4g}" for key in keys if summary.get(key) is not None]
+        if found:
+            rows.append(Row(label, f"{what}, interpolated {', '.join(found)} m", keys))
+            label = ""
     if summary.get("zone_cut") is not None:
         rows.append(
             Row("bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",))

@@ -24,7 +24,14 @@ from typing import Any
 
 from granwave.lammps_inputs import ownership, run_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import checksum, head, read_json, read_tables, replace_text
+from granwave.lammps_inputs.files import (
+    checksum,
+    head,
+    read_json,
+    read_tables,
+    regular,
+    replace_text,
+)
 from granwave.lammps_inputs.processes import ALONE, Processes
 
 logger = logging.getLogger(__name__)
@@ -268,7 +275,7 @@ def check_deck(directory: Path) -> None:
 
 
 def _digest(path: Path) -> str:
-    with path.open("rb") as stream:
+    with regular(path).open("rb") as stream:
         return hashlib.file_digest(stream, lambda: hashlib.blake2b(digest_size=16)).hexdigest()
 
 

@@ -5,6 +5,8 @@ from __future__ import annotations
 import warnings
 from collections.abc import Callable, Iterable
 
+_MOST_ERRORS = 100  # lines of one error
+
 
 class GranwaveError(Exception):
     """Base class of the errors that granwave raises on purpose."""
@@ -16,11 +18,14 @@ class InputError(GranwaveError, ValueError):
     Parameters
     ----------
     errors
-        Messages, one line each: file, key, what was found, what was expected, how to correct it.
+        Messages, one line each: file, key, what was found, what was expected, how to correct it. Of
+        very many the first are kept, and a line with the number of the others.
     """
 
     def __init__(self, errors: str | Iterable[str]) -> None:
         self.errors: list[str] = [errors] if isinstance(errors, str) else list(errors)
+        if (more := len(self.errors) - _MOST_ERRORS) > 1:
+            self.errors[_MOST_ERRORS:] = [f"and {more} more errors; correct these first"]
         super().__init__("\n".join(self.errors))
 
     @property

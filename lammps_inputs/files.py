@@ -18,6 +18,7 @@ import json
 import math
 import os
 import re
+import stat
 import tomllib
 import zlib
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -119,6 +120,28 @@ def replace_bytes(path: Path, content: bytes) -> None:
         scratch.write_bytes(content)
 
 
+def is_special(path: Path) -> bool:
+    """Return True for a pipe, a socket or a device, also through a link; opening it may never end."""
+    try:
+        mode = path.stat().st_mode
+    except (OSError, ValueError):
+        return False
+    return not (stat.S_ISREG(mode) or stat.S_ISDIR(mode))
+
+
+def regular(path: Path) -> Path:
+    """Return the path of a file to be opened.
+
+    Raises
+    ------
+    OSError
+        It is a pipe, a socket or a device.
+    """
+    if is_special(path):
+        raise OSError(errno.EINVAL, "is a pipe or a device, expected a file", str(path))
+    return path
+
+
 def read_regular(path: Path) -> bytes:
     """Read a whole file; refuse pipes and devices, which may never end.
 
@@ -127,9 +150,7 @@ def read_regular(path: Path) -> bytes:
     OSError
         The file cannot be read, or is a pipe or a device.
     """
-    if path.exists() and not path.is_file() and not path.is_dir():
-        raise OSError(errno.EINVAL, "is a pipe or a device, expected a file", str(path))
-    return path.read_bytes()
+    return regular(path).read_bytes()
 
 
 def read_text(path: Path) -> str:
@@ -182,7 +203,7 @@ def read_tables(path: Path) -> dict[str, Any] | None:
 
 def _table(path: Path, parse: Callable[[str], Any]) -> dict[str, Any] | None:
     try:
-        content = parse(path.read_text(encoding="utf-8"))
+        content = parse(regular(path).read_text(encoding="utf-8"))
     except (OSError, ValueError, RecursionError):  # RecursionError: brackets nested too deeply
         return None
     return content if isinstance(content, dict) else None
@@ -204,7 +225,7 @@ def checksum(path: Path, size: int | None = None, *, after: tuple[int, int] = (0
 @functools.lru_cache(maxsize=1024)  # each file is read once, as long as it stays the same
 def _checksum(path: Path, end: int, after: tuple[int, int], _state: tuple[int, ...]) -> int:
     place, found = after
-    with path.open("rb") as file:
+    with regular(path).open("rb") as file:
         file.seek(place)
         while block := file.read(min(_BLOCK, max(end - place, 0))):
             found = zlib.crc32(block, found)
@@ -215,7 +236,7 @@ def _checksum(path: Path, end: int, after: tuple[int, int], _state: tuple[int, .
 def head(path: Path, size: int = -1) -> bytes:
     """Read the first bytes of a file, all if ``size`` is negative; empty if it cannot be read."""
     try:
-        with path.open("rb") as file:
+        with regular(path).open("rb") as file:
             return file.read(size)
     except OSError:
         return b""
@@ -258,6 +279,10 @@ def available_memory() -> float:
 
 _BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _SPECIAL = re.compile('[,"#]')
+_NUMBER = re.compile(
+    r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE
+)
+_WHOLE = re.compile(r"[-+]?[0-9]+")
 
 Row = tuple[int, list[str]]  # number of the line, and the cells
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
@@ -282,6 +307,26 @@ def csv_rows(text: str) -> list[Row]:
         except csv.Error as error:
             raise ValueError(f"line {number}: found no row of a CSV file: {error}") from None
     return found
+
+
+def read_number(word: str) -> float:
+    """Convert a word to a number; NaN and infinity are numbers here.
+
+    Raises
+    ------
+    ValueError
+        It is none, as a word with underscores or with digits beyond ASCII, which Python would take.
+    """
+    if not _NUMBER.fullmatch(word.strip()):
+        raise ValueError(f"found {word!r}, expected a number")
+    return float(word)
+
+
+def read_whole(word: str) -> int:
+    """Convert a word to a whole number; raise ValueError as `read_number`."""
+    if not _WHOLE.fullmatch(word.strip()):
+        raise ValueError(f"found {word!r}, expected a whole number")
+    return int(word)
 
 
 def csv_cell(word: str) -> str:

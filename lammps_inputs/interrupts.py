@@ -1,4 +1,6 @@
-"""Ctrl-C and SIGTERM that wait, or are counted, instead of stopping the program at once."""
+"""Ctrl-C, SIGTERM and the end of the terminal that wait, or are counted, instead of stopping the
+program at once.
+"""
 
 from __future__ import annotations
 
@@ -8,8 +10,16 @@ from collections.abc import Callable, Iterator
 from typing import Any, Self
 
 
+def stop_signals() -> list[signal.Signals]:
+    """Return the signals that ask a program to stop: Ctrl-C, SIGTERM, and SIGHUP, of a terminal that
+    is closed, unless nohup ignores it.
+    """
+    hangs_up = signal.getsignal(signal.SIGHUP) is not signal.SIG_IGN
+    return [signal.SIGINT, signal.SIGTERM, *([signal.SIGHUP] if hangs_up else [])]
+
+
 class Interrupts:
-    """Ctrl-C and SIGTERM, which do not stop the program within a ``with`` block.
+    """Ctrl-C, SIGTERM and SIGHUP, which do not stop the program within a ``with`` block.
 
     Parameters
     ----------
@@ -29,7 +39,7 @@ class Interrupts:
 
     def __enter__(self) -> Self:
         with contextlib.suppress(ValueError):  # only the main thread can handle signals
-            for number in (signal.SIGINT, signal.SIGTERM):
+            for number in stop_signals():
                 self._before[number] = signal.signal(number, self._note)
         return self
 

@@ -1,4 +1,9 @@
-"""Loading of a case file: read, check, warn."""
+"""Loading of a case file: read, check, warn; and reading of the case of a finished run, which is
+parsed and no more.
+
+What a finished run holds was checked before it ran. Its case is neither checked again nor compared
+with the memory, the cores or the disk of this machine: a result opens wherever it is copied to.
+"""
 
 from __future__ import annotations
 
@@ -68,3 +73,29 @@ def case_from_dict(
     assert assembly is not None  # it is None only with errors
     warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
     return case
+
+
+def read_stored_case(path: str | Path) -> Case:
+    """Read the case.toml of a run that was made, see `stored_case`."""
+    return stored_case(read_toml(path), path)
+
+
+def stored_case(data: Mapping[str, Any], source: str | Path = "case") -> Case:
+    """Return the case of a run that was made, from its nested mapping; it is parsed, not checked.
+
+    Parameters
+    ----------
+    source
+        Name of the file in messages; its stem is the default name of the case.
+
+    Raises
+    ------
+    InputError
+        The mapping is not that of a case, as of a damaged file; the message lists all faults.
+    """
+    errors = ErrorList(str(source))
+    parts = parse_case(data, source, errors, stored=True)
+    if errors.lines:
+        raise InputError(errors.lines)
+    parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])
+    return Case(**parts)

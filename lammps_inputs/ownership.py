@@ -22,7 +22,7 @@ from pathlib import Path, PurePosixPath
 from granwave import __version__
 from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import head, read_json, read_tables, replace_text
+from granwave.lammps_inputs.files import head, is_special, read_json, read_tables, replace_text
 from granwave.lammps_inputs.run_directory import files_of
 
 GROUPS = {
@@ -101,8 +101,10 @@ def read_marker(directory: Path) -> Marker:
     Raises
     ------
     InputError
-        A later version wrote there, in a format that this one does not know.
+        A later version wrote there, in a format that this one does not know; or a file of results
+        is a pipe or a device.
     """
+    refuse_special(directory)
     path = directory / run_directory.MARKER
     if not path.is_symlink() and (found := read_json(path)) is not None:
         kind = found.get("kind")
@@ -123,8 +125,21 @@ def read_marker(directory: Path) -> Marker:
             made = found.get("format", 0)
             if newer := run_directory.newer_format(made, version):
                 raise InputError(f"{directory}: {newer}")
+            refuse_special(directory, [name for name in inside if not name.endswith("/")])
             return Marker(kind, version, case, inside, digests, sums, made)
     return recognise(directory)
+
+
+def refuse_special(directory: Path, names: Iterable[str] = run_directory.READ_FILES) -> None:
+    """Raise InputError for files that are pipes or devices, which opening would wait for."""
+    errors = [
+        f"{directory / file}: is a pipe or a device, expected a file; remove it, or put back the file of the run"
+        for name in names
+        for file in files_of(directory, name)
+        if is_special(directory / file)
+    ]
+    if errors:
+        raise InputError(errors)
 
 
 def claim(

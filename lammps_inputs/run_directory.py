@@ -113,6 +113,45 @@ SPECTRA_FILE = "spectra.h5"
 #: Commands of small waves; each leaves its values in a file of its name, .json.
 SPECTRA_KINDS = ("bands", "modes", "transmission")
 
+#: Files that are opened for reading where they are there; all others are entered in the marker.
+READ_FILES = (
+    MARKER,
+    LOCK_FILE,
+    CASE_FILE,
+    DATA_FILE,
+    SCRIPT_FILE,
+    DENTS_FILE,
+    LOAD_FILE,
+    LOG_FILE,
+    RECORD_FILE,
+    RESULT_FILE,
+    SUMMARY_FILE,
+    CONTACT_TABLE,
+    SCAN_FILE,
+    SCAN_INDEX,
+    SUITE_INDEX,
+    SCAN_TABLE,
+    SCAN_DATA,
+    STUDY_ROWS,
+    *POINT_FILES,
+    DESIGN_STUDY,
+    DESIGN_TABLE,
+    DESIGN_OUTCOME,
+    *FIT_FILES,
+    INFERRED_FORCES,
+    INFERRED_GRAINS,
+    SPECTRA_FILE,
+    *(f"{kind}.json" for kind in SPECTRA_KINDS),
+    *(
+        f"{DUMPS}/{name}"
+        for name in (ENERGY_FILE, WALLS_FILE, PROBES_FILE, COUNT_FILE, STATIC_STAGE_FILE)
+    ),
+    *(
+        f"{DUMPS}/{name}"
+        for name in (*FRAMES_FILES.values(), HISTORY_FILE, FORCES_FILE, LINES_FILE, CONTACTS_FILE)
+    ),
+)
+
 # Kinds of results.
 RUN = "run"
 CONTINUUM = "continuum"

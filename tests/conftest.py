@@ -34,6 +34,13 @@ PLAIN = {
 }
 
 
+def pytest_addoption(parser: pytest.Parser) -> None:
+    """Add the option of `make validate-one`."""
+    parser.addoption(
+        "--one-of-each", action="store_true", help="run the first case of each test function"
+    )
+
+
 @pytest.fixture(autouse=True)
 def figures_that_fail(request, caplog):
     """Fail tests in which a figure could not be made: that costs a run or a report no more than a
@@ -194,6 +201,16 @@ def script_of(
     return "\n".join(lines) + "\n"
 
 
-def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
-    """Put the longest tests first, so that all processes end at about the same time."""
+@pytest.hookimpl(trylast=True)  # after the choice of markers
+def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
+    """Put the longest tests first, so that all processes end at about the same time; with
+    ``--one-of-each`` leave out all but the first case of each test function.
+    """
     items.sort(key=lambda item: "test_scan_slurm" not in item.nodeid)
+    if config.getoption("--one-of-each"):
+        first: dict[str, pytest.Item] = {}
+        for item in items:
+            first.setdefault(item.nodeid.partition("[")[0], item)
+        kept = set(first.values())
+        config.hook.pytest_deselected(items=[item for item in items if item not in kept])
+        items[:] = first.values()

@@ -31,7 +31,10 @@ if __name__ == "__main__":
     if status == 130:
         # Python would end by a signal if the error has passed code that was made of a string, as of
         # dataclasses
-        sys.stdout.flush()
-        sys.stderr.flush()
+        from granwave.lammps_inputs.streams import flush
+        from granwave.workflows.run.leftovers import remove_own
+
+        flush()
+        remove_own()
         os._exit(status)
     sys.exit(status)

@@ -10,7 +10,6 @@ import os
 import re
 import statistics
 import subprocess
-import tempfile
 import time
 from collections.abc import Iterable
 from pathlib import Path
@@ -29,6 +28,8 @@ from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
 from granwave.workflows import library
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
+from granwave.workflows.run.launchers import of_this_machine
+from granwave.workflows.run.leftovers import scratch_directory
 
 STUDY = TIMED = "fcc-impact"  # reference study: its packing, and the one that is run as a whole
 SIZES = ([24, 24, 18], [72, 72, 30], [160, 160, 78])
@@ -140,12 +141,12 @@ def compare_styles(repeats: int) -> dict[str, Any]:
     n = assemble(case).lattice.n_spheres
     results: dict[str, Any] = {"n_spheres": n}
     with (
-        tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch,
+        scratch_directory("granwave-bench-") as scratch,
         contextlib.ExitStack() as opened,
     ):
-        data = Path(scratch) / "data.granwave"
+        data = scratch / "data.granwave"
         engines = {}
-        logs = {style: Path(scratch) / f"log.{k}" for k, style in enumerate(STYLES)}
+        logs = {style: scratch / f"log.{k}" for k, style in enumerate(STYLES)}
         write_data(assemble(case), data)
         for style, log in logs.items():
             engines[style] = opened.enter_context(open_engine(MPI.COMM_SELF, log=str(log)))
@@ -264,7 +265,7 @@ def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
     comm = mpi.world()
     case = load_case(library.find(STUDY), {"packing.size": size})
     n = assemble(case).lattice.n_spheres
-    with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
+    with scratch_directory("granwave-bench-") as scratch:
         data = Path(mpi.on_first(comm, lambda: scratch)) / "data.granwave"
         mpi.on_first(comm, lambda: write_data(assemble(case), data))
         with open_engine(comm, log="none") as engine:
@@ -329,7 +330,13 @@ def _on_ranks(n_ranks: int, size: list[int], repeats: int) -> dict[str, Any]:
         "mpi4py",
         "-c",
     ]
-    done = subprocess.run([*command, program], capture_output=True, text=True, check=True)
+    done = subprocess.run(
+        [*command, program],
+        capture_output=True,
+        text=True,
+        check=True,
+        env=of_this_machine(os.environ),
+    )
     found: dict[str, Any] = json.loads(done.stdout.strip().splitlines()[-1])
     return found
 
@@ -349,8 +356,8 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
     print(f"\nreference study ({TIMED}) on {ranks} ranks, wall time of its parts, s:")
     times: dict[str, list[float]] = {part: [] for part in STUDY_PARTS}
     n_steps = 0
-    with tempfile.TemporaryDirectory(prefix="granwave-bench-") as scratch:
-        directory = Path(scratch) / "run"
+    with scratch_directory("granwave-bench-") as scratch:
+        directory = scratch / "run"
         for _ in range(min(repeats, _MOST_RUNS)):
             whole = _timed(
                 "run", TIMED, "-o", str(directory), "--np", str(ranks), "--force", "--no-figures"

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
+from granwave.workflows.finite_elements.punch.case import TAPER, Punch, yield_velocity
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -29,7 +30,6 @@ if TYPE_CHECKING:
 # built-in cases that counterparts are made from
 _BLOCK = "half-space"
 _PACKING = "fcc-small"
-_TAPER = 0.01  # of the punch's diameter, as in the built-in case
 _NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
 _WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
@@ -61,10 +61,27 @@ class Inputs:
 
 @dataclasses.dataclass(frozen=True)
 class Counterpart:
-    """Case of equal input, as a command to be pasted into a shell; or the reason why there is none."""
+    """Case of equal input, as a command to be pasted into a shell; or the reason why there is none.
+
+    Attributes
+    ----------
+    yield_velocity
+        Velocity from which the counterpart yields, m/s; None where there is no estimate.
+    velocity
+        Velocity of its impact, m/s.
+    """
 
     command: str = ""
     reason: str = ""
+    velocity: float | None = None
+    yield_velocity: float | None = None
+
+    @property
+    def stays_elastic(self) -> bool:
+        """True if the counterpart is not expected to yield."""
+        if self.velocity is None or self.yield_velocity is None:
+            return False
+        return self.velocity < self.yield_velocity
 
 
 def energy_unit(material: Material, diameter: float) -> float | None:
@@ -116,16 +133,22 @@ def continuum_of(case: Case) -> Counterpart:
         )
     assembly = assemble(case)
     mass = sum(map(assembly.mass_of, struck_of(assembly)))
+    velocity = math.sqrt(2 * expected_energy(assembly) / mass)
+    taper = TAPER * diameter
+    punch = Punch(diameter=diameter, mass=mass, velocity=velocity, taper=taper)
     changes = {
         **_material(case.material),
         "block.diameter": width,
         "block.height": height,
         "punch.diameter": diameter,
         "punch.mass": mass,
-        "punch.velocity": math.sqrt(2 * expected_energy(assembly) / mass),
-        "punch.taper": _TAPER * diameter,
+        "punch.velocity": velocity,
+        "punch.taper": taper,
     }
-    return _command("continuum", _BLOCK, changes, f"{case.name}-continuum")
+    command = _command("continuum", _BLOCK, changes, f"{case.name}-continuum")
+    return Counterpart(
+        command, velocity=velocity, yield_velocity=yield_velocity(case.material, punch)
+    )
 
 
 def _strikes_along_z(case: Case) -> bool:
@@ -161,22 +184,33 @@ def packing_of(case: ContinuumCase) -> Counterpart:
         for extent, pitch, fewest in zip(extents, pitches, _FEWEST, strict=True)
     ]
     changes: dict[str, Any] = {}
+    velocity = 0.0
     for spheres in _STRUCK:
         mass = spheres * sphere_mass(case.material, diameter / 2)
+        velocity = math.sqrt(2 * case.punch.energy / mass)
         changes = {
             **_material(case.material),
             "packing.size": size,
             "packing.diameter": diameter,
             "load.spheres": spheres,
-            "load.velocity": math.sqrt(2 * case.punch.energy / mass),
+            "load.velocity": velocity,
         }
-        if _overlap(case.material, changes) <= _WITHIN_LAW:
+        packing = _small_packing(case.material, changes)
+        overlap = expected_peak_overlap(assemble(packing))
+        if overlap <= _WITHIN_LAW * sphere_contact(packing).effective_radius:
             break
-    return _command("run", _PACKING, changes, f"{case.name}-packing")
+    command = _command("run", _PACKING, changes, f"{case.name}-packing")
+    return Counterpart(command, velocity=velocity, yield_velocity=_yield_velocity(packing))
 
 
-def _overlap(material: Material, changes: dict[str, Any]) -> float:
-    """Return the largest expected overlap in a packing, over R*."""
+def _yield_velocity(packing: Case) -> float:
+    """Return the velocity from which a sphere that hits another head-on yields, m/s."""
+    law = sphere_contact(packing)
+    return math.sqrt(4 * law.loading_work(law.yield_overlap) / packing.sphere_mass)
+
+
+def _small_packing(material: Material, changes: dict[str, Any]) -> Case:
+    """Return a small packing of the spheres and the impact of a counterpart."""
     tables = {
         "name": "packing",
         "material": {
@@ -185,8 +219,7 @@ def _overlap(material: Material, changes: dict[str, Any]) -> float:
         "packing": {"kind": "fcc", "size": list(_FEWEST), "diameter": changes["packing.diameter"]},
         "load": {"spheres": changes["load.spheres"], "velocity": changes["load.velocity"]},
     }
-    case = case_from_dict(tables, "counterpart")
-    return expected_peak_overlap(assemble(case)) / sphere_contact(case).effective_radius
+    return case_from_dict(tables, "counterpart")
 
 
 def _material(material: Material) -> dict[str, Any]:
@@ -197,11 +230,11 @@ def _material(material: Material) -> dict[str, Any]:
     return {f"material.{name}": getattr(material, name) for name in names}
 
 
-def _command(verb: str, base: str, changes: dict[str, Any], directory: str) -> Counterpart:
+def _command(verb: str, base: str, changes: dict[str, Any], directory: str) -> str:
     words = ["granwave", verb, base]
     for key, value in changes.items():
         words += ["--set", f"{key}={_written(value)}"]
-    return Counterpart(shlex.join([*words, "-o", directory]))
+    return shlex.join([*words, "-o", directory])
 
 
 def _written(value: Any) -> str:

@@ -12,9 +12,9 @@ from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import raise_all
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 
 _OF_CONTINUUM = ("block", "punch")
 _OF_SPHERE_CONTACT = ("sphere", "partner")
@@ -66,13 +66,17 @@ class Kind:
         depend on.
     read
         Function that makes a case, as `case_from_dict`.
+    stored
+        Function that makes the case of a run that was made, as `stored_case`.
     size
         Function that returns the number of parts of a case.
     cost
         Function that returns the cost of a case on a number of ranks, with figures or without.
     check
-        Function that raises InputError if a case of this cost cannot be run; parameters as in
-        `granwave.lammps_inputs.planning.plan.check_run`.
+        Function that raises InputError if files that a case names are not what it needs.
+    afford
+        Function of a case, its cost and the directory of its results or None that raises
+        InputError if this machine lacks the memory or the disk space.
     run
         Function that runs a case of finite elements into a directory, as `run_continuum`; None for
         those that `granwave.workflows.run.driver.run_case` runs.
@@ -84,9 +88,11 @@ class Kind:
     parts: str
     versions: tuple[str, ...]
     read: Callable[..., Any]
+    stored: Callable[..., Any]
     size: Callable[[Any], int]
     cost: Callable[[Any, int, bool], Any]
-    check: Callable[..., None]
+    check: Callable[[Any], None]
+    afford: Callable[[Any, Any, Path | None], None]
     run: Callable[..., dict[str, Any]] | None = None
     parallel: bool = False
 
@@ -103,17 +109,10 @@ def solver_of(tables: Mapping[str, Any]) -> Kind:
     return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
 
 
-def _check_mesh(
-    case: Any,
-    expected: Any,
-    directory: Path | None = None,
-    *,
-    files: bool = True,
-    memory: bool = True,
-) -> None:
+def _afford_mesh(case: Any, expected: Any, directory: Path | None) -> None:
     from granwave.workflows.finite_elements.frame import check_memory
 
-    checks: list[Callable[[], None]] = [lambda: check_memory(case)] if memory else []
+    checks: list[Callable[[], None]] = [lambda: check_memory(case)]
     if directory is not None:
         checks.append(lambda: check_disk(directory, expected.disk, remedy="take fewer elements"))
     raise_all(checks)
@@ -134,9 +133,11 @@ def _continuum_kind(package: str, case: str, run: str) -> Kind:
         parts="elements",
         versions=("granwave",),
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
+        stored=lambda data, source: part("case", case).from_dict(data, source),
         size=lambda found: found.run.elements,
         cost=lambda found, *_: part("mesh", "plan")(found),
-        check=_check_mesh,
+        check=lambda _: None,  # such a case names no files
+        afford=_afford_mesh,
         run=lambda *given, **how: part("run", run)(*given, **how),
     )
 
@@ -146,9 +147,11 @@ GRANULAR = Kind(
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
     read=case_from_dict,
+    stored=stored_case,
     size=lambda case: assemble(case).n_spheres,
     cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
-    check=check_run,
+    check=check_files,
+    afford=lambda _, expected, directory: afford(expected, directory),
     parallel=True,
 )
 CONTINUUM = _continuum_kind("punch", "ContinuumCase", "run_continuum")

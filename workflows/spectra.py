@@ -318,7 +318,7 @@ def steady(
     first, *together = [drive] if isinstance(drive, int) else drive
     found = transmission(
         stiffness, first, sensors, frequencies, axis=axis, end=end, dampers=dampers,
-        losses=losses_of(assembly, state.network), together=together, bottom=damping,
+        losses=losses_of(assembly, state.network, [first, *together], axis), together=together, bottom=damping,
     )  # fmt: skip
     n = len(found.sensors)
     columns = {

@@ -28,7 +28,7 @@ from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, Drawing, save_as
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_csv_rows
+from granwave.lammps_inputs.files import read_csv_rows, read_number
 
 _TURNS = (0.25, 0.5, 0.75, 1.0)  # overlaps at which unloading starts over the largest one
 _COLOURS = (GREEN, ORANGE, PURPLE, BLUE)
@@ -59,7 +59,9 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
     dict
         ``branch`` (loading, then unloading_N and reloading_N for each of four turning points),
         ``overlap_m``, ``force_N``, ``overlap_normalised`` (by alpha_y), ``force_normalised`` (by
-        F_y); the last two are NaN for materials without a yield strength.
+        F_y); the last two are NaN for materials without a yield strength. ``force_error_N``, the
+        error bar that the law states for itself, if it states one of slow contacts; NaN beyond its
+        range.
 
     Raises
     ------
@@ -100,6 +102,15 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
             (f"unloading_{n}", overlap[::-1], force[::-1]),
             (f"reloading_{n}", overlap, force),
         ]
+    bars = {}
+    if law.entry.states_error and not law.rate_sensitivity and not law.pull_off_force:
+        peaks = [values if name == "loading" else values.max() for name, values, _ in branches]
+        bars["force_error_N"] = np.concatenate(
+            [
+                law.force_error(values, np.broadcast_to(peak, values.shape))
+                for (_, values, _), peak in zip(branches, peaks, strict=True)
+            ]
+        )
     overlap = np.concatenate([branch[1] for branch in branches])
     force = np.concatenate([branch[2] for branch in branches])
     if not np.all(np.isfinite(force)):
@@ -114,6 +125,7 @@ def law_table(law: ContactLaw, max_overlap: float = _MAX_OVERLAP, velocity: floa
         if yields
         else np.full_like(overlap, np.nan),
         "force_normalised": force / law.yield_force if yields else np.full_like(force, np.nan),
+        **bars,
     }
 
 
@@ -154,6 +166,11 @@ def law_drawing(
         axes.plot(overlap[rows], force[rows], color=colour, label=label)
     rows = branch == "loading"
     axes.plot(overlap[rows], force[rows], color="black", linestyle="--", label="loading")
+    if "force_error_N" in table:
+        low, high = (force[rows] + sign * table["force_error_N"][rows] for sign in (-1, 1))
+        axes.fill_between(
+            overlap[rows], low, high, color="black", alpha=0.15, label="error bar of the law"
+        )
     if velocity:
         slow = np.asarray(overlap[rows] / _MICRO)
         axes.plot(
@@ -163,8 +180,11 @@ def law_drawing(
             linestyle="-.",
             label="loading, slow",
         )
-    low = (1.02 * float(overlap.min()), 1.05 * float(force.min()))
-    limits = {"xlim": (low[0], float(overlap.max())), "ylim": (low[1], 1.05 * float(force.max()))}
+    corner = (1.02 * float(overlap.min()), 1.05 * float(force.min()))
+    limits = {
+        "xlim": (corner[0], float(overlap.max())),
+        "ylim": (corner[1], 1.05 * float(force.max())),
+    }
     axes.set(xlabel="Overlap (µm)", ylabel="Force (N)", **limits)
     if np.all(np.isfinite(table["overlap_normalised"])):
         axes.tick_params(top=False, right=False)
@@ -240,6 +260,16 @@ def restitution(
     return velocity, np.sqrt(np.clip(1 - law.dissipated_energy(peak) / work, 0, 1))
 
 
+def restitution_error(law: ContactLaw, mass: float, velocity: ArrayLike) -> NDArray[np.float64]:
+    """Return the error bars of `restitution` at impact velocities that it returned: (n,).
+
+    NaN where the law states none.
+    """
+    peak = np.geomspace(_SLOWEST * law.yield_overlap, law.effective_radius, _POINTS)
+    overlap = np.interp(velocity, np.sqrt(2 * law.loading_work(peak) / mass), peak)
+    return np.asarray(law.restitution_error(overlap))
+
+
 def write_restitution(
     contacts: Mapping[str, tuple[ContactLaw, float]],
     path: str | Path,
@@ -256,17 +286,27 @@ def write_restitution(
     """
     path = Path(path)
     curves = {name: restitution(law, mass, max_overlap) for name, (law, mass) in contacts.items()}
+    bars = {
+        name: restitution_error(law, mass, curves[name][0])
+        for name, (law, mass) in contacts.items()
+        if law.entry.states_error and not law.rate_sensitivity
+    }
     velocity, values = (np.concatenate(parts) for parts in zip(*curves.values(), strict=True))
     table = {
         "contact": np.repeat(list(curves), _POINTS),
         "velocity_m_s": velocity,
         "restitution": values,
     }
+    if bars:
+        table["restitution_error"] = np.concatenate(list(bars.values()))
 
     def draw() -> Drawing:
         figure, axes = panels(2.4)
         for (name, curve), (colour, line) in zip(curves.items(), _LINES, strict=False):
             axes.semilogx(*curve, line, color=colour, label=name)
+            if name in bars:
+                low, high = (curve[1] + sign * bars[name] for sign in (-1, 1))
+                axes.fill_between(curve[0], low, high, color=colour, alpha=0.2, linewidth=0)
         axes.set(
             xlabel="Impact velocity (m/s)", ylabel="Coefficient of restitution", ylim=(0, 1.05)
         )
@@ -459,7 +499,7 @@ def _rows(path: Path) -> tuple[list[tuple[int, dict[str, str]]], list[str]]:
 def _number(row: dict[str, str], name: str, where: str, errors: list[str]) -> float:
     text = (row.get(name) or "").strip()
     try:
-        value = float(text)
+        value = read_number(text)
     except ValueError:
         value = math.nan
     if not math.isfinite(value):

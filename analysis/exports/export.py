@@ -25,6 +25,7 @@ from granwave.analysis.exports.to_tables import (
 )
 from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.result.reader import Result
+from granwave.analysis.result.values import wrong_value
 from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -127,6 +128,7 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
         result = Result(directory)
     except (MissingOutputError, OutputFormatError) as error:
         raise InputError(str(error)) from None
+    _refuse_wrong_values(result)
     with result, staged(output, outdated) as (path_of, placed):
         try:
             _RUN_WRITERS[to](result, path_of)
@@ -135,6 +137,18 @@ def _export(directory: Path, to: str, output: Path) -> list[Path]:
                 raise
             raise InputError(result.damaged(error)) from None
     return placed
+
+
+def _refuse_wrong_values(result: Result) -> None:
+    """Close a result and raise InputError if it holds values that no run leaves."""
+    try:
+        fault = wrong_value(result.file)
+    except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5
+        fault = " ".join(str(error).split())
+    if fault:
+        message = result.damaged(fault)
+        result.close()
+        raise InputError(message)
 
 
 def _export_recipe(directory: Path, output: Path) -> list[Path]:

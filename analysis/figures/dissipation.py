@@ -89,7 +89,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
         axes.legend(loc="lower left")
     axes.set_ylim(bottom=max(float(values.min()), float(values[0]) * _RANGE) / 2)
     quantity = r"Dissipation $e_\mathrm{dis}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
-    label(axes, "Number of spheres, in descending order", quantity)
+    label(axes, "Dissipating spheres, in descending order", quantity)
     return Drawing(figure, columns)
 
 
@@ -132,10 +132,17 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
     gap, side = (-0.01, "right") if fraction[-1] > 0.9 else (0.01, "left")
     axes.text(
-        fraction[-1] + gap, 0.97, f"all {len(volume)} spheres", rotation=90, ha=side, va="top",
+        fraction[-1] + gap, 0.97, _number_dissipating(result, len(volume)), rotation=90, ha=side, va="top",
         transform=axes.get_xaxis_transform(),
     )  # fmt: skip
     return Drawing(figure, columns)
+
+
+def _number_dissipating(result: Result, n_dissipating: int) -> str:
+    """Return how many spheres dissipated energy, and how many yielded where the numbers differ."""
+    text = f"all {n_dissipating} spheres that dissipated energy"
+    n_yielded = int(np.count_nonzero(result["spheres/contacts_yielded"]))
+    return f"{text}\n({n_yielded} yielded)" if n_yielded not in (0, n_dissipating) else text
 
 
 def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:

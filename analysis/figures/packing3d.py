@@ -11,6 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
 from granwave.analysis.figures.sections import (
     Colouring,
     colour_bar,
@@ -30,11 +31,13 @@ AZIMUTH = -58.0
 ELEVATION = 30.0
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
+_ARROW = 0.1  # length of the arrow of the load over the width of the picture
 _CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
 _BELOW = 0.3  # widths of the picture below a tube
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
-_SURFACES: WeakKeyDictionary[Result, Surface] = WeakKeyDictionary()
+_SURFACES: WeakKeyDictionary[Result, tuple[NDArray[np.intp], Surface]] = WeakKeyDictionary()
+_CAMERA = Camera.looking(AZIMUTH, ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
 
 
 def packing_3d(result: Result) -> Drawing | None:
@@ -64,45 +67,22 @@ def draw_packing(
     if not can_be_cut(result):
         return None
     positions = result["spheres/position"]
-    camera = Camera.looking(AZIMUTH, ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
-    beyond = (positions - result.origin)[:, :2]
-    towards = np.sign(camera.towards[:2])
-    facing = np.all(
-        beyond * towards > _CUT * result.case.packing.diameter, axis=1
-    )  # the quarter that is cut away
-    kept = np.flatnonzero(~facing)
+    kept, surface = _surface_of(result)
     values = colouring.values[kept]
-    colours = colormaps[colouring.map](
-        colouring.norm(np.clip(values, colouring.low, colouring.high))
-    )[:, :3]
-    colours[values < colouring.low] = to_rgb(BLANK)
-    surface = _SURFACES.get(result)
-    if surface is None:  # which is the same for the next picture of the same result
-        places = positions[kept]
-        radii = result["spheres/radius"][kept]
-        across, up = np.ptp(camera.project(places)[:, :2], axis=0) + 2 * radii.max()
-        pixels = round(_PIXELS * min(_HIGHEST / WIDTH * across / up, 1.0))
-        surface = _SURFACES[result] = lit_surface(
-            places, radii, camera, pixels, half_axes(result, kept)
-        )
     left, right, bottom, top = (edge * _MILLI for edge in surface.extent)
     figure = new_figure(min((WIDTH - 0.1) * (top - bottom) / (right - left), _HIGHEST) + 0.75)
     if size is not None:
         figure.set_size_inches(size)
     axes = figure.subplots()
-    image = painted(surface, colours)
-    outlined = any(wall.tube or wall.plate for wall in walls(result.assembly))
-    if not outlined:  # on white, as no lines are seen behind: files are smaller
-        alpha = image[..., 3:]
-        image = np.concatenate([image[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
+    outlined = _has_outlines(result)
     axes.imshow(
-        np.rint(image * 255).astype(np.uint8),
+        packing_pixels(result, colouring),
         extent=(left, right, bottom, top),
         interpolation="antialiased",
     )
     axes.set_axis_off()
     if outlined:
-        _draw_walls(axes, result, camera)
+        _draw_walls(axes, result, _CAMERA)
         bottom -= _BELOW * (right - left)  # for the scale bar
     axes.set_xlim(left, right)
     axes.set_ylim(bottom, top)
@@ -125,16 +105,11 @@ def draw_packing(
         ha="center",
         va="bottom",
     )
-    # an arrow at the struck sphere, along the impact; towards the viewer there is nothing to see,
-    # and it points down
-    place, beyond = camera.project(np.array([result.origin, result.origin + result.case.load.way]))[
-        :, :2
-    ]
-    seen = float(np.hypot(*(beyond - place)))
-    back = (place - beyond) / seen if seen > 0.1 else np.array([0.0, 1.0])
-    tip, tail = (tuple(place * _MILLI + share * (right - left) * back) for share in (0.02, 0.12))
-    arrow = {"arrowstyle": "-|>", "linewidth": 1.2, "color": "black", "shrinkA": 0, "shrinkB": 0}
-    axes.annotate("", xy=tip, xytext=tail, arrowprops=arrow, annotation_clip=False)
+    arrow = impact_arrow(result)
+    place, beyond = _CAMERA.project(np.array([arrow.place, arrow.place + arrow.direction]))[:, :2]
+    diameter = result.case.packing.diameter * _MILLI
+    length = max(_ARROW * (right - left) / diameter, 1.0)
+    draw_arrow(axes, place * _MILLI, beyond - place, diameter, length)
     colour_bar(
         figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size)
     )
@@ -142,6 +117,47 @@ def draw_packing(
     columns = {"id": result["spheres/id"][rows]}
     columns |= {f"{axis}_m": place for axis, place in zip("xyz", positions[rows].T, strict=True)}
     return Drawing(figure, columns | {colouring.column: colouring.values[rows]})
+
+
+def packing_pixels(result: Result, colouring: Colouring) -> NDArray[np.uint8]:
+    """Return the picture of the cut packing in red, green, blue and opacity: (height, width, 4)."""
+    kept, surface = _surface_of(result)
+    values = colouring.values[kept]
+    colours = colormaps[colouring.map](
+        colouring.norm(np.clip(values, colouring.low, colouring.high))
+    )[:, :3]
+    colours[values < colouring.low] = to_rgb(BLANK)
+    image = painted(surface, colours)
+    if not _has_outlines(result):  # on white, as no lines are seen behind: files are smaller
+        alpha = image[..., 3:]
+        image = np.concatenate([image[..., :3] * alpha + (1 - alpha), np.ones_like(alpha)], axis=-1)
+    return np.rint(image * 255).astype(np.uint8)
+
+
+def _has_outlines(result: Result) -> bool:
+    """Return True if walls are drawn before and behind the packing."""
+    return any(wall.tube or wall.plate for wall in walls(result.assembly))
+
+
+def _surface_of(result: Result) -> tuple[NDArray[np.intp], Surface]:
+    """Return the rows of the spheres that are not cut away, and how they are seen; the same for all
+    pictures of a result.
+    """
+    if result not in _SURFACES:
+        positions = result["spheres/position"]
+        beyond = (positions - result.origin)[:, :2]
+        towards = np.sign(_CAMERA.towards[:2])
+        # the quarter that is cut away, but of a single layer, which hides nothing
+        facing = np.all(beyond * towards > _CUT * result.case.packing.diameter, axis=1)
+        one_layer = np.ptp(positions[:, 2]) < _CUT * result.case.packing.diameter
+        kept = np.flatnonzero(~facing | one_layer)
+        places = positions[kept]
+        radii = result["spheres/radius"][kept]
+        across, up = np.ptp(_CAMERA.project(places)[:, :2], axis=0) + 2 * radii.max()
+        pixels = round(_PIXELS * min(_HIGHEST / WIDTH * across / up, 1.0))
+        axes = half_axes(result, kept)
+        _SURFACES[result] = kept, lit_surface(places, radii, _CAMERA, pixels, axes)
+    return _SURFACES[result]
 
 
 def bar_location(size: tuple[float, float] | None) -> str:

@@ -4,16 +4,21 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable, Sequence
+from itertools import pairwise
 from typing import Any
 
+import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
+from matplotlib.axes._secondary_axes import SecondaryAxis
 from matplotlib.axis import Axis
 from matplotlib.figure import Figure
+from matplotlib.font_manager import FontProperties
 from matplotlib.ticker import (
     FixedLocator,
     LogFormatterSciNotation,
     LogLocator,
+    MaxNLocator,
     NullFormatter,
     NullLocator,
     SymmetricalLogLocator,
@@ -36,60 +41,143 @@ _MOST_NAMED = 8  # columns and lines of a map that are named, and whose cells ha
 _BREAK: dict[str, Any] = {
     "ha": "center", "va": "center", "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.3}
 }  # fmt: skip
-_ROUND = (1.0, 2.0, 4.0)  # those of them that matplotlib labels anyway
+# factors of powers of ten that are labelled, and every how many decades; the richest first
+_WITHIN_DECADES: tuple[tuple[tuple[float, ...], int], ...] = (((1.0, 2.0, 5.0), 1), ((1.0, 3.0), 1))
+_POWERS = tuple(((1.0,), every) for every in (1, 2, 3, 5, 10, 20))
+_ENOUGH = 3  # labels of powers of ten with which an axis has no others
+# of a label, in font sizes: width of a character, gap to the next label, height of a line
+_CHARACTER = 0.6
+_SUPERSCRIPT = 0.42
+_GAP = 0.5
+_LINE = 1.15
+_MOST_TICKS = 30  # of an axis
+_LEAST_TICKS = 2.2  # limits of an axis over its value with one of 1, 2 and 5 at most between them
+_FEW_TICKS = 1  # intervals of such an axis
+_POINTS = 72.0  # in an inch
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"
-_RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+_SUPERSCRIPTS = "⁻⁰¹²³⁴⁵⁶⁷⁸⁹"
+_RAISED = str.maketrans("-0123456789", _SUPERSCRIPTS)
 
 
 class PowersOfTen(LogFormatterSciNotation):
     """Labels of a logarithmic axis, such as 10⁻³, as plain text: formulas take many times longer to
     set.
+
+    Major and minor ticks are labelled by one rule: the first choice whose labels have room.
     """
 
     plain = False  # numbers such as 0.2 in place of powers
-    few = False  # of the values within a decade
+    factors: tuple[float, ...] | None = None  # of powers of ten that are labelled; None: the usual
+    every = 1  # number of decades from one label to the next
 
     def set_locs(self, locs: Any = None) -> None:
-        """Choose the labels: plain numbers within a decade or so; on axes across, no more than
-        there is room for.
-        """
+        """Choose the labels that have room: plain numbers within a decade or so."""
         super().set_locs(locs)
         axis: Any = self.axis
-        low, high = (
-            (abs(one) for one in axis.get_view_interval()) if axis is not None else (0.0, 0.0)
-        )
-        if not 0 < low < high:
+        if axis is None:
+            return
+        low, high = sorted(axis.get_view_interval())
+        if not 0 < low < high or self._base != 10:
             return
         self.plain = high <= _NARROW * low and low >= _LEAST_PLAIN and high <= _MOST_PLAIN
-        powers = 10.0 ** np.arange(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-        round_ones = [one for one in np.outer(powers, _ROUND).ravel() if low <= one <= high]
-        self.few = axis.axis_name == "x" and len(round_ones) > 1
+        self.factors, self.every = self._choose(axis, low, high)
+
+    def _choose(self, axis: Any, low: float, high: float) -> tuple[tuple[float, ...], int]:
+        """Return the first choice whose labels have room, the last if none has; of axes over some
+        decades powers only.
+        """
+        powers = labelled_values(low, high, (1.0,))
+        choices = _POWERS if len(powers) >= _ENOUGH else (*_WITHIN_DECADES, *_POWERS)
+        for factors, every in choices:
+            if self._have_room(axis, labelled_values(low, high, factors, every), low, high):
+                return factors, every
+        return choices[-1]
+
+    def _have_room(self, axis: Any, values: Sequence[float], low: float, high: float) -> bool:
+        """Return True if labels at these values do not touch each other."""
+        size = _font_size(axis)
+        along_x = axis.axis_name == "x"
+        decade = _length(axis) / math.log10(high / low)
+        for first, second in pairwise(values):
+            if along_x:
+                needed = size * (_width(self._text(first) + self._text(second)) / 2 + _GAP)
+            else:
+                needed = size * _LINE
+            if decade * math.log10(second / first) < needed:
+                return False
+        return True
+
+    def _text(self, value: float) -> str:
+        """Return the label of a positive value, whether it is shown or not."""
+        power = math.floor(math.log10(value) + 1e-9)
+        factor = round(value / 10.0**power, 6)
+        if self.plain:
+            return f"{value:g}"
+        times = f"{factor:g}{_TIMES}" if factor != 1 else ""
+        return f"{times}10{str(power).translate(_RAISED)}"
 
     def __call__(self, x: float, pos: int | None = None) -> str:
         """Return the label of a value."""
-        if not super().__call__(x, pos) or not x:
-            return "" if x else "0"
-        power = math.floor(math.log10(abs(x)) + 1e-9)
-        factor = round(abs(x) / 10.0**power, 6)
-        if x > 0 and self.few and factor not in _ROUND:
+        if not x:
+            return "0"
+        if self.factors is None or x < 0:
+            if not super().__call__(x, pos):
+                return ""
+            return self._text(x) if x > 0 else f"{_MINUS}{self._text(-x)}"
+        power = math.floor(math.log10(x) + 1e-9)
+        factor = round(x / 10.0**power, 6)
+        if factor not in self.factors or power % self.every:
             return ""
-        if x > 0 and self.plain:
-            return f"{x:g}"
-        sign = _MINUS if x < 0 else ""
-        times = f"{factor:g}{_TIMES}" if factor != 1 else ""
-        return f"{sign}{times}10{str(power).translate(_RAISED)}"
+        return self._text(x)
+
+
+def labelled_values(
+    low: float, high: float, factors: Sequence[float], every: int = 1
+) -> list[float]:
+    """Return the values between the ends of an axis that are a factor times a power of ten.
+
+    Parameters
+    ----------
+    every
+        Number of decades from one power to the next.
+    """
+    powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
+    values = [factor * 10.0**power for power in powers if not power % every for factor in factors]
+    margin = 1 + 1e-9
+    return sorted(value for value in values if low / margin <= value <= high * margin)
+
+
+def _width(text: str) -> float:
+    """Return the width of a label, font sizes."""
+    raised = sum(character in _SUPERSCRIPTS for character in text)
+    return _CHARACTER * (len(text) - raised) + _SUPERSCRIPT * raised
+
+
+def _font_size(axis: Any) -> float:
+    """Return the size of the labels of an axis, points."""
+    name = f"{axis.axis_name}tick.labelsize"
+    return float(FontProperties(size=mpl.rcParams[name]).get_size_in_points())
+
+
+def _length(axis: Any) -> float:
+    """Return the length of an axis, points."""
+    extent = axis.axes.get_window_extent()
+    pixels = extent.width if axis.axis_name == "x" else extent.height
+    return float(pixels * _POINTS / axis.axes.figure.dpi)
 
 
 def plain_powers(figure: Figure) -> None:
     """Give logarithmic axes that have the usual labels those of `PowersOfTen`; of many decades
     ticks at powers only.
     """
-    for axis in (axis for axes in figure.axes for axis in (axes.xaxis, axes.yaxis)):
-        low, high = sorted(axis.get_view_interval())
-        many = _MANY_OF_COLOURS if axis.axes.get_label() == _COLOUR_BAR else _MANY
-        if axis.get_scale() == "log" and high >= many * low:
-            axis.set_minor_locator(NullLocator())
+    every_axes = [part for axes in figure.axes for part in (axes, *axes.child_axes)]
+    for part in every_axes:
+        if isinstance(part, SecondaryAxis):
+            part._set_lims()  # else it has the limits of its axis only when it is drawn
+    for axis in (axis for axes in every_axes for axis in (axes.xaxis, axes.yaxis)):
+        if type(axis.get_major_locator()) is LogLocator:
+            _place_ticks(axis)
         for usual, change in (
             (axis.get_major_formatter(), axis.set_major_formatter),
             (axis.get_minor_formatter(), axis.set_minor_formatter),
@@ -101,6 +189,23 @@ def plain_powers(figure: Figure) -> None:
                         scale._base, scale.labelOnlyBase, scale.minor_thresholds, scale._linthresh
                     )
                 )
+
+
+def _place_ticks(axis: Axis) -> None:
+    """Place the ticks of a logarithmic axis: at round numbers within a third of a decade, at powers
+    of ten only over many decades.
+    """
+    low, high = sorted(axis.get_view_interval())
+    if high < _LEAST_TICKS * low:
+        axis.set_major_locator(MaxNLocator(_FEW_TICKS, min_n_ticks=1))
+        axis.set_major_formatter("{x:.4g}")
+        axis.set_minor_locator(NullLocator())
+        return
+    many = _MANY_OF_COLOURS if axis.axes.get_label() == _COLOUR_BAR else _MANY
+    if high >= many * low:
+        axis.set_minor_locator(NullLocator())
+    locator: Any = axis.get_major_locator()
+    locator.set_params(numticks=_MOST_TICKS)  # by default a few, of any decades
 
 
 def least_span(figure: Figure) -> None:

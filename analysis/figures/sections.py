@@ -7,7 +7,7 @@ contact loaded beyond the range of the law have a ring around them.
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -19,6 +19,7 @@ from matplotlib.colors import LogNorm, to_rgba
 from matplotlib.figure import Figure
 from numpy.typing import NDArray
 
+from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
 from granwave.analysis.figures.style import (
     BLANK,
     DENT_MAP,
@@ -28,16 +29,19 @@ from granwave.analysis.figures.style import (
     Drawing,
     new_figure,
 )
-from granwave.analysis.measures.geometry import Section, own_plane, planes, section
+from granwave.analysis.measures.geometry import Plane, Section, own_plane, planes, section
+from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
 
 DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
+_EDGE_OF_BLANK = "#c4c4c4"
 _TALL = 2.5  # height over width of a packing whose snapshots stand in one row
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
+_AROUND_ARROW = 0.3  # between the arrow of the load and the edge of a section, in diameters
 _DISC = 0.96  # drawn over actual diameter
 # length of an axis in a section, over the radius: of a shorter one the end is seen
 _SEEN_ALONG = 0.1
@@ -201,7 +205,7 @@ def wave_front(result: Result) -> Drawing | None:
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
     for empty in axes.flat[len(chosen) :]:
         empty.set_visible(False)
-    figure.supxlabel("Distance from the impact axis (mm)", fontsize=8)
+    figure.supxlabel(f"{cut.plane.across_label} (mm)", fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
     repeat = len(chosen)
@@ -251,9 +255,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
             note = {"transform": axes.transAxes, "ha": "right", "va": "top", "fontsize": 6}
             axes.text(0.98, 0.985, f"black ring: overlap beyond {LAW_LIMIT:g} R*", **note)
         if cut.plane.through is None:
-            axes.plot(
-                0, -0.95 * diameter * _MILLI, marker="v", color="black", markersize=4
-            )  # where the impact is
+            _draw_impact(axes, result, cut, window)
     if len(panels) > 1:
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     else:
@@ -267,6 +269,21 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
 
 
+def _draw_impact(
+    axes: Axes, result: Result, cut: Section, window: tuple[float, float, float, float]
+) -> None:
+    """Draw the arrow of the load in a section, and widen its window to show the whole of it."""
+    arrow = impact_arrow(result)
+    plane = np.stack([cut.plane.across, cut.plane.down])
+    place = plane @ (arrow.place - result.origin) * _MILLI
+    diameter = result.case.packing.diameter * _MILLI
+    tail = draw_arrow(axes, place, plane @ arrow.direction, diameter)
+    left, right, top, bottom = window
+    margin = _AROUND_ARROW * diameter
+    axes.set_xlim(min(left, tail[0] - margin), max(right, tail[0] + margin))
+    axes.set_ylim(max(bottom, tail[1] + margin), min(top, tail[1] - margin))
+
+
 def cut_of(result: Result, name: str) -> Section | None:
     """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on
     it.
@@ -278,12 +295,23 @@ def cut_of(result: Result, name: str) -> Section | None:
         found.append(own_plane(own.normal, own.through, largest / diameter))
     for plane in found:
         if plane.name == name:
+            plane = _from_struck_sphere(plane, result)
             cut = section(plane, result["spheres/position"], result.origin, diameter)
             wide = (
                 len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
             )
             return cut if wide else None
     return None
+
+
+def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
+    """Return the plane with a label that says from where distances count: the struck sphere, where
+    the impact axis goes between several.
+    """
+    if np.array_equal(result.impact_axis, result.origin[:2]):
+        return plane
+    across_label = plane.across_label.replace("impact axis", "struck sphere")
+    return replace(plane, across_label=across_label)
 
 
 def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:
@@ -334,15 +362,12 @@ def draw_discs(
     radius: NDArray[np.float64],
     ringed: NDArray[np.bool_] | None = None,
     sticks: NDArray[np.float64] | None = None,
-) -> None:
+) -> EllipseCollection:
     """Draw the discs, in mm: blank without a value, rings beyond the range of the law; cylinders as
-    rectangles.
+    rectangles. Return the discs.
     """
     size = _DISC * 2 * radius * _MILLI
-    mapped = colormaps[colouring.map]
-    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
-    faces = np.where((values > 0)[:, None], colours, to_rgba(BLANK))
-    edges = np.where((values > 0)[:, None], colours, to_rgba("#c4c4c4"))
+    faces, edges = disc_colours(values, colouring)
     if ringed is not None:
         edges[ringed] = to_rgba("black")  # on the bright end of the scale, where such spheres are
     widths = np.where(ringed, _RING, 0.2) if ringed is not None else np.full(len(size), 0.2)
@@ -364,8 +389,21 @@ def draw_discs(
         "offset_transform": axes.transData,
     }
     look = {"facecolors": faces, "edgecolors": edges, "linewidths": widths}
-    axes.add_collection(
-        EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    discs = EllipseCollection(size, size, np.zeros(len(size)), units="xy", **places, **look)
+    axes.add_collection(discs)
+    return discs
+
+
+def disc_colours(
+    values: NDArray[np.float64], colouring: Colouring
+) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
+    """Return the colours of discs with these values (n,), and those of their edges: (n, 4) each."""
+    mapped = colormaps[colouring.map]
+    colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
+    coloured = (values > 0)[:, None]
+    return (
+        np.where(coloured, colours, to_rgba(BLANK)),
+        np.where(coloured, colours, to_rgba(_EDGE_OF_BLANK)),
     )
 
 
@@ -446,19 +484,14 @@ def decades_up_to(largest: float, low: float | None) -> tuple[float, float]:
 
 
 def _snapshots(result: Result) -> list[int]:
-    """Select up to four snapshots, evenly spread until the wave reaches the deepest layer."""
-    depth = result["spheres/position"][:, 2]
-    arrival = result["spheres/time_first"][depth > depth.max() - result.case.packing.diameter / 2]
+    """Select up to four snapshots, evenly spread in time until the wave has passed the packing."""
     times = result.frame_times
-    arrival = arrival[arrival > 0]  # contacts that bore a force from the start tell no arrival
-    last = float(arrival.min()) if arrival.size else float(times[-1])
-    moving = np.flatnonzero(
-        (times > 0) & (times <= max(1.15 * last, times[min(_SNAPSHOTS, len(times) - 1)]))
-    )
+    moving = np.flatnonzero(times > 0)
     if not moving.size:
         return []
-    chosen = np.linspace(0, moving.size - 1, min(_SNAPSHOTS, moving.size))
-    return [int(moving[n]) for n in np.unique(np.rint(chosen).astype(int))]
+    wanted = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
+    nearest = np.abs(times[moving] - wanted[:, None]).argmin(axis=1)
+    return moving[np.unique(nearest)].tolist()
 
 
 def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:

@@ -118,6 +118,7 @@ def lit_surface(
         all are spheres.
     """
     seen = camera.project(centres)
+    seen[:, 2] -= seen[:, 2].mean()  # only differences count, and their rounding
     radii = np.broadcast_to(np.asarray(radius, dtype=float), len(seen))
     halves = np.zeros_like(seen) if axes is None else camera.project(axes)
     reach = radii[:, None] + np.abs(halves[:, :2])

@@ -23,6 +23,7 @@ from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import ArrayLike
 
+from granwave.analysis.figures.legends import uncover_curves
 from granwave.analysis.figures.scales import least_span, plain_powers
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import GranwaveError, InputError
@@ -300,6 +301,8 @@ def lay_out(figure: Figure, resolution: float) -> None:
                 )  # they lie within the axes, which the layout asks for anyway
         figure.dpi = resolution
         engine.execute(figure)
+        if uncover_curves(figure):
+            engine.execute(figure)
         figure.set_layout_engine(None)
 
 

@@ -296,6 +296,10 @@ def add_ridge(
     if not ridge:
         return sparse.csr_array(matrix), data
     n = matrix.shape[1]
-    size = float(np.sqrt((matrix**2).sum() / n))
-    rows = sparse.diags_array(np.full(n, ridge * size))
+    rows = sparse.diags_array(np.full(n, ridge_weight(matrix, ridge)))
     return sparse.csr_array(sparse.vstack([matrix, rows])), np.concatenate([data, np.zeros(n)])
+
+
+def ridge_weight(matrix: sparse.csr_array, ridge: float) -> float:
+    """Return the weight of the rows of a ridge, ``ridge`` times the mean weight of the others."""
+    return ridge * float(np.sqrt((matrix**2).sum() / matrix.shape[1]))

@@ -7,6 +7,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -15,6 +16,7 @@ from scipy import sparse
 from granwave.analysis.inference import equations as eq
 from granwave.analysis.inference.case import Infer
 from granwave.analysis.inference.equations import Equations, Noise, Weights
+from granwave.analysis.inference.freedom import expected_misfit, freedom, root_of
 from granwave.analysis.inference.grains import Array, Contacts, Grains, Wall, find_contacts
 from granwave.analysis.inference.solve import (
     ModulusSearch,
@@ -51,7 +53,8 @@ class Inference:
     weights
         Weights in use.
     chi2
-        Weighted sum of squares of the residuals; in units of the noise unless weights are equal.
+        Weighted sum of squares of the residuals, without those of a ridge; in units of the noise
+        unless weights are equal.
     search
         Search for the modulus, if there was one.
     condition
@@ -87,10 +90,25 @@ class Inference:
         shear = np.linalg.norm(self.spread[:, 1:], axis=1) / math.sqrt(self.spread.shape[1] - 1)
         return self.spread[:, 0], np.asarray(shear)
 
-    @property
-    def n_free(self) -> int:
-        """Number of equations minus that of components of forces that differ from zero."""
-        return self.equations.n_equations - int(np.count_nonzero(self.force))
+    @cached_property
+    def n_free(self) -> float:
+        """Mean of chi^2 over noise: the number of equations minus that of free components of
+        forces, with weights that whiten the noise; see `freedom`. A modulus that is found is one
+        more.
+        """
+        settings = self.settings
+        noise = settings.deviations
+        if not noise.complete(self.grains):
+            noise = relative_noise(self.grains, 1.0)
+        spread = eq.covariance(self.grains, noise)
+        weights = spread.weighting(self.weights)(self.factor)
+        matrix = sparse.csr_array(weights @ self.equations.matrix)
+        ridge = eq.ridge_weight(matrix, settings.ridge)
+        residual = weights @ self.residual
+        gradient = (matrix.T @ residual).reshape(self.force.shape) + ridge**2 * self.force
+        free = freedom(self.force, settings.friction_of(self.contacts), gradient)
+        root = sparse.csr_array(weights @ root_of(spread, self.factor))
+        return expected_misfit(matrix, free, root, ridge) - (self.search is not None)
 
     def residual_of_grains(self) -> tuple[Array, Array]:
         """Return the sizes of the residuals of motion and of stress by grain; NaN where not
@@ -158,11 +176,13 @@ def infer(
     search = None
     factor = 1.0
     if settings.finds_modulus:
-        n_more = None if known else equations.n_equations - len(kept)
+        n_more = None if known else equations.n_equations - len(kept) - 1
         search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)), n_more)
         factor = search.factor
-    force, chi2 = solution(equations.data(factor), weighed(factor))
+    force, _ = solution(equations.data(factor), weighed(factor))
     fitted = equations.matrix @ force.ravel()
+    residual = fitted - equations.data(factor)
+    chi2 = float(((weighed(factor) @ residual) ** 2).sum())
 
     def repeated(rng: np.random.Generator) -> Array:
         """Return the forces of the fitted data with new noise."""
@@ -186,7 +206,7 @@ def infer(
             (np.array([repeated(rng) - force for _ in bar]) ** 2).sum(axis=0) / (n - 1)
         )
     return Inference(
-        grains, contacts, equations, settings, force, errors, fitted - equations.data(factor), len(kept), factor, kind,
+        grains, contacts, equations, settings, force, errors, residual, len(kept), factor, kind,
         chi2, search, condition,
     )  # fmt: skip
 

@@ -20,7 +20,7 @@ from granwave.analysis.inference.case import FIND, InferCase
 from granwave.analysis.inference.grains import TENSOR, TURNS, Array, Grains, stiffness, volume_of
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_csv_rows
+from granwave.lammps_inputs.files import read_csv_rows, read_number
 
 _UNIT = re.compile("_(m_s2|rad_s2|rad_s|rad|kg_m3|Pa|m|s|N)$")
 _SHOWN = 10  # largest number of faults in a message
@@ -71,6 +71,14 @@ def _raise(path: str | Path, errors: Sequence[str]) -> None:
     if errors:
         more = [f"{path}: and {len(errors) - _SHOWN} more"] if len(errors) > _SHOWN else []
         raise InputError([*errors[:_SHOWN], *more])
+
+
+def _number(text: str) -> float:
+    """Return the number in a cell, NaN without one."""
+    try:
+        return read_number(text)
+    except ValueError:
+        return math.nan
 
 
 def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
@@ -129,7 +137,7 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
     texts = pd.DataFrame([cells for _, cells in rows[1:]], lines, names, dtype=str).apply(
         lambda one: one.str.strip()
     )
-    values = texts.apply(pd.to_numeric, errors="coerce").astype(np.float64)
+    values = texts.map(_number).astype(np.float64)
     may_be_empty = texts.columns.isin([name for group in UNMEASURED for name in known[group]])
     for row, column in np.argwhere(~np.isfinite(values) & ~((texts == "") & may_be_empty)):
         empty = "; leave cells empty where nothing was measured" if may_be_empty[column] else ""

@@ -238,7 +238,7 @@ def find_modulus(
     Parameters
     ----------
     n_more
-        Number of equations minus that of unknowns, by which the least chi^2 tells a noise that is
+        Number of equations minus that of unknowns, the factor among them, by which the least chi^2 tells a noise that is
         not known; None if it is.
 
     Raises

@@ -37,8 +37,9 @@ ENTRIES = (
     Quantity("residual_fraction", "Unexplained, of the data",
              "Root of the sum of squares of the residuals over that of the data."),
     Quantity("chi2_per_equation", "Chi squared for each free equation",
-             "Weighted squares of the residuals over the number of equations without that of the forces: near 1 if "
-             "noise and friction are right; null without known noise."),
+             "Weighted squares of the residuals over their mean for the given noise, about the number of equations minus "
+             "that of free components of the forces (of a contact that slides one less): near 1 if noise and friction "
+             "are right; null without known noise."),
     Quantity("standard_error_fraction", "Standard error of the forces",
              "Root of the sum of squares of the standard errors over that of the forces, from repeated noise."),
     Quantity("repetitions", meaning="Number of repetitions with noise."),

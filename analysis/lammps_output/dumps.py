@@ -327,11 +327,7 @@ def read_data(
                 n_rows = min(size, n_spheres - first)
                 if len(rows := lines.take(n_rows)) < n_rows:
                     raise _cut_data(path, lines.n_read, first + len(rows), n_spheres, names)
-                yield read_rows(
-                    rows,
-                    names,
-                    lambda row, above=lines.n_read - n_rows: f"{path}: line {above + row + 1}",
-                )  # type: ignore[misc]
+                yield read_rows(rows, names, partial(_line_of, path, lines.n_read - n_rows))
 
         held = np.empty((0, len(names)))
         for values in blocks():
@@ -350,6 +346,10 @@ def read_data(
         if n_read < n_spheres:
             n_read += len(held)
             raise _cut_data(path, before + n_read, n_read, n_spheres, names)
+
+
+def _line_of(path: Path, n_above: int, row: int) -> str:
+    return f"{path}: line {n_above + row + 1}"
 
 
 def _cut_data(

@@ -10,6 +10,7 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Callable, Iterable, Iterator, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -18,6 +19,7 @@ from numpy.typing import NDArray
 
 from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
+from granwave.lammps_inputs.files import read_number, read_whole
 
 AGAIN = "run the case again with --force"
 DAMAGED = f"the file is damaged, {AGAIN}"
@@ -70,7 +72,7 @@ def read_rows(
 def whole_number(text: str, name: str, place: str) -> int:
     """Read a count in a header, at least 0; raise as `read_rows`."""
     try:
-        value = int(text)
+        value = read_whole(text)
     except ValueError:
         value = -1
     if value < 0:
@@ -83,7 +85,7 @@ def whole_number(text: str, name: str, place: str) -> int:
 def _fault(word: str, name: str) -> str:
     """Describe the fault in a value of a column; empty if there is none."""
     try:
-        value = float(word)
+        value = read_number(word)
     except ValueError:
         return f"found {word!r} for {name}, expected a number"
     if not math.isfinite(value):
@@ -247,11 +249,7 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
             if (header := _header(lines, number)) is None:
                 return
             bounds = [" ".join(line.split()[:2]) for line in header["BOX BOUNDS"]]
-            box = read_rows(
-                bounds,
-                ("low", "high"),
-                lambda _, number=number: f"{path}: box of snapshot {number}",
-            )  # type: ignore[misc]
+            box = read_rows(bounds, ("low", "high"), partial(_place_of_box, path, number))
             columns = tuple(header["columns"][0].split()[2:])
             left = int(header["NUMBER OF"][0])
             frame = Frame(
@@ -358,6 +356,10 @@ def data_rows(path: Path, n_bytes: int) -> list[TextRows]:
         if whole and not line.endswith(b"\r\n")
         else []
     )
+
+
+def _place_of_box(path: Path, snapshot: int, _row: int) -> str:
+    return f"{path}: box of snapshot {snapshot}"
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:

@@ -16,6 +16,7 @@ from granwave.analysis.measures.geometry import layers, nearest, preferred_direc
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.files import regular
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
@@ -60,7 +61,7 @@ class ZoneGrowth:
     contacts: NDArray[np.int64]  # yielded so far
     spheres: NDArray[np.int64]
     depth: Array  # of the deepest plastic centre below the struck one, m
-    radius: Array  # largest lateral distance of a plastic centre, m
+    radius: Array  # largest distance of a plastic centre from the impact axis, m
 
 
 def zone_growth(result: Result) -> ZoneGrowth:
@@ -74,11 +75,11 @@ def zone_growth(result: Result) -> ZoneGrowth:
     _, first = np.unique(ends.ravel(), return_index=True)
     new = np.zeros(ends.size, dtype=np.int64)
     new[first] = 1
-    offset = result["spheres/position"] - result.origin
-    depth = np.maximum.accumulate(offset[ends, 2].max(axis=1, initial=0.0))
-    radius = np.maximum.accumulate(
-        np.hypot(offset[ends, 0], offset[ends, 1]).max(axis=1, initial=0.0)
-    )
+    position = result["spheres/position"]
+    below = position[:, 2] - result.origin[2]
+    from_axis = result.distance_from_axis(position)
+    depth = np.maximum.accumulate(below[ends].max(axis=1, initial=0.0))
+    radius = np.maximum.accumulate(from_axis[ends].max(axis=1, initial=0.0))
     time, last = np.unique(when[::-1], return_index=True)
     last = len(when) - 1 - last
     spheres = np.cumsum(new.reshape(-1, 2).sum(axis=1))
@@ -191,7 +192,7 @@ def elements_involved(path: Path, energy_input: float) -> Involved:
     """
     import h5py  # takes longer to load than most commands need
 
-    with h5py.File(path, "r") as file:
+    with h5py.File(regular(path), "r") as file:
         density = file["fields/plastic_energy"][()]
         volume = file["element_volume"][()]
     order = np.argsort(-density, kind="stable")

@@ -23,7 +23,7 @@ import dataclasses
 import math
 from collections.abc import Callable
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
@@ -438,10 +438,10 @@ def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
 
 def _event(function: Callable[[float, Array], float], direction: int) -> Event:
     """An event that ends a phase when the function passes zero in this direction."""
-    # type: ignore[attr-defined]
-    function.terminal = True
-    function.direction = direction
-    return function
+    event: Any = function
+    event.terminal = True
+    event.direction = direction
+    return event
 
 
 def _on_ground(target: Target, force: Array, place: Array, speed: Array) -> Array:

@@ -16,6 +16,8 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.geometry import layers, nearest, preferred_directions
 from granwave.analysis.measures.signals import Array
+from granwave.analysis.measures.target import reached
+from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import struck_of
@@ -29,13 +31,13 @@ _ONE_LAYER = 0.1  # diameters that the spheres of a layer may lie above each oth
 # share of the energy at the outermost spheres from which on the wave has reached them
 _REACHED = 0.02
 
-# layers, the struck one among them, that the first disturbance passes before any contact is at its
-# peak
+# layers, the struck one among them, in which the wave takes its shape
 _LEAD = 5
 _FEWEST_LAYERS = 4  # that a wave speed is taken from
 _STRUCK_LAYER = 0.1  # diameters that the mean of the struck layer may be above the struck sphere
-# of the largest rise of a contact's force: the wave is there, in a chain that was loaded before
-_ARRIVED = 0.1
+# of the largest force of all: a contact that carries less was not reached by the wave
+_REACHES = 1e-4
+_SAME_TIME = 1e-9  # relative
 _RISEN = 0.01  # of the largest rise anywhere: a contact that rose by less was not reached
 
 
@@ -207,23 +209,24 @@ def _outermost(result: Result) -> NDArray[np.bool_]:
 
 
 def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
-    """Speed of the wave into the depth: slope of depth over arrival, by layers of spheres.
+    """Speed of the front of the wave into the depth: slope of depth over arrival, by layers.
 
-    The arrival at a layer is the earliest at any of its spheres. The slope is a least-squares fit
-    to the deeper half of the layers that were reached, without the five uppermost ones. An arrival
-    is the first contact force at all, which runs about four layers ahead of the peak force: the
-    speed is that of the peak some four layers above. It needs no threshold, and neither later
-    pulses nor the echo of the bottom disturb it, as they do the times of peak forces. On a chain of
-    Hertz contacts it is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5 (1 -
-    nu^2)))^(1/3) F^(1/6). Where the wave gets weaker and slower it is above that of the peak: in
-    FCC brass struck at 5 m/s by 10 %, and by 15 to 25 % if compared in the same layers.
+    The front is at a layer when the force of a contact there first passes 10 % of the largest
+    force of that contact. The slope is a least-squares fit to the deeper half of the layers that
+    were reached, without the five uppermost ones, where the wave takes its shape. The echo of the
+    bottom does not disturb it, as it does the times of peak forces. The first force at all is no
+    measure: ahead of a wave in Hertzian contacts the overlap falls faster than exponentially, so
+    that the rounding of the coordinates decides when it is first above zero. On a chain of Hertz
+    contacts the speed is within 2 % of the solitary wave's 0.6802 (2E / (D rho^1.5 (1 -
+    nu^2)))^(1/3) F^(1/6). Where the wave gets weaker it also gets slower and longer, and its front
+    is faster than its peak.
 
     Parameters
     ----------
     mean
         Depth of the layers below the struck sphere: (n_layers,), m.
     first
-        When a contact of each was first loaded: (n_layers,), s; inf: never.
+        Arrival at each: (n_layers,), s; inf: never.
     diameter
         Of the spheres, nominal, m.
 
@@ -251,7 +254,7 @@ def wave_speed_of(result: Result) -> float | None:
     """Speed of the wave into the depth of a run, m/s; None where there is none, see `wave_speed`.
 
     Of runs that were precompressed it is known only in a chain whose forces were recorded: there
-    the wave is at a contact once its force has risen by a tenth of its largest rise, if that was
+    the front is at a contact once its force has risen by 10 % of its largest rise, if that was
     over before the end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
@@ -261,8 +264,8 @@ def wave_speed_of(result: Result) -> float | None:
     None of a load that does not push down: its wave does not come from the top.
 
     None of cylinders beside each other: the stiffness of their contacts hardly grows with the
-    force, so that the first force at all runs ahead of the wave without a limit. Lines of grains
-    have a front speed.
+    force, so that the front of the wave spreads without a limit. Lines of grains have a front
+    speed.
     """
     diameter = result.case.packing.diameter
     load = result.case.load
@@ -275,7 +278,7 @@ def wave_speed_of(result: Result) -> float | None:
     ):
         return None
     if result.case.precompression is None:
-        return wave_speed(*_arrivals(result, diameter), diameter)
+        return wave_speed(*front_arrivals(result), diameter)
     if "chain" not in result:
         return None
     rise = result["chain/contact_force"] - result["chain/contact_force"][0]
@@ -284,7 +287,7 @@ def wave_speed_of(result: Result) -> float | None:
     largest = rise.max(axis=0)
     passed = (largest >= _RISEN * largest.max()) & (rise.argmax(axis=0) < len(rise) - 1)
     arrival = np.where(
-        passed, result["chain/time"][(rise > _ARRIVED * largest).argmax(axis=0)], np.nan
+        passed, result["chain/time"][(rise > ARRIVED * largest).argmax(axis=0)], np.nan
     )
     return wave_speed(
         *first_arrivals(result["chain/contact_position"] - result.origin[2], arrival, diameter),
@@ -302,9 +305,54 @@ def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array
     return mean, first
 
 
-def _arrivals(result: Result, diameter: float) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the depth of each layer, m, and when a contact of its spheres was first loaded, s;
-    inf: never.
+def front_arrivals(result: Result) -> tuple[Array, Array]:
+    """Return the depth of each layer, m, and when the front of the wave arrived there, s; inf:
+    never.
+
+    It is the earliest arrival at a contact of the layer that carries at least 10 % of the largest
+    force there. Contacts whose force still rises at the end of the run do not count, as their
+    largest force is not known, nor do those that carry less than 1e-4 of the largest force of all:
+    grains that touch overlap by the rounding of their coordinates.
+    """
+    mean, layer = _layers_of(result, result.case.packing.diameter)
+    largest = np.zeros(len(mean))
+    for i, j, force in result.blocks("contacts/i", "contacts/j", "contacts/peak_force"):
+        for ends in (i, j):
+            np.maximum.at(largest, layer[result.rows(ends)], force)
+    least = np.maximum(ARRIVED * largest, _REACHES * largest.max(initial=0.0))
+    last = (1 - _SAME_TIME) * float(result["energy/time"][-1])
+    first = np.full(len(mean), np.inf)
+    names = ("i", "j", "peak_force", "time_first", "time_peak")
+    for i, j, force, arrival, peak in result.blocks(*(f"contacts/{name}" for name in names)):
+        for ends in (i, j):
+            there = layer[result.rows(ends)]
+            counts = (force > 0) & (force >= least[there]) & (peak < last)
+            np.fmin.at(first, there[counts], arrival[counts])
+    return mean, first
+
+
+def passage(result: Result) -> float:
+    """Return when the front of the wave has passed the packing, s; the end of a run in which it has
+    not.
+
+    It has arrived at the deepest layer; in a packing of one layer at the last of the spheres that
+    carry at least 1 % of the largest force. Where contacts are loaded from the start it is the
+    arrival at the bottom.
+    """
+    end = float(result["energy/time"][-1])
+    if result.case.precompression is not None:
+        at_bottom = reached(result)
+        return (at_bottom.arrival if at_bottom else None) or end
+    if is_layer(result):
+        force = result["spheres/peak_force"]
+        arrival = result["spheres/time_first"][force >= _RISEN * force.max(initial=0.0)]
+        return float(np.nanmax(arrival, initial=0.0)) or end
+    last = float(front_arrivals(result)[1][-1])
+    return last if np.isfinite(last) and last > 0 else end
+
+
+def _layers_of(result: Result, diameter: float) -> tuple[Array, NDArray[np.int32]]:
+    """Return the depth of each layer below the struck sphere, m, and the layer of each sphere.
 
     Spheres of a layer have few different depths, which are sorted into layers first.
     """
@@ -316,15 +364,14 @@ def _arrivals(result: Result, diameter: float) -> tuple[NDArray[np.float64], NDA
         smallest = min(smallest, radii.min(initial=np.inf))
     mean, layer_of = layers(depths, np.array([smallest]), diameter)
     n_spheres = np.zeros(len(mean), dtype=np.int64)
-    first = np.full(len(mean), np.inf)
-    total: NDArray[np.float64] = np.zeros(len(mean))
+    total: Array = np.zeros(len(mean))
     every = np.arange(len(mean))
-    for positions, arrival in result.blocks("spheres/position", "spheres/time_first"):
+    parts = []
+    for (positions,) in result.blocks("spheres/position"):
         depth = positions[:, 2] - top
         layer = layer_of[np.searchsorted(depths, depth)]
-        total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(
-            np.float64
-        )  # in one order for all
+        # in one order for all
+        total = np.bincount(np.append(every, layer), np.append(total, depth)).astype(np.float64)
         n_spheres += np.bincount(layer, minlength=len(mean))
-        np.fmin.at(first, layer, arrival)
-    return total / n_spheres, first
+        parts.append(layer.astype(np.int32))
+    return total / n_spheres, np.concatenate(parts)

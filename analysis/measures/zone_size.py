@@ -7,22 +7,37 @@ energy that it dissipated by yielding, or an element, weighed by its plastic wor
     depth     smallest d such that the parts whose centres lie at most d below the struck sphere's centre (packing) or
               the block's face (continuum) hold the share; a centre above counts as depth 0
     radius    the same of the distance of the centres from the impact axis
-    volume    of the fewest parts that hold the share: those that dissipated most for their volume; of a packing that of
-              the spheres, without the voids
+    volume    smallest volume that holds the share: of the parts in the order of their energy per
+              volume, the highest first; of a packing that of the spheres, without the voids. Of
+              equal parts these are the fewest
 
-Nothing is interpolated: a size is that of a part, or a sum of parts, and in a lattice the depth is
-that of a layer. The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many
-times farther out. A zone that reaches a bound, or to which a wave came back from one, is marked: an
-endless packing's is another.
+None of these is interpolated: a size is that of a part, or a sum of parts. In a lattice the depth
+is that of a layer, and does not change with the load until the next layer is needed. The
+interpolated depth and radius lie between layers: E(d) is the energy of all parts at most d away,
+and straight lines connect its values at the distances of the parts. The interpolated size is where
+these lines reach the share: between the size above and the next smaller distance of a part. Both
+agree where the parts are fine.
+
+The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times farther out. A
+zone that reaches a bound, or to which a wave came back from one, is marked: an endless packing's is
+another.
+
+The impact axis goes along z through the centroid of the impacted spheres.
 
 The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it
-where the partner is harder, and what it left at walls, which stays with the sphere that touches the
-wall. Friction and dampers do not count, nor do strikers: they are no part of the packing.
+where the partner has the higher yield strength, none where it has the lower one. Contacts with walls
+of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction and
+dampers do not count, nor do strikers: they are no part of the packing, and what they dissipated
+themselves is left out.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
 was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
-it. The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic
-zones of one sphere's contacts may begin to touch.
+it. A contact just beyond first yield keeps a dent and may dissipate nothing: the default
+elasto-plastic law, continuous, unloads up to 1.083 alpha_y without dissipation. So spheres that
+yielded outnumber those that dissipated.
+
+The elasto-plastic law was fitted up to an overlap of about 0.2 R*; from 0.1 R* on the plastic zones
+of one sphere's contacts may begin to touch.
 """
 
 from __future__ import annotations
@@ -81,8 +96,24 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
     return float(distance[order][n - 1]) if n else 0.0
 
 
+def interpolated_extent(distance: Array, energy: Array, share: float) -> float:
+    """Return the distance at which the energy within it reaches a share, straight between the
+    distances of parts that have any, m; parameters as in `extent_holding`.
+    """
+    active = np.flatnonzero(energy > 0)
+    if not len(active):
+        return 0.0
+    order = active[np.lexsort((energy[active], distance[active]))]
+    place = distance[order]
+    held = np.cumsum(energy[order])
+    last_of_layer = np.append(np.diff(place) > _SAME * place[-1], True)
+    place = place[last_of_layer]
+    held = held[last_of_layer]
+    return float(np.interp(share * held[-1], held, place))
+
+
 def volume_holding(volume: Array, energy: Array, share: float) -> float:
-    """Return the volume (m^3) of the parts of highest energy density that hold a share; else as
+    """Return the volume (m^3) of the parts of highest energy per volume that hold a share; else as
     `extent_holding`.
     """
     order = np.lexsort((volume, -energy / volume))
@@ -116,17 +147,20 @@ def zone_sizes(
     Returns
     -------
     dict
-        ``zone_depth_50_m``, ``zone_radius_50_m``, ``zone_volume_50_m3``, ... 90, 99; None where a
-        size does not apply.
+        ``zone_depth_50_m``, ``zone_radius_50_m``, ``zone_volume_50_m3``,
+        ``zone_depth_50_interpolated_m``, ``zone_radius_50_interpolated_m``, ... 90, 99; None where
+        a size does not apply.
     """
     return {
-        f"zone_{name}_{percent}_{unit}": None
+        f"zone_{name}_{percent}{unit}": None
         if energy is None or parts is None
         else size(parts, energy, percent / 100)
         for name, unit, parts, size in (
-            ("depth", "m", depth, extent_holding),
-            ("radius", "m", radius, extent_holding),
-            ("volume", "m3", volume, volume_holding),
+            ("depth", "_m", depth, extent_holding),
+            ("radius", "_m", radius, extent_holding),
+            ("volume", "_m3", volume, volume_holding),
+            ("depth", "_interpolated_m", depth, interpolated_extent),
+            ("radius", "_interpolated_m", radius, interpolated_extent),
         )
         for percent in SHARES
     }
@@ -181,10 +215,8 @@ def packing_zone(result: Result) -> Zone:
     own = result.in_packing
     lattice = result.assembly.lattice
     nx, ny, nz = lattice.shape
-    offset = (result["spheres/position"] - result.origin)[own]
-    periods = np.array(lattice.lengths) if result.case.boundary.sides == "periodic" else None
-    if periods is not None:
-        offset[:, :2] -= periods * np.round(offset[:, :2] / periods)
+    position = result["spheres/position"][own]
+    periodic = result.case.boundary.sides == "periodic"
     energy = np.maximum(result.yield_energy[own], 0.0)
     zone: Zone = {
         "energy": energy,
@@ -194,16 +226,18 @@ def packing_zone(result: Result) -> Zone:
     }
     free = isinstance(lattice, Places)
     if nz > 1 or free:
-        zone["depth"] = np.maximum(offset[:, 2], 0.0)
+        zone["depth"] = np.maximum(position[:, 2] - result.origin[2], 0.0)
     if nx * ny > 1 or free:
-        zone["radius"] = np.hypot(offset[:, 0], offset[:, 1])
+        zone["radius"] = result.distance_from_axis(position)
     if not isinstance(lattice, Places):
         ids = result["spheres/id"][own]
         if nz > 1:
             zone[BOTTOM] = ids >= lattice.last_layer[0]
-        if periods is not None:
+        if periodic:
             pitch = np.array(lattice.rule.pitch) * lattice.diameter
-            zone[SIDES] = np.any(np.abs(offset[:, :2]) >= periods / 2 - pitch, axis=1)
+            offset = result.across(position[:, :2] - result.impact_axis)
+            near_image = np.abs(offset) >= np.array(lattice.lengths) / 2 - pitch
+            zone[SIDES] = np.any(near_image, axis=1)
         elif nx * ny > 1:
             zone[SIDES] = lattice.at_sides(ids)
     return zone

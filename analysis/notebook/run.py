@@ -220,9 +220,9 @@ class Run(Values):
     def case(self) -> Case:
         """Case that was run; from its case.toml where result.h5 was removed."""
         if not (self.directory / RESULT_FILE).exists():
-            from granwave.lammps_inputs.load_case import load_case
+            from granwave.lammps_inputs.load_case import read_stored_case
 
-            return load_case(self.directory / CASE_FILE)
+            return read_stored_case(self.directory / CASE_FILE)
         return self.result.case
 
     # ------------------------------------------------------------------ tables

@@ -36,6 +36,7 @@ from granwave.analysis.reports.setting import quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Key, Means
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
@@ -61,8 +62,11 @@ _SENTENCES = (
     "{lost} of the {energy_input_J} put in was dissipated.",
     "{transmission} of the driven end's velocity, {driven_velocity_m_s}, came through.",
     "The largest contact force was {peak_force_N}.",
+    "The largest force between two spheres was {between_spheres}.",
+    "The largest force of all contacts, walls included, was {with_walls}.",
     "90 % of the energy of yielding stays within {zone_depth_90_m} below the impact and {zone_radius_90_m} beside it.",
     "The plate {plate}.",
+    "Nothing of the {kept} put in was dissipated.",
     "{n_loaded_contacts} of {n_contacts} contacts bore a force.",
 )
 _ALONG_LINE = (  # with its name
@@ -154,7 +158,7 @@ def _names(item: Run | Scan) -> list[str]:
 def _is_thin(run: Run) -> bool:
     """Return True for a long row of grains; False for what has no grains, or cannot be read."""
     try:
-        with h5py.File(run.directory / RESULT_FILE, "r") as file:
+        with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
             extents = np.sort(
                 np.ptp(file["spheres/position"][()], axis=0)
                 + 2 * np.max(file["spheres/radius"][()])
@@ -261,19 +265,26 @@ def _of_runs_in_words(runs: Sequence[Run]) -> str:
     """Return how much of the load came through several driven rows, or of the input was dissipated,
     in each of them.
     """
-    for key, what in (
-        ("transmission", "Transmission"),
-        ("dissipated_fraction", "Dissipated of the input"),
+    for key, what, text_of in (
+        ("transmission", "Transmission", share),
+        ("dissipated_fraction", "Dissipated of the input", share),
+        ("peak_force_with_walls_N", "Largest force of all contacts", _in_newtons),
+        ("peak_force_N", "Largest contact force", _in_newtons),
     ):
         values = [(run.number(key), run.label) for run in runs]
         found = sorted((value, label) for value, label in values if value is not None)
-        if len(found) < len(runs):
-            continue
+        if len(found) < len(runs) or not any(value for value, _ in found):
+            continue  # a value that is zero in all runs is no answer
         if len(found) <= _MOST_NAMED:
-            listed = ", ".join(f"{share(value or 0.0)} ({label})" for value, label in values)
+            listed = ", ".join(f"{text_of(value or 0.0)} ({label})" for value, label in values)
             return f"{what}: {listed}."
-        return f"{what}: from {share(found[0][0])} ({found[0][1]}) to {share(found[-1][0])} ({found[-1][1]})."
+        (least, first), (most, last) = found[0], found[-1]
+        return f"{what}: from {text_of(least)} ({first}) to {text_of(most)} ({last})."
     return ""
+
+
+def _in_newtons(force: float) -> str:
+    return quantity_in(force, "N")
 
 
 def in_words(run: Run) -> str:
@@ -284,12 +295,16 @@ def in_words(run: Run) -> str:
     values = printed(run.summary)
     lost = run.number("dissipated_fraction")
     absorbed = run.number("absorbed_fraction") or 0.0
-    if lost is not None:
+    if lost:
         values["lost"] = share(lost - absorbed)
+    elif lost == 0:
+        values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
         values.pop("absorbed_fraction", None)
     if run.number("max_force_N") is not None:
         values.setdefault("peak_force_N", values["max_force_N"])
+    if run.kind == "run":
+        _name_peak_forces(run, values)
     if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
         values.pop("zone_depth_90_m", None)
     if force := run.number("wall_peak_force_N"):
@@ -322,6 +337,16 @@ def in_words(run: Run) -> str:
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
     return other_kinds.sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
+
+
+def _name_peak_forces(run: Run, values: dict[str, str]) -> None:
+    """Tell the largest force between spheres from that of all contacts, walls included."""
+    pairs = values.pop("peak_force_N", "")
+    if run.number("peak_force_N"):
+        values["between_spheres"] = pairs
+    every = run.number("peak_force_with_walls_N")
+    if every and every != run.number("peak_force_N"):
+        values["with_walls"] = values["peak_force_with_walls_N"]
 
 
 def _beside(force: float, bare: float | None) -> str:

@@ -17,10 +17,11 @@ from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
 from granwave.analysis.formatting.values import as_label, grains_called_in
-from granwave.analysis.quantities import SCAN_FIGURES, readable
+from granwave.analysis.quantities import readable
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import (
     FIGURES_DIRECTORY,
@@ -81,11 +82,11 @@ _LOOK = {  # the rest of a caption: what to look for
     "force_network": "Lines are as wide as the force is large.",
     "residuals": "A grain far above the others was measured badly, or misses a contact.",
     "force_errors": "Forces below twice their error may be none.",
-    "modulus": "A narrow minimum: strains and accelerations tell the modulus well.",
-    "noise": "It tells how exactly strains and accelerations must be measured.",
-    "plastic_strain": "The coloured region is the plastic zone; strains are largest below the edge of the punch.",
+    "modulus": "The narrower the minimum, the better strains and accelerations determine the modulus.",
+    "noise": "The larger the slope, the more exactly strains and accelerations must be measured.",
+    "plastic_strain": "The coloured region is the plastic zone.",
     "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed elastic.",
-    "plastic_zone_volume": "A peak and a level end: the zone at one instant shrinks as the wave passes.",
+    "plastic_zone_volume": "Where the zone at one instant falls after a peak, the wave has passed.",
     "punch": "Where the velocity is level, the punch has left the block.",
     "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
 } | {name: figure.look for name, figure in FIGURES.items()}
@@ -96,11 +97,13 @@ _BY_KIND = {  # figures of results that may share a directory
 }
 _QUANTITIES = {  # captions of figures of scans that differ from their names
     "plastic_zone_depth": "Depth of the outermost yield",
-    "zone_depth_90": "Depth that holds 90 % of the energy of yielding",
-    "zone_radius_90": "Radius that holds 90 % of the energy of yielding",
+    "zone_depth_90": "Depth that holds 90 % of the energy of yielding, interpolated between layers",
+    "zone_radius_90": "Radius that holds 90 % of the energy of yielding, interpolated between spheres",
     "zone_volume_90": "Volume that holds 90 % of the energy of yielding",
 }
 _LEVEL = "Where a curve is level, its impact is over; the higher it ends, the more is dissipated"
+_ELASTIC = "No run dissipated energy: what is not kinetic is stored in contacts"
+_NOTHING = 1e-12  # of the input: a dissipated share that rounding leaves
 _UNREADABLE = (OSError, ValueError, SyntaxError, Image.DecompressionBombError)
 _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
@@ -149,20 +152,25 @@ def of_other_kinds(run: Run) -> set[str]:
 
 
 def overlay(runs: Sequence[Run]) -> list[Block]:
-    """Draw the dissipated share against time for runs; empty for fewer than two."""
+    """Draw the dissipated share against time for runs, or the kinetic share where no run dissipates
+    anything; empty for fewer than two.
+    """
     if len(runs) < 2:
         return []
-    found = {run.label: _dissipation(run) for run in runs}
+    name, what, look = "dissipated-share", "Dissipated share of the input", _LEVEL
+    found = {run.label: _share_of_input(run, ("dissipated", "plastic")) for run in runs}
+    if not any(curve is not None and np.any(curve[1] > _NOTHING) for curve in found.values()):
+        name, what, look = "kinetic-share", "Kinetic share of the input", _ELASTIC
+        found = {run.label: _share_of_input(run, ("kinetic",)) for run in runs}
     curves = [(label, *curve) for label, curve in found.items() if curve is not None]
     missing = [label for label, curve in found.items() if curve is None]
     blocks: list[Block] = []
     if curves:
         more = "" if len(curves) <= MOST_CURVES else f", the first {MOST_CURVES} runs"
-        caption = f"Dissipated share of the input against time{more}. {_LEVEL}"
+        caption = f"{what} against time{more}. {look}"
         with style():
-            blocks.append(
-                Gallery((picture_of(_draw(curves[:MOST_CURVES]), "dissipated-share", caption),))
-            )
+            drawing = _draw(curves[:MOST_CURVES], what)
+            blocks.append(Gallery((picture_of(drawing, name, caption),)))
     if missing:
         blocks.append(
             Note(f"No energies against time in {RESULT_FILE}: {', '.join(missing)}.", "note")
@@ -240,9 +248,10 @@ def _caption(item: Run | Scan, stem: str, *, in_words: bool) -> tuple[str, str]:
         }
         keys = [key_of(name, column) for name, column in columns.items()]
         labels = {one.slug: one.naming.label[:1].lower() + one.naming.label[1:] for one in keys}
-        values = item.means.values.get(SCAN_FIGURES.get(what, ""), [])
+        shown = item.means.figures.get(what, "")
+        values = item.means.values.get(shown, [])
         if in_words and len(values) > 1 and None not in values:
-            sentence = item.means.sentence(SCAN_FIGURES[what]).partition(": ")[2]
+            sentence = item.means.sentence(shown).partition(": ")[2]
             said = f". {sentence[:1].upper()}{sentence[1:]}".removesuffix(".")
     return (
         f"{_QUANTITIES.get(what, readable(what))} against {labels.get(key, readable(key).lower())}",
@@ -358,17 +367,19 @@ def _picture(
     return Figure(slug, shown, alt, png, size, link, inches)
 
 
-def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
-    """Return times, s, and dissipated energy over the final input, of a block by plastic strain;
-    None without them.
+def _share_of_input(
+    run: Run, names: Sequence[str]
+) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
+    """Return times, s, and the first of some energies that the run has over the final input; None
+    without them.
     """
     try:
-        with h5py.File(run.directory / RESULT_FILE, "r") as file:
-            dissipated = "dissipated" if "energy/dissipated" in file else "plastic"
+        with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
+            chosen = next(name for name in names if f"energy/{name}" in file)
             time, lost, given = (
-                np.asarray(file[f"energy/{n}"][()], float) for n in ("time", dissipated, "input")
+                np.asarray(file[f"energy/{n}"][()], float) for n in ("time", chosen, "input")
             )
-    except (OSError, KeyError, ValueError, TypeError):
+    except (OSError, KeyError, ValueError, TypeError, StopIteration):
         return None
     if (
         time.ndim != 1
@@ -382,13 +393,13 @@ def _dissipation(run: Run) -> tuple[NDArray[np.float64], NDArray[np.float64]] | 
     return time[shown], lost[shown] / given[-1]
 
 
-def _draw(curves: Sequence[tuple[str, NDArray, NDArray]]) -> Drawing:
+def _draw(curves: Sequence[tuple[str, NDArray, NDArray]], what: str) -> Drawing:
     figure, axes = panels(2.9)
     for n, (run, time, share) in enumerate(curves):
         name = run if len(run) <= 32 else run[:15] + "…" + run[-16:]
         line = ("-", "--")[n // 6 % 2]
         axes.plot(1e6 * time, share, line, label=name.replace("$", r"\$").lstrip("_") or "run")
-    label(axes, "Time (µs)", "Dissipated share of the input")
+    label(axes, "Time (µs)", what)
     ends = [1e6 * time[-1] for _, time, _ in curves]
     if min(ends) * _UNLIKE < max(ends):
         axes.set_xscale("log")

@@ -30,9 +30,11 @@ from granwave.analysis.scans.keys import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.registry import is_study_file
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json, read_tables
+from granwave.lammps_inputs.files import read_json, read_tables, regular
+from granwave.lammps_inputs.ownership import refuse_special
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINTS,
@@ -45,6 +47,9 @@ from granwave.lammps_inputs.run_directory import (
 )
 
 _LOG = logging.getLogger(__name__)
+_ACCEPTED = "energy_balance_accepted"
+# accepted error of results of finite elements that do not record it
+_ACCEPTED_OF_ELEMENTS = 2e-2
 _LONGEST = 60  # characters of a faulty value in a message
 
 Kind = Literal["run", "continuum", "spectra"]
@@ -92,6 +97,21 @@ class Run:
     def has_balance(self) -> bool:
         """True for what was integrated in time, and so has energies."""
         return self.kind != "spectra" and not self.is_inference
+
+    @property
+    def accepted_error(self) -> float:
+        """Largest error of the energy balance, over the input, with which the run was accepted.
+
+        Results of versions that did not record it were judged by the limits of those versions.
+        """
+        for source in (self.summary, self.record):
+            value = source.get(_ACCEPTED)
+            if is_number(value):
+                return float(value)
+        if self.kind == "continuum":
+            return _ACCEPTED_OF_ELEMENTS
+        aimed = self.case.get("run.energy_tolerance")
+        return max(BALANCE_TOLERANCE, aimed) if is_number(aimed) else BALANCE_TOLERANCE
 
     def number(self, key: str) -> float | None:
         """Return a value of the summary if it is a number, else None."""
@@ -327,8 +347,9 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
 
 
 def _summary(path: Path) -> dict[str, Any]:
+    refuse_special(path)
     try:
-        summary = json.loads((path / SUMMARY_FILE).read_text(encoding="utf-8"))
+        summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
         wrong = (
             ""
             if isinstance(summary, dict)

@@ -18,6 +18,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import Run
 from granwave.analysis.reports.setting import range_in
 from granwave.analysis.spectra import quantities as spectra
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 
 _PASSES = 0.5  # of the driven grain's amplitude
@@ -178,7 +179,7 @@ def in_words(run: Run) -> str:
 def _of_transmission(run: Run) -> str:
     """Return at which frequencies at least half of the motion of the drive comes through."""
     try:
-        with h5py.File(run.directory / SPECTRA_FILE, "r") as file:
+        with h5py.File(regular(run.directory / SPECTRA_FILE), "r") as file:
             names = ("frequency", "amplitude_ratio", "sensor")
             frequency, ratio, sensors = (file[f"transmission/{name}"][()] for name in names)
     except (OSError, KeyError):

@@ -45,6 +45,7 @@ from granwave.analysis.reports.studies import (
 )
 from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 _KIND = {"run": "granular run", "continuum": "continuum run", "spectra": "small waves"}
@@ -72,14 +73,12 @@ _ERROR = (
 )
 _LIMITS = {
     "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction, "
-    "viscous losses, the support's damper and absorbing spheres. A granular run above 1e-5 is refused (the published "
-    "variant of the law, which cannot close, excepted).",
-    "continuum": "A continuum run above 2 % is stopped.",
+    "viscous losses, the support's damper and absorbing spheres. A granular run above the accepted error is refused "
+    "(the published variant of the law, which cannot close, excepted).",
+    "continuum": "A continuum run above the accepted error is stopped.",
 }
 _BALANCE = "balance"
 _MOST_OPEN = 12  # runs whose table is not folded
-#: Largest accepted error of the balance over the input, by kind of run.
-LIMITS = {"run": 1e-5, "continuum": 2e-2}
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
 #: Parts of these, shown if any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_rolling_J",
@@ -205,9 +204,7 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
     ]
     told: list[tuple[str, Sequence[str], Tone, str]] = [
         (_REFUSED, [run.label for run in runs if run.status == "refused"], "bad", _BALANCE),
-        *((_POOR.format(off=significant(max(map(_error_of, found)), 2), most=significant(LIMITS[kind], 2)),
-           [run.label for run in found], "bad", _BALANCE)
-          for kind in LIMITS if (found := [run for run in poor if run.kind == kind])),
+        *_poor_balances(poor),
         (_IDLE, idle, "note", _BALANCE),
         (_UNKNOWN, unknown, "note", _BALANCE),
         (_BEYOND_FIT, [text for run, text in beyond if _fitted(run)], "note", _BALANCE),
@@ -227,6 +224,17 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
         if run.damaged
     ]
     return notes or [Note(_GOOD, "good")] * bool(runs)
+
+
+def _poor_balances(poor: Sequence[Run]) -> list[tuple[str, Sequence[str], Tone, str]]:
+    """Return the text and the labels of runs with a poor balance, by the error accepted of them."""
+    found: list[tuple[str, Sequence[str], Tone, str]] = []
+    for accepted in sorted({run.accepted_error for run in poor}):
+        runs = [run for run in poor if run.accepted_error == accepted]
+        off = significant(max(map(_error_of, runs)), 2)
+        text = _POOR.format(off=off, most=significant(accepted, 2))
+        found.append((text, [run.label for run in runs], "bad", _BALANCE))
+    return found
 
 
 def _beyond_law(run: Run) -> bool:
@@ -292,12 +300,16 @@ def verdict(run: Run) -> tuple[str, Tone]:
     """Assess the energy balance of a run."""
     if run.number("energy_balance_error") is None:
         return "not known", "note"
-    largest = LIMITS[run.kind]
-    return (
-        (f"poor: above {plain(f'{largest:.0e}')}", "bad")
-        if _error_of(run) > largest
-        else ("good", "good")
-    )
+    error = _error_of(run)
+    if error > run.accepted_error:
+        return f"poor: above {_limit(run)}", "bad"
+    if run.kind == "run" and error > BALANCE_TOLERANCE:
+        return f"accepted: at most {_limit(run)}, run.energy_tolerance", "good"
+    return "good", "good"
+
+
+def _limit(run: Run) -> str:
+    return plain(f"{run.accepted_error:.1g}")
 
 
 def balance_section(inputs: Inputs) -> Section:
@@ -347,6 +359,7 @@ def _table(runs: Sequence[Run]) -> Table:
         (Column("Run", key=True), [Cell(run.label, run.label) for run in runs]),
         *((value_column(key), [value_cell(run.summary.get(key)) for run in runs]) for key in shown),
         (Column("Error over input", numeric=True), errors),
+        (Column("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
         (Column("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),
         (Column("Timestep", "s", numeric=True), [value_cell(run.summary.get("timestep_s")) for run in runs]),
         (Column("Timesteps dropped", numeric=True),

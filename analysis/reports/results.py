@@ -68,7 +68,19 @@ _OF_ONE_KIND = (
     "wave_return_share",
 )  # fmt: skip
 _OF_COST = ("n_spheres", "n_elements", "end_time_s", "wall_time_s")  # values that are no result
-_OF_YIELDING = ("plastic_fraction", "n_plastic_contacts", "n_plastic_spheres")
+_OF_YIELDING = (
+    "plastic_fraction",
+    "n_plastic_contacts",
+    "n_dissipating_contacts",
+    "n_plastic_spheres",
+)
+#: Values that the first section leaves to the section of all values.
+_IN_DETAIL = ("n_dissipating_contacts",)
+#: Sizes of the zone that jump by layers, which the first section leaves to those between layers.
+_BY_LAYERS = {
+    "zone_depth_90_m": "zone_depth_90_interpolated_m",
+    "zone_radius_90_m": "zone_radius_90_interpolated_m",
+}
 _FIRST = (
     "transmission",
     "driven_velocity_m_s",
@@ -145,11 +157,11 @@ def compact_table(runs: Sequence[Run]) -> Table:
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
     keys = [key for key in keys if not key.startswith(_NO_PHYSICS)][:MOST_KEYS]
-    shown = [
-        key
-        for key in _worth_showing([run.summary for run in runs])
-        if key not in (*_OF_COST, *FRICTION_SHARES)
-    ]
+    summaries = [run.summary for run in runs]
+    left_out = {*_OF_COST, *FRICTION_SHARES, *_beside_others(summaries)}
+    if not any(map(_yields, runs)):
+        left_out |= {*_OF_YIELDING}
+    shown = [key for key in _worth_showing(summaries) if key not in left_out]
     shown = [key for key in shown if all(run.summary.get(key) is not None for run in runs)]
     if len({run.kind for run in runs}) > 1:
         shown = [key for key in shown if key not in _OF_ONE_KIND]
@@ -173,6 +185,7 @@ def value_rows(run: Run) -> Table:
     first += ["wave_speed_m_s"] * (run.case.get("packing.kind") == "chain")
     first = [key for key in first if run.number(key) is not None]
     left_out = {*_OF_COST, *first, *(key for key in _NOTHING if not summary.get(key))}
+    left_out |= _beside_others([summary])
     for told, keys in (
         (_yields(run), _OF_YIELDING),
         (plate is None and not driven, _OF_STRUCK),
@@ -191,6 +204,25 @@ def value_rows(run: Run) -> Table:
         rows.append((name, _result_cell(key, summary, scale), Cell(unit)))
     columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
     return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
+
+
+def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
+    """Return the keys of values that the first section leaves out, as others there say the same."""
+    left_out = set(_IN_DETAIL)
+    for by_layers, between in _BY_LAYERS.items():
+        if all(summary.get(between) is not None for summary in summaries):
+            left_out.add(by_layers)
+    if not any(summary.get("dissipated_fraction") for summary in summaries):
+        left_out |= {"dissipated_fraction", "n_dissipating_spheres"}
+    if all(_no_force_at_walls(summary) for summary in summaries):
+        left_out.add("peak_force_with_walls_N")
+    return left_out
+
+
+def _no_force_at_walls(summary: Mapping[str, Any]) -> bool:
+    """Return True if no contact with a wall carried more than those between spheres."""
+    every = summary.get("peak_force_with_walls_N")
+    return every is None or every == summary.get("peak_force_N")
 
 
 def _readable(key: str) -> tuple[str, float]:

@@ -15,7 +15,7 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
@@ -64,7 +64,7 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
     diameter = case.get("packing.diameter")
     parts = [
         _body(case),
-        str(case.get("material.name") or case.get("material") or ""),
+        _materials(case),
         quantity_in(diameter, "m") if isinstance(diameter, float | int) else "",
         _load(case),
         _static(case),
@@ -72,6 +72,41 @@ def setting_of(case: Mapping[str, Any], called: str = "spheres") -> str:
         *_contacts(case),
     ]
     return in_grains(", ".join(filter(None, parts)), called)
+
+
+_MOST_MATERIALS = 3  # named; more are counted
+
+
+def _materials(case: Mapping[str, Any]) -> str:
+    """Return the names of the materials in the packing: its own, unless every sphere is replaced,
+    and those of ``[[replace]]``.
+    """
+    names = {str(case.get("material.name") or case.get("material") or ""): None}
+    replaced: set[int] = set()
+    for entry in case.get("replace") or ():
+        if isinstance(entry, Mapping) and (other := _name_of(entry.get("material"))):
+            names[other] = None
+            replaced |= _ids_of(entry.get("index"))
+    size = case.get("packing.size")
+    if len(replaced) == math.prod(size if isinstance(size, list | tuple) else [size or -1]):
+        del names[next(iter(names))]
+    if len(names) > _MOST_MATERIALS:
+        return f"{len(names)} materials"
+    return " and ".join(filter(None, names))
+
+
+def _name_of(material: Any) -> str:
+    """Return the name of a material that is named or a table; empty if there is none."""
+    if isinstance(material, Mapping):
+        return str(material.get("name") or "")
+    return str(material or "")
+
+
+def _ids_of(index: Any) -> set[int]:
+    """Return the ids of an index of ``[[replace]]``: one, a list, or first, last and step."""
+    if isinstance(index, Mapping):
+        return set(range(index["first"], index["last"] + 1, index.get("step", 1)))
+    return set(index) if isinstance(index, list) else {index} if isinstance(index, int) else set()
 
 
 def symbols_note(inputs: Inputs) -> list[Note]:
@@ -101,7 +136,7 @@ def symbols_note(inputs: Inputs) -> list[Note]:
         ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
         ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at which it does"),
         ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
-        ("F_max", largest if not laws and any(largest) else (), "N", "the largest contact force of the run"),
+        ("F_max", largest if not laws and any(largest) else (), "N", f"the largest force between two {called} in the run"),
         ("e_in", given if all(given) else (), "J", put_in),
         ("v\u0304_0", [one for one in velocities if one is not None], "", _NORMALISED),
         ("sigma_y^2 D^3/E", list(filter(None, map(_unit_of_block, runs))), "J", _OF_PUNCH),
@@ -271,7 +306,7 @@ def _contacts(case: Mapping[str, Any]) -> list[str]:
 def _law_of(run: Run) -> Any:
     tables = read_tables(run.directory / CASE_FILE)
     try:
-        case = None if tables is None else case_from_dict(tables, run.directory / CASE_FILE)
+        case = None if tables is None else stored_case(tables, run.directory / CASE_FILE)
         return sphere_contact(case) if case is not None and case.contact.yields else None
     except (GranwaveError, TypeError, AttributeError):
         return None

@@ -255,6 +255,9 @@ def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Gallery | N
 
 
 _COMPARISON = "comparison"
+_ELSEWHERE = (
+    "Impacts on ideal packings are compared here; all other runs are in the tables above and below"
+)
 
 
 def comparison_section(inputs: Inputs) -> Section:
@@ -277,7 +280,7 @@ def comparison_section(inputs: Inputs) -> Section:
         )
     if blocks and (others := _left_out(runs)):
         listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in others.items())
-        blocks.append(Note(f"Left out here: {listed}.", "note"))
+        blocks.append(Note(f"{_ELSEWHERE}: {listed}.", "note"))
     return Section("Comparison", _COMPARISON, tuple(blocks))
 
 
@@ -306,7 +309,4 @@ def _left_out(runs: Sequence[FinishedRun | ContinuumRun]) -> dict[str, list[str]
     for run in runs:
         if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
             found.setdefault(reason, []).append(run.label)
-    others = collect(runs).other_packings
-    return found | (
-        {"another packing than the reference's": others["label"].tolist()} if len(others) else {}
-    )
+    return found

@@ -27,6 +27,9 @@ from granwave.lammps_inputs.packing.assembly import assemble
 
 # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 LISTED_FROM = 1e-6
+# part of the largest force of a contact at which the front of a wave has arrived there, as in the
+# plugin
+ARRIVED = 0.1
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
@@ -69,6 +72,13 @@ def merge_dents(dents: Frame) -> Contacts:
     def never(name: str) -> NDArray[np.float64]:
         return np.where(total(name) < 0, np.inf, total(name))
 
+    def arrival() -> NDArray[np.float64]:
+        """Times of arrival, of the dents that count."""
+        force = total("peak_force")
+        largest = np.maximum.reduceat(force, starts) if len(starts) else np.empty(0)
+        counts = force >= ARRIVED * np.repeat(largest, np.diff(np.append(starts, len(first))))
+        return np.where(counts, never("time_first"), np.inf)
+
     def grown() -> NDArray[np.float64]:
         return np.where(total("peak_overlap") > total("initial"), total("peak_overlap"), 0.0)
 
@@ -90,7 +100,7 @@ def merge_dents(dents: Frame) -> Contacts:
             if "viscous" in dents.columns
             else {}
         ),
-        "time_first": (np.minimum, partial(never, "time_first")),
+        "time_first": (np.minimum, arrival),
         "time_yield": (np.minimum, partial(never, "time_yield")),
     }
     merged: Contacts = {"i": first[starts], "j": second[starts]}
@@ -236,17 +246,18 @@ def sphere_values(
     dict
         ``peak_force`` of the largest single contact, N; ``peak_overlap``, m; ``dissipated_energy``
         and its part ``friction_energy``, with viscous losses ``viscous_energy``, J;
-        ``contacts_yielded``; ``coordination`` at the start; ``time_first``, ``time_yield`` of the
-        earliest contact, s (NaN: never). Each (n_spheres,).
+        ``contacts_yielded``; ``coordination`` at the start; ``time_first``, the earliest arrival
+        at a contact that carries at least `ARRIVED` of the largest force, and ``time_yield`` of
+        the earliest contact, s (NaN: never). Each (n_spheres,).
     """
     n_spheres = len(ids)
     ends = rows_of(ids, np.concatenate([contacts["i"], contacts["j"]]))
-    loaded = contacts["peak_overlap"] > 0
+    loaded = np.tile(contacts["peak_overlap"] > 0, 2)
 
-    def extreme(ufunc: np.ufunc, name: str, start: float) -> NDArray:
+    def extreme(ufunc: np.ufunc, name: str, start: float, which: NDArray[np.bool_]) -> NDArray:
         result = np.full(n_spheres, start)
-        values = np.nan_to_num(contacts[name][loaded], nan=start)
-        ufunc.at(result, ends[np.tile(loaded, 2)], np.tile(values, 2))
+        values = np.nan_to_num(np.tile(contacts[name], 2)[which], nan=start)
+        ufunc.at(result, ends[which], values)
         return result
 
     def count(mask: NDArray) -> NDArray:
@@ -258,9 +269,11 @@ def sphere_values(
     lost = sum(halved.values())
     plastic = contacts["dissipated_energy"] - lost
     lost = np.concatenate([part * plastic + 0.5 * lost for part in (share, 1 - share)])
+    peak_force = extreme(np.maximum, "peak_force", 0.0, loaded)
+    carries = loaded & (np.tile(contacts["peak_force"], 2) >= ARRIVED * peak_force[ends])
     return {
-        "peak_force": extreme(np.maximum, "peak_force", 0.0),
-        "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0),
+        "peak_force": peak_force,
+        "peak_overlap": extreme(np.maximum, "peak_overlap", 0.0, loaded),
         "dissipated_energy": np.bincount(ends, lost, minlength=n_spheres),
         **{
             name: np.bincount(ends, 0.5 * np.tile(part, 2), minlength=n_spheres)
@@ -268,10 +281,8 @@ def sphere_values(
         },
         "contacts_yielded": count(contacts["yielded"]),
         "coordination": count(contacts["touching"]),
-        **{
-            name: _or_never(extreme(np.minimum, name, np.inf))
-            for name in ("time_first", "time_yield")
-        },
+        "time_first": _or_never(extreme(np.minimum, "time_first", np.inf, carries)),
+        "time_yield": _or_never(extreme(np.minimum, "time_yield", np.inf, loaded)),
     }
 
 

@@ -87,7 +87,7 @@ _COMPRESSED_FROM = 4096  # values; smaller data sets are not compressed
 
 _DERIVED = {
     "m": "initial_overlap position radius distance displacement yield_overlap effective_radius",
-    "N": "initial_force force_sums lateral_force",
+    "N": "initial_force force_sums lateral_force peak_force_with_walls",
     "J": "elastic_energy dissipated_energy dissipated_energy_wall friction_energy viscous_energy stored bar "
     "incident_bar",
     "s": "arrival peak_time width",

@@ -150,6 +150,14 @@ def damage_of(file: h5py.File) -> str:
     return ""
 
 
+def _refuse_text(name: str, item: h5py.Dataset | h5py.Group) -> None:
+    """Raise ValueError for a data set of text in place of numbers."""
+    if not isinstance(item, h5py.Dataset) or name.rpartition("/")[2] in _TEXTS:
+        return
+    if item.dtype.kind not in "biuf":
+        raise ValueError(f"{name} does not hold numbers")
+
+
 def _check(file: h5py.File) -> None:
     """Raise ValueError with the damage, or an error of h5py or of the parsers."""
     tomllib.loads(file.attrs["case"])
@@ -171,6 +179,7 @@ def _check(file: h5py.File) -> None:
                 )
             if table[column].dtype.kind not in "biuf" and column not in _TEXTS:
                 raise ValueError(f"{name}/{column} does not hold numbers")
+    file.visititems(_refuse_text)
     n_spheres = len(file["spheres/id"])
     n_frames = len(file[f"{GROUP}/position/time"])
     if not len(file["energy/time"]) or not n_spheres:

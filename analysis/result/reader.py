@@ -33,10 +33,10 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import changed_result
-from granwave.lammps_inputs.files import read_tables
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.files import read_tables, regular
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.motion import struck_of, struck_site
+from granwave.lammps_inputs.packing.motion import impacted_of, struck_of, struck_site
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE, newer_format
 
 
@@ -63,6 +63,7 @@ def work_on_packing(ledger: Mapping[str, Any], moved: float) -> Any:
     )
 
 
+_AT_CENTRE = 1e-9  # diameters, by which a centroid differs from a centre by rounding alone
 _ROUNDING = 1e-12  # of what a sphere dissipated, in which the sum of its kinds may differ from it
 _PARALLEL = 1e-9  # across each other, of the axes of two cylinders
 _REASONS = {
@@ -105,7 +106,7 @@ class Result:
         try:
             if changed := changed_result(self.path.parent, [self.path.name]):
                 raise OutputFormatError(changed)
-            self.file = h5py.File(self.path, "r")
+            self.file = h5py.File(regular(self.path), "r")
         except OSError as error:
             raise OutputFormatError(self._not_opened(path, error)) from None
         fault = ""
@@ -236,7 +237,7 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """Case that was run."""
-        return self._case or case_from_dict(
+        return self._case or stored_case(
             tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE
         )
 
@@ -301,6 +302,39 @@ class Result:
         sphere = struck_site(self.assembly)
         row = 0 if sphere is None else int(self.rows(sphere))
         return self.read("spheres/position", slice(row, row + 1))[0]
+
+    @cached_property
+    def impact_axis(self) -> NDArray[np.float64]:
+        """Place of the impact axis in x and y: the centroid of the impacted spheres' initial
+        centres, (2,), m.
+
+        The axis goes along z. With periodic sides the images nearest to the struck sphere count.
+        """
+        origin = self.origin[:2]
+        impacted = np.sort(self.rows(np.array(impacted_of(self.assembly), dtype=np.int64)))
+        if len(impacted) < 2:
+            return origin
+        place = self.read("spheres/position", slice(impacted[0], impacted[-1] + 1))
+        offset = self.across(place[impacted - impacted[0]][:, :2] - origin)
+        middle = offset.mean(axis=0)
+        diameter = self.case.packing.diameter
+        return origin + np.where(np.abs(middle) > _AT_CENTRE * diameter, middle, 0.0)
+
+    def across(self, offset: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return distances in x and y, (n, 2), m, to the nearest images where the sides are
+        periodic.
+        """
+        if self.case.boundary.sides != "periodic":
+            return offset
+        periods = np.array(self.assembly.lattice.lengths)[:2]
+        return offset - periods * np.round(offset / periods)
+
+    def distance_from_axis(self, position: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the distances of points, (n, 3), m, from the impact axis, or its nearest image
+        where the sides are periodic: (n,), m.
+        """
+        offset = self.across(position[:, :2] - self.impact_axis)
+        return np.asarray(np.hypot(offset[:, 0], offset[:, 1]))
 
     def rows(self, ids: ArrayLike) -> NDArray[np.int64]:
         """Return the rows of the spheres with these ids: ids - 1, unless there are vacancies.

@@ -117,13 +117,18 @@ def write_tables(
     hdf5.write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
+    forces = wall_contacts["peak_force"]
 
     def task(part: int) -> _Part:
         first, stop = start.range(part)
         here = (at_walls >= first) & (at_walls < stop)
-        at_wall = at_walls[here] - first, {name: lost[here] for name, lost in losses.items()}
         return _Part(
-            part, dents.of_part(part), initial and initial.contacts.of_part(part), *at_wall
+            part,
+            dents.of_part(part),
+            initial and initial.contacts.of_part(part),
+            at_walls[here] - first,
+            {name: lost[here] for name, lost in losses.items()},
+            forces[here],
         )
 
     if start.n_parts == 1:
@@ -155,6 +160,7 @@ class _Part(NamedTuple):
     initial: Callable[[], Frame] | None
     at_walls: NDArray[np.int64]  # rows of the spheres of wall contacts, in the part
     losses: dict[str, NDArray[np.float64]]  # dissipation in these spheres, J
+    forces: NDArray[np.float64]  # peak forces of these wall contacts, N
 
 
 _made: list[
@@ -195,7 +201,7 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
     columns: dict[str, NDArray] = {
         "id": ids,
-        "position": spheres.vector("x", "y", "z"),
+        "position": spheres.vector("x", "y", "z") + assemble(case).deck_origin,
         "radius": spheres["diameter"] / 2,
         "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
         **{
@@ -208,6 +214,8 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
             name, 0.0
         )
     columns["dissipated_energy"] = columns["dissipated_energy"] + columns["dissipated_energy_wall"]
+    columns["peak_force_with_walls"] = columns["peak_force"].copy()
+    np.maximum.at(columns["peak_force_with_walls"], part.at_walls, part.forces)
     if start.n_parts > 1:
         listed = (contacts["i"] >= ids[0]) & (contacts["i"] <= ids[-1])
         contacts = {name: contacts.pop(name)[listed] for name in list(contacts)}

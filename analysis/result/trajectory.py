@@ -6,8 +6,8 @@ doi:10.1016/j.cpc.2014.01.018).
 friction and viscous losses), ``elastic_energy`` (half the energy stored in each contact with
 another sphere; NaN if it was not recorded) and, with friction, ``friction_energy``, with viscous
 losses ``viscous_energy``, each as ``value``, ``step`` and ``time`` of every snapshot; ``id``,
-``species``, ``radius`` and ``mass`` are constant. Positions are initial positions plus
-displacements, not wrapped into periodic boxes. All values are float64; overlaps should be computed
+``species``, ``radius`` and ``mass`` are constant. Positions are initial positions, in
+the coordinates of the case, plus displacements, not wrapped into periodic boxes. All values are float64; overlaps should be computed
 from displacements, which have 17 digits independently of the distance from the origin.
 """
 
@@ -21,12 +21,14 @@ from typing import Any, NamedTuple
 
 import h5py
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK, Encoded, encoded, store
 from granwave.analysis.result.start import Start, periodic
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.processes import ALONE, Processes
 
 GROUP = "particles/spheres"
@@ -97,13 +99,17 @@ def write_trajectory(
     """
     group = file.create_group(GROUP)
     n_spheres = start.n_spheres
+    origin = assemble(case).deck_origin
     box = group.create_group("box")
     box.attrs["dimension"] = 3
     box.attrs["boundary"] = [
         "periodic" if is_periodic else "none" for is_periodic in periodic(case)
     ]
     # lower is an extension of the standard, whose boxes start at 0
-    for name, data in (("edges", start.box[:, 1] - start.box[:, 0]), ("lower", start.box[:, 0])):
+    for name, data in (
+        ("edges", start.box[:, 1] - start.box[:, 0]),
+        ("lower", start.box[:, 0] + origin),
+    ):
         box.create_dataset(name, data=data).attrs["unit"] = "m"
     n_chunk = min(n_spheres, ROWS_IN_CHUNK)
     for name, (dtype, unit) in _FIXED.items():
@@ -137,7 +143,7 @@ def write_trajectory(
     steps: list[int] = []
     blocks = _blocks(start, frames, source, steps)
     for number, columns in processes.map(
-        partial(_encoded_block, start, scalars, source, n_chunk), blocks
+        partial(_encoded_block, start, scalars, source, n_chunk, origin), blocks
     ):
         for name, element in elements.items():
             element.resize(number + 1, axis=0)
@@ -205,7 +211,12 @@ def _blocks(
 
 
 def _encoded_block(
-    start: Start, scalars: dict[str, tuple[str, ...]], source: Path, n_chunk: int, block: _Block
+    start: Start,
+    scalars: dict[str, tuple[str, ...]],
+    source: Path,
+    n_chunk: int,
+    origin: NDArray[np.float64],
+    block: _Block,
 ) -> tuple[int, dict[str, Encoded]]:
     """Read a block and encode its values."""
     like = block.frames[0]
@@ -218,7 +229,8 @@ def _encoded_block(
         raise _strange(source, block.number, like.step, stop, start)
     displacement = frame.vector("ux", "uy", "uz")
     unknown = np.full(len(frame), np.nan)
-    values = {"position": start.read(slice(first, stop)).vector("x", "y", "z") + displacement}
+    places = start.read(slice(first, stop)).vector("x", "y", "z") + origin
+    values = {"position": places + displacement}
     values |= {"displacement": displacement, "velocity": frame.vector("vx", "vy", "vz")}
     for name, columns in scalars.items():
         there = [frame[column] for column in columns if column in frame.columns]

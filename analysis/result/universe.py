@@ -1,7 +1,7 @@
 """Trajectory of a run as an MDAnalysis universe.
 
 MDAnalysis stores positions in single precision, with a spacing of 60 nm at 0.7 m, which is 5 % of a
-yield overlap: never compute overlaps from ``ts.positions``. This reader adds quantities in double
+yield overlap, and of 8 um at 100 m: never compute overlaps from ``ts.positions``. This reader adds quantities in double
 precision to every snapshot: ``ts.data["displacement"]`` (m), ``ts.data["contact_force"]`` (N),
 ``ts.data["peak_force"]`` (N), ``ts.data["dissipated_energy"]`` (J) and, with friction,
 ``ts.data["friction_energy"]`` (J), with viscous losses ``ts.data["viscous_energy"]`` (J). Lengths
@@ -29,6 +29,7 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs.directories import changed_result
+from granwave.lammps_inputs.files import regular
 
 DATA = (
     "displacement",
@@ -73,7 +74,7 @@ class ResultReader(ReaderBase):
     @staticmethod
     def parse_n_atoms(filename: str | Path, **kwargs: object) -> int:
         """Return the number of spheres in the file."""
-        with h5py.File(filename, "r") as file:
+        with h5py.File(regular(Path(filename)), "r") as file:
             return file[GROUP]["id"].shape[0]
 
     @property
@@ -102,7 +103,7 @@ class ResultReader(ReaderBase):
             self._file.close()
 
     def _open(self) -> None:
-        self._file = h5py.File(self.filename, "r")
+        self._file = h5py.File(regular(Path(self.filename)), "r")
         self._spheres = self._file[GROUP]
 
     def _reopen(self) -> None:

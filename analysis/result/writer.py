@@ -48,8 +48,8 @@ from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
 from granwave.lammps_inputs.directories import check_case
-from granwave.lammps_inputs.files import scratch_files
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.files import regular, scratch_files
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.processes import ALONE, Processes
@@ -107,8 +107,8 @@ def write_result(
             raise MissingOutputError(
                 f"{case_file} is missing: {directory} is not the directory of a run"
             )
-        text = case_file.read_text(encoding="utf-8")
-        case = case or load_case(case_file)
+        text = regular(case_file).read_text(encoding="utf-8")
+        case = case or read_stored_case(case_file)
         resolved = tomllib.loads(text).get("resolved", {})
         ledger = read_energy(directory)
         contacts = contacts_at_end(

@@ -22,7 +22,7 @@ from granwave.analysis.document.model import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
-from granwave.analysis.quantities import QUANTITIES, SCAN_FIGURES
+from granwave.analysis.quantities import QUANTITIES, scan_figures
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import Key, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
@@ -30,7 +30,7 @@ from granwave.analysis.scans.table import TIMES, determines, independent_keys, p
 from granwave.analysis.statistics import estimate
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _UNITS_OF_ITS_OWN = ("load.", "run.", "boundary.", "output.", SEED, "packing.size", "packing.kind")
@@ -76,7 +76,8 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     known = {
         unit: scale for unit, scale in scales.items() if all(map(math.isfinite, scale[2].values()))
     }
-    found = [_ordinate(name, key, known) for name, key in SCAN_FIGURES.items()]
+    there = {key for point in done for key, value in point.summary.items() if value is not None}
+    found = [_ordinate(name, key, known) for name, key in scan_figures(there).items()]
     left_out = set()
     if not all(math.isfinite(_number(point, "restitution")) for point in done):
         left_out.add("restitution")
@@ -118,7 +119,7 @@ def _scales(
         labels = tuple(point.labels.get(key) for key in keys)
         if labels not in known:
             try:
-                case = load_case((point.directory or Path()) / CASE_FILE)
+                case = read_stored_case((point.directory or Path()) / CASE_FILE)
                 force = sphere_contact(case).yield_force if case.contact.yields else math.nan
                 known[labels] = case.packing.diameter, force
             except (InputError, OSError):

@@ -23,7 +23,7 @@ from granwave.analysis.formatting.values import (
     unique_labels,
     unit_of,
 )
-from granwave.analysis.quantities import SCAN_FIGURES, quantity
+from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
@@ -311,12 +311,18 @@ class Means:
     protection: bool = False
     called: str = SPHERES
 
+    @property
+    def figures(self) -> dict[str, str]:
+        """Values that figures show, by the names of figures."""
+        there = {key for key, values in self.values.items() if set(values) - {None}}
+        return scan_figures(there)
+
     def quantities(self) -> list[tuple[str, str]]:
         """Return the quantities that have figures, by names of figure and value: those that vary
         first.
         """
         found = []
-        for number, (name, key) in enumerate(SCAN_FIGURES.items()):
+        for number, (name, key) in enumerate(self.figures.items()):
             values = [value for value in self.values.get(key, ()) if value is not None]
             if key == REDUCTION and not self.protection:
                 continue

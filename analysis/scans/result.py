@@ -18,7 +18,7 @@ from typing import Any, Literal
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.values import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
 from granwave.lammps_inputs.directories import case_digest, read_summary, tables_as_run
-from granwave.lammps_inputs.files import read_json, read_tables
+from granwave.lammps_inputs.files import read_json, read_tables, regular
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINT_FILE,
@@ -84,7 +84,7 @@ class ScanResult:
         self.directory = Path(directory)
         path = self.directory / SCAN_INDEX
         try:
-            index = json.loads(path.read_text(encoding="utf-8"))
+            index = json.loads(regular(path).read_text(encoding="utf-8"))
             self.name: str = index["name"]
             self.case_name: str = index["case"]
             self.varied: tuple[str, ...] = tuple(index["varied"])

@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
 import numpy as np
@@ -84,6 +84,10 @@ class Bodies:
         compression positive.
     touched
         Grains on which a wall acts, by its name: (n,); of walls that are not there: all.
+    presses
+        Forces to which walls move in, by the names of these walls: on all of them together, N.
+    settles
+        Directions in which grains move under the static load: (n, 3); None: as ``moves``.
     """
 
     case: Case
@@ -99,6 +103,8 @@ class Bodies:
     dead_load: Array
     stress: dict[tuple[int, int], float] = dataclasses.field(default_factory=dict)
     touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
+    presses: dict[tuple[str, ...], float] = dataclasses.field(default_factory=dict)
+    settles: NDArray[np.bool_] | None = None
 
     @property
     def inertia(self) -> Array:
@@ -112,8 +118,20 @@ class Bodies:
         """Return some of the grains, in a cell of these periods."""
         names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
         own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
+        if self.settles is not None:
+            own["settles"] = self.settles[rows]
         touched = {name: one[rows] for name, one in self.touched.items()}
         return dataclasses.replace(self, **own, periods=periods, touched=touched)
+
+    def with_walls_in(self, distances: Iterable[float]) -> Bodies:
+        """Return the grains between walls that have moved in, by the distances of ``presses``, m."""
+        moves = {
+            name: distance
+            for names, distance in zip(self.presses, distances, strict=True)
+            for name in names
+        }
+        walls = tuple(wall.moved_in(moves.get(wall.name, 0.0)) for wall in self.walls)
+        return dataclasses.replace(self, walls=walls)
 
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
@@ -271,17 +289,18 @@ class Bodies:
         default those now.
         """
         most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
-        force, stiffness, tangential = np.zeros((3, len(most)))
+        force, stiffness, tangential, rolling, twisting = np.zeros((5, len(most)))
         for law, rows, scale in self.laws_of(contacts):
-            force[rows], stiffness[rows], tangential[rows] = law.small(
-                contacts.overlap[rows], most[rows], scale
-            )
+            overlap = contacts.overlap[rows]
+            force[rows], stiffness[rows], tangential[rows] = law.small(overlap, most[rows], scale)
+            if self.case.has_resistance:
+                rolling[rows], twisting[rows] = law.resisting(overlap, most[rows], scale)
         lever = np.where(
             np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0
         )
         return Springs(
             contacts.first, contacts.second, contacts.image, contacts.normal, contacts.distance, force, stiffness,
-            tangential, lever, contacts.turns, contacts.wall,
+            tangential, lever, contacts.turns, contacts.wall, rolling, twisting,
         )  # fmt: skip
 
     def laws_of(self, contacts: Contacts) -> Iterator[Part]:

@@ -11,6 +11,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
@@ -26,7 +27,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import touched_by, walls
+from granwave.lammps_inputs.packing.walls import PLATE, Wall, pressed_walls, touched_by, walls
 
 # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _ALONG = 1e-9
@@ -195,18 +196,19 @@ def cell_bodies(case: Case) -> Bodies:
     if stage.kind == "gravity":
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
     base = packing_bodies(assembly).part(cell.rows, cell.periods)
-    across = (
-        np.abs(cell.periods).max(axis=0) > 0
-    )  # axes along which a wall would cut the endless packing
-    planes = tuple(
-        wall
-        for wall in base.walls
-        if wall.name != "bottom" and (wall.tube or not across[wall.axis])
-    )
+    planes = walls_along(base.walls, cell.periods)
+    names = {wall.name for wall in planes}
+    if lost := [pressed for pressed in base.presses if not names.issuperset(pressed)]:
+        raise InputError(
+            f"{case.name}: precompression.{lost[0][0].removesuffix('lo')}_force: found walls across "
+            "a direction in which the packing repeats; expected a direction in which it ends"
+        )
     of_file = not isinstance(assembly.lattice, Lattice)
+    part = len(cell.rows) / np.count_nonzero(assembly.sites.present)
     bodies = dataclasses.replace(
         base,
-        walls=planes if of_file else (),
+        walls=planes,
+        presses={names: force * part for names, force in base.presses.items()},
         stress=_stress(assembly, cell),
         moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
@@ -234,6 +236,16 @@ def cell_bodies(case: Case) -> Bodies:
     )
 
 
+def walls_along(around: Iterable[Wall], periods: Array) -> tuple[Wall, ...]:
+    """Return the walls that an endless packing with these periods has: those that do not cut it."""
+    cut = np.abs(periods).max(axis=0) > 0
+    return tuple(
+        wall
+        for wall in around
+        if wall.name not in ("bottom", PLATE) and (wall.tube or not cut[wall.axis])
+    )
+
+
 def packing_bodies(assembly: Assembly) -> Bodies:
     """Return the spheres of a packing, without strikers and without dead loads, in the order of
     their ids.
@@ -241,9 +253,14 @@ def packing_bodies(assembly: Assembly) -> Bodies:
     Raises
     ------
     InputError
-        There is friction, and the axis of a cylinder is not along x, y or z.
+        There is friction, and the axis of a cylinder is not along x, y or z; or a holder rubs.
     """
     case = assembly.case
+    if case.has_holder_friction:
+        raise InputError(
+            f"{case.name}: boundary.holder_friction: found {case.boundary.holder_friction:g}, "
+            "expected 0: friction of the holder keeps beads in place in small motions"
+        )
     sites = assembly.sites
     inside = assembly.ids <= assembly.lattice.n_spheres
     ids = assembly.ids[inside]
@@ -269,11 +286,17 @@ def packing_bodies(assembly: Assembly) -> Bodies:
             held[chosen, 3:] = True
     position = assembly.positions()[inside]
     around = walls(assembly)
+    stage = case.precompression
+    presses = {
+        tuple(wall.name for wall in pressed): len(pressed) * stage.presses[name]
+        for name, pressed in pressed_walls(assembly).items()
+    } if stage else {}  # fmt: skip
     acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
         case, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
         assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
         np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
+        presses=presses,
     )  # fmt: skip
 
 

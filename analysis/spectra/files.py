@@ -23,6 +23,7 @@ from granwave.analysis.spectra.network import FREEDOMS, Network
 from granwave.analysis.spectra.states import State
 from granwave.analysis.spectra.transmission import Transmission
 from granwave.analysis.versions import versions_of
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 
 Table = Mapping[str, tuple[Any, str]]  # values and unit by name
@@ -31,7 +32,7 @@ Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 def write_spectra(path: Path, state: State, tables: Mapping[str, Table]) -> None:
     """Write groups, and keep those that an earlier file of the same case has beside them."""
     earlier: dict[str, Table] = {}
-    with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
+    with contextlib.suppress(OSError, KeyError), h5py.File(regular(path), "r") as file:
         if file.attrs["case"] == state.case.to_toml():
             for kind in file.keys() - {name.partition("/")[0] for name in tables}:
                 earlier |= _tables(file[kind])
@@ -65,8 +66,8 @@ def read_spectra(directory: Path, kind: str) -> tuple[dict[str, Any], Mapping[st
     """
     path = directory / SPECTRA_FILE
     try:
-        values = json.loads((directory / f"{kind}.json").read_text(encoding="utf-8"))
-        with h5py.File(path, "r") as file:
+        values = json.loads(regular(directory / f"{kind}.json").read_text(encoding="utf-8"))
+        with h5py.File(regular(path), "r") as file:
             return values, _tables(file[kind])
     except (OSError, ValueError, KeyError) as error:
         raise OutputFormatError(
@@ -91,7 +92,7 @@ def _tables(parent: h5py.Group) -> dict[str, Table]:
 
 def case_in(path: Path) -> str:
     """Return the text of the case that a file of spectra is of; empty if there is none."""
-    with contextlib.suppress(OSError, KeyError), h5py.File(path, "r") as file:
+    with contextlib.suppress(OSError, KeyError), h5py.File(regular(path), "r") as file:
         return str(file.attrs["case"])
     return ""
 
@@ -101,7 +102,7 @@ def recorded(directory: Path) -> tuple[dict[str, Any], dict[str, str]]:
     cannot be read.
     """
     try:
-        with h5py.File(directory / SPECTRA_FILE, "r") as file:
+        with h5py.File(regular(directory / SPECTRA_FILE), "r") as file:
             return tomllib.loads(str(file.attrs["case"])), json.loads(str(file.attrs["versions"]))
     except (OSError, KeyError, ValueError):
         return {}, {}

@@ -5,9 +5,9 @@ centres, the static force F and the normal and tangential stiffnesses k_n and k_
 displacements u and rotations q
 
     E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |T (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j
-    q_j) x e|^2
+    q_j) x e|^2 + k_r/2 |P (q_i - q_j)|^2 + k_w/2 (e.(q_i - q_j))^2
 
-with P = 1 - e e and the lever arms l. The second term is of the static force, which turns with the contact: T = P for
+with P = 1 - e e and the lever arms l; k_r and k_w resist rolling and twisting. The second term is of the static force, which turns with the contact: T = P for
 spheres, T = P - a a at the side of a cylinder with the axis a, along which nothing turns (d is then the distance from
 the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is
 + F/(2 (R - r)) times the square of the motion around the axis.
@@ -59,6 +59,8 @@ class Springs:
         it: (n, 3, 3).
     wall
         Names of the walls, empty for pairs: (n,); None if there are pairs alone.
+    rolling, twisting
+        Stiffnesses against rolling and twisting: (n,), N m; None if nothing resists these.
     """
 
     first: Ints
@@ -72,6 +74,8 @@ class Springs:
     lever: Array
     turns: Array
     wall: NDArray[np.object_] | None = None
+    rolling: Array | None = None
+    twisting: Array | None = None
 
     def __len__(self) -> int:
         return len(self.first)

@@ -18,8 +18,9 @@ from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Dents, Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
-from granwave.lammps_inputs.contact.initial_dents import largest_dent
+from granwave.lammps_inputs.contact.initial_dents import dents_in, regions_of
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
@@ -42,16 +43,20 @@ class Touches:
         The law at the scale of 1 m, see the module.
     friction
         Coefficient of friction.
-    dent
-        Largest earlier overlap over R*.
+    dents
+        Largest earlier overlaps, alike everywhere; None without.
     scaled
         True if the law grows with R*, False if it is that of one size.
+    rolling, twisting
+        Resistances; None without.
     """
 
     law: ContactLaw
     friction: float
-    dent: float
+    dents: Dents | None = None
     scaled: bool = True
+    rolling: Resistance | None = None
+    twisting: Resistance | str | None = None
 
     def evaluate(self, overlap: Array, scale: Array) -> tuple[Array, Array, Array]:
         """Return force, N, slope of the force, N/m, and work, J, at overlaps (n,), m, as they are
@@ -63,10 +68,11 @@ class Touches:
             Effective radii; 1 for laws that are not scaled: (n,), m.
         """
         a = np.maximum(overlap, 0.0) / scale
-        peak = np.maximum(a, self.dent)
+        dent = self._dent(scale)
+        peak = np.maximum(a, dent)
         force = self.law.force(a, peak)
         work = self.law.elastic_energy(a, peak) + self.law.dissipated_energy(peak)
-        loading = (a >= self.dent) & (a > self.law.elastic_limit)
+        loading = (a >= dent) & (a > self.law.elastic_limit)
         slope = self._unloading(a, peak)
         if loading.any():
             one = a[loading]
@@ -88,13 +94,41 @@ class Touches:
             As in `evaluate`.
         """
         a = np.maximum(overlap, 0.0) / scale
-        most = np.maximum.reduce([a, peak / scale, np.full_like(a, self.dent)])
+        most = np.maximum.reduce([a, peak / scale, self._dent(scale)])
         tangential = self.law.tangential_stiffness(a, most) if self.friction else np.zeros_like(a)
         return (
             scale**2 * self.law.force(a, most),
             scale * self._unloading(a, most),
             scale * tangential,
         )
+
+    def resisting(self, overlap: Array, peak: Array, scale: Array) -> tuple[Array, Array]:
+        """Return the stiffnesses of small motions against rolling and against twisting, N m; see
+        `small`.
+        """
+        a = np.maximum(overlap, 0.0) / scale
+        most = np.maximum.reduce([a, peak / scale, self._dent(scale)])
+        none = np.zeros_like(a)
+        rolling = none
+        twisting = none
+        follows = scale * self.law.tangential_stiffness(a, most)  # the contact circle
+        if self.rolling is not None:
+            arm = scale * self.law.effective_radius
+            rolling = (
+                follows if self.rolling.stiffness is None else self.rolling.stiffness
+            ) * arm**2
+        if isinstance(self.twisting, Resistance) and self.twisting.stiffness is not None:
+            twisting = none + self.twisting.stiffness
+        elif self.twisting is not None:
+            twisting = follows * (scale * self.law.contact_radius(a, most)) ** 2 / 2
+        return np.asarray(rolling), np.asarray(twisting)
+
+    def _dent(self, scale: Array) -> Array:
+        """Return the largest earlier overlaps over R*."""
+        if self.dents is None:
+            return np.zeros_like(scale)
+        sizes, which = np.unique(scale, return_inverse=True)
+        return np.asarray((dents_in(self.dents, self.law, sizes) / sizes)[which.ravel()])
 
     def _unloading(self, a: Array, peak: Array) -> Array:
         """Slope of the branch that a contact un- and reloads on: n F/(alpha - alpha_R), N/m at R* =
@@ -248,23 +282,23 @@ class PairLaws:
         *,
         scaled: bool,
     ) -> Touches:
-        """Return the law of two bodies of these radii, m, with its initial dent over R*."""
+        """Return the law of two bodies of these radii, m, with its initial dents."""
         case = self.case
         bodies = (first[0], second[0])
         shapes = (first[1], second[1])
         line = case.contact.line == "plane-strain"
-        given = case.contact.initial_overlap
         law = law_between(
             case.contact_between(*bodies), bodies, radii, shapes=shapes, plane_strain=line
         )
-        dent = 0.0
-        radius = case.packing.diameter / 4
-        if scaled and given and law.entry.yields:
-            if isinstance(given, float | int):
-                dent = float(given) / radius
-            else:
-                own = law_between(
-                    case.contact, (case.material, case.material), (2 * radius, 2 * radius)
-                )
-                dent = largest_dent(case, own) / radius
-        return Touches(law, friction, dent, scaled)
+        dented = scaled and case.contact.initial_overlap and law.entry.yields
+        dents = regions_of(case)[-1] if dented else None
+        contact = case.contact_between(*bodies)
+        return Touches(
+            law, friction, dents, scaled, _acting(contact.rolling), _acting(contact.twisting)
+        )
+
+
+def _acting(resistance: Resistance | str | None) -> Any:
+    """Return a resistance, or None if its coefficient is zero."""
+    none = isinstance(resistance, Resistance) and not resistance.coefficient
+    return None if none else resistance

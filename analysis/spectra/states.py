@@ -5,34 +5,21 @@ stage left it.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Callable
 from pathlib import Path
 
 import numpy as np
-import pandas as pd
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.spectra.bodies import Bodies, Contacts
-from granwave.analysis.spectra.cells import (
-    UnitCell,
-    cell_bodies,
-    holds_some,
-    moving,
-    packing_bodies,
-    unit_cell,
-    vectors_of_layer,
-)
-from granwave.analysis.spectra.network import Array, Ints, Network, Springs
+from granwave.analysis.spectra.bodies import Bodies
+from granwave.analysis.spectra.cells import cell_bodies, holds_some, vectors_of_layer
+from granwave.analysis.spectra.finite import refuse_moved, refuse_parts, refuse_pushed, whole
+from granwave.analysis.spectra.network import Array, Network
 from granwave.analysis.spectra.relax import relax
+from granwave.analysis.spectra.runs import as_left, mean_cell
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.static_load import dead_loads
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-
-_INSIDE = 0.5  # of half the packing, along axes that end: where a run is like an endless packing
-_ALIKE = 0.02  # by which overlaps of equal contacts may differ inside
-_INTEGER = 1e-3  # of a period, for places of a lattice
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -84,11 +71,12 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
     if slab:
         return _slab_state(source)
     if isinstance(source, Case):
-        bodies = cell_bodies(source)
-        position, periods, residual = relax(bodies)
-        return _state(source, bodies.network(position, periods), "case", residual, periods)
+        found = relax(cell_bodies(source))
+        return _state(source, found.network, "case", found.residual, found.periods)
     with Result(source) as result:
-        return _mean_cell(result)
+        mean = mean_cell(result)
+        network = mean.network
+        return _state(result.case, network, "run", np.nan, network.periods, mean.spread)
 
 
 def packing_state(source: Case | Path, *, damped: bool = False) -> State:
@@ -106,12 +94,13 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
     """
     if isinstance(source, Case):
         assembly = assemble(source)
-        _refuse_parts(assembly, damped=damped)
-        return _in_own_cell(source, _whole(assembly))
+        refuse_parts(assembly, damped=damped)
+        return _in_own_cell(assembly, whole(assembly))
     with Result(source) as result:
-        _refuse_parts(result.assembly, damped=damped)
-        bodies, network, _ = _as_left(result)
-        return _state(result.case, network, "run", np.nan, bodies.periods)
+        refuse_parts(result.assembly, damped=damped)
+        left = as_left(result)
+        periods = left.bodies.periods
+        return _state(result.case, left.network, "run", np.nan, periods)
 
 
 def _state(
@@ -123,17 +112,26 @@ def _state(
             f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
             "stiffness; give a static load that closes the contacts"
         )
+    if not network.n_freedoms and len(network.left_out):
+        raise InputError(
+            f"{case.name}: precompression: no grain that can move bears a force; give a static load "
+            "that closes their contacts"
+        )
     return State(case.name, case, network, source, residual, periods, spread)
 
 
-def _in_own_cell(case: Case, bodies: Bodies) -> State:
+def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
     """Return the state of grains in the cell that they have."""
+    case = assembly.case
     if case.precompression is None:
         raise InputError(
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
         )
-    position, _, residual = relax(bodies)
-    return _state(case, bodies.network(position, bodies.periods), "case", residual, bodies.periods)
+    found = relax(bodies)
+    network = found.network
+    refuse_moved(assembly, bodies, network, found.position)
+    refuse_pushed(assembly, network, found.position)
+    return _state(case, network, "case", found.residual, found.periods)
 
 
 def _slab_state(source: Case | Path) -> State:
@@ -143,8 +141,8 @@ def _slab_state(source: Case | Path) -> State:
     found = source if isinstance(source, Case) else packing_state(source)
     case = found if isinstance(found, Case) else found.case
     assembly = assemble(case)
-    _refuse_parts(assembly)
-    bodies = _whole(assembly)
+    refuse_parts(assembly)
+    bodies = whole(assembly)
     if not len(bodies.periods):
         raise InputError(
             f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
@@ -158,164 +156,4 @@ def _slab_state(source: Case | Path) -> State:
         bodies = bodies.part(
             np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter
         )
-    return _in_own_cell(case, bodies)
-
-
-def _refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
-    case = assembly.case
-    support = case.boundary.bottom_support
-    if assembly.bars:
-        raise InputError(
-            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone"
-        )
-    if support is not None and not (damped and support.kind == "damper"):
-        raise InputError(
-            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom that stays, or "
-            "--end matched; granwave transmission takes a damper too"
-        )
-    if case.boundary.bottom == "periodic":
-        raise InputError(
-            f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
-            "granwave bands without --slab takes endless packings"
-        )
-
-
-def _whole(assembly: Assembly) -> Bodies:
-    """Return all grains of a finite packing with their dead loads; those of a held layer do not
-    move.
-    """
-    case = assembly.case
-    lattice = assembly.lattice
-    bodies = packing_bodies(assembly)
-    load = np.zeros_like(bodies.dead_load)
-    if case.precompression is not None and case.packing.grains is None:
-        ids, force = dead_loads(assembly)
-        load[np.searchsorted(bodies.ids, ids)] = force
-    moves = bodies.moves.copy()
-    if case.boundary.bottom == "fixed":
-        moves[np.isin(bodies.ids, lattice.last_layer)] = False
-    axes = lattice.rule.axes or "xyz"
-    periods = np.empty((0, 3))
-    if lattice.periodic:
-        across = [axis in axes for axis in "xy"]
-        periods = np.diag([*lattice.lengths, 0.0])[:2][across]
-    return dataclasses.replace(
-        bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods
-    )
-
-
-def _as_left(result: Result) -> tuple[Bodies, Network, Callable[[Contacts | Springs], Array]]:
-    """Return the grains of a run, their springs after the static stage, and the function of
-    `_peaks`.
-    """
-    bodies = _whole(result.assembly)
-    peaks = _peaks(result, bodies.ids)
-    position = bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)]
-    return bodies, bodies.network(position, bodies.periods, peaks), peaks
-
-
-def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
-    """Return a function that gives the largest overlaps of contacts before the impact, given rows
-    of these ids.
-    """
-    known = pd.Series(dtype=float)
-    for group, names in (("contacts", ("i", "j")), ("wall_contacts", ("id", "wall"))):
-        if f"{group}/initial_overlap" in result:
-            keys = [result[f"{group}/{name}"] for name in names]
-            keys = keys if group == "wall_contacts" else list(np.sort(np.stack(keys), axis=0))
-            index = pd.MultiIndex.from_arrays([keys[0], keys[1].astype(str)])
-            table = pd.Series(result[f"{group}/initial_overlap"], index)
-            known = table if known.empty else pd.concat([known, table])
-
-    def peaks(contacts: Contacts | Springs) -> Array:
-        if known.empty:
-            return np.zeros(len(contacts))
-        low, high = np.sort([ids[contacts.first], ids[contacts.second]], axis=0)
-        wall = contacts.second < 0
-        partner = np.where(wall, contacts.wall, high.astype(str))
-        index = pd.MultiIndex.from_arrays([np.where(wall, ids[contacts.first], low), partner])
-        return known.reindex(index, fill_value=0.0).to_numpy()
-
-    return peaks
-
-
-def _mean_cell(result: Result) -> State:
-    """Return the mean state of the unit cells inside a run."""
-    case = result.case
-    assembly = result.assembly
-    cell = unit_cell(assembly)
-    if not isinstance(assembly.lattice, Lattice):
-        raise InputError(
-            f"{case.name}: found a run of grains of a file, which ends; give the case, for its cell"
-        )
-    bodies, whole, peaks = _as_left(result)
-    _state(case, whole, "run", np.nan, bodies.periods)  # bears forces
-    basis, place = _places(bodies.position, bodies.position[cell.rows], cell)
-    # grains far from the faces at which the packing ends
-    low = bodies.position.min(axis=0)
-    high = bodies.position.max(axis=0)
-    ends = ~np.abs(bodies.periods).any(axis=0) if len(bodies.periods) else np.ones(3, dtype=bool)
-    near_middle = (
-        np.abs(bodies.position - (high + low) / 2)
-        <= _INSIDE * (high - low) / 2 + 0.5 * bodies.spacing
-    )
-    inside = (near_middle | ~ends).all(axis=1)
-    row = np.searchsorted(bodies.ids, whole.ids)
-    first = row[whole.springs.first]
-    second = row[whole.springs.second]
-    springs = dataclasses.replace(whole.springs, first=first, second=second)
-    kept = inside[first] & (basis[first] >= 0) & (basis[second] >= 0)
-    jump = np.rint(springs.image @ bodies.periods @ np.linalg.pinv(cell.periods)).astype(np.int64)
-    image = place[second] + jump - place[first]
-    # each contact of the cell once, from its first grain
-    leading = image[
-        np.arange(len(image)), (image != 0).argmax(axis=1)
-    ]  # first number other than zero
-    swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & (leading < 0))
-    one = np.where(swap, basis[second], basis[first])
-    other = np.where(swap, basis[first], basis[second])
-    overlap = bodies.radius[first] + bodies.radius[second] - springs.distance
-    sign = np.where(swap, -1, 1)[:, None]
-    keys = ["first", "second", *(f"image{axis}" for axis in range(image.shape[1]))]
-    table = pd.DataFrame(np.column_stack([one, other, sign * image]), columns=keys)
-    table[["x", "y", "z"]] = sign * springs.normal * springs.distance[:, None]
-    table["overlap"], table["peak"] = overlap, np.maximum(peaks(springs), overlap)
-    cells = table[kept].groupby(keys)
-    if not cells.ngroups:
-        raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")
-    mean = cells.mean().reset_index()
-    spread = float(
-        (table["overlap"] - cells["overlap"].transform("mean")).abs().max() / mean["overlap"].max()
-    )
-    if spread > _ALIKE:
-        raise InputError(
-            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
-            f"expected the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such "
-            "a packing"
-        )
-    moves = np.broadcast_to(bodies.moves.any(axis=0), (len(cell.rows), 6))
-    unit = dataclasses.replace(
-        bodies.part(cell.rows, cell.periods), moves=moves, walls=(), touched={}
-    )
-    i, j = (mean[name].to_numpy() for name in keys[:2])
-    # the mean overlap, which the length of the mean vector differs from by rounding
-    length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()
-    pairs, _ = unit.pairs(i, j, mean[keys[2:]].to_numpy(), mean[["x", "y", "z"]].to_numpy(), length)
-    network = unit.with_springs(unit.springs(pairs, mean["peak"].to_numpy()))
-    return _state(case, network, "run", np.nan, cell.periods, spread)
-
-
-def _places(position: Array, basis: Array, cell: UnitCell) -> tuple[Ints, Ints]:
-    """Grain of the cell that each grain is an image of, -1 for none, and the periods between: (n,),
-    (n, n_periods).
-    """
-    inverse = np.linalg.pinv(cell.periods)
-    which = np.full(len(position), -1, dtype=np.int64)
-    place = np.zeros((len(position), len(cell.periods)), dtype=np.int64)
-    size = float(np.linalg.norm(cell.periods, axis=1).max())
-    for number, origin in enumerate(basis):
-        numbers = np.rint((position - origin) @ inverse).astype(np.int64)
-        away = np.linalg.norm(position - origin - numbers @ cell.periods, axis=1)
-        here = away < _INTEGER * size
-        which[here], place[here] = number, numbers[here]
-    return which, place
+    return _in_own_cell(assembly, bodies)

@@ -50,8 +50,8 @@ def _cross(vectors: Array) -> Array:
 
 
 def _strains(network: Network) -> tuple[list[Array], list[Array]]:
-    """Stretch, turning and slip of each contact by the motion of its first and of its second grain:
-    (n, 1 or 3, 6).
+    """Stretch, turning, slip, rolling and twisting of each contact by the motion of its first and
+    of its second grain: (n, 1 or 3, 6).
     """
     springs = network.contacts
     normal = springs.normal
@@ -63,16 +63,16 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
         stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
         turning = np.concatenate([side * springs.turns, none], axis=2)
         slip = np.concatenate([side * aside, -lever[:, None, None] * turn], axis=2)
-        found.append([stretch, turning, slip])
+        rolling = np.concatenate([none, side * aside], axis=2)
+        twisting = np.concatenate([np.zeros_like(normal), side * normal], axis=1)[:, None, :]
+        found.append([stretch, turning, slip, rolling, twisting])
     return found[0], found[1]
 
 
 def _block(one: list[Array], other: list[Array], weights: list[Array]) -> Array:
-    """Sum of the products of strains, with their stiffnesses: (n, 6, 6)."""
-    return np.sum(
-        [np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in zip(one, other, weights, strict=True)],
-        axis=0,
-    )
+    """Sum of the products of strains, the first ones, with their stiffnesses: (n, 6, 6)."""
+    parts = zip(one[: len(weights)], other[: len(weights)], weights, strict=True)
+    return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in parts], axis=0)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -201,6 +201,8 @@ def stiffness_of(network: Network) -> Stiffness:
     springs = network.contacts
     first, second = _strains(network)
     weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
+    if springs.rolling is not None and springs.twisting is not None:
+        weights += [springs.rolling, springs.twisting]
     # the last row is walls'
     n = network.n_freedoms
     number = np.append(network.numbers, np.full((1, 6), -1), axis=0)

@@ -6,19 +6,21 @@ One grain is moved along an axis by exp(-i omega t); all others follow
 
 with S of the end: none (reflecting), a matched one, or a layer. Behind a matched end the packing
 goes on without end: with the stiffness A of the contacts of a grain of the last layer with those
-before it, along each principal direction
+before it, and B of its contacts with side walls, along each principal direction
 
-    S = A (1 - exp(i q)),   cos q = 1 - m omega^2/(2 A),   for long waves the damper  -i omega sqrt(m A)
+    S = A (1 - exp(i q)),   cos q = 1 - (m omega^2 - B)/(2 A)
 
 which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a
 layer the grains are damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest
-frequency of the packing over 20. Where the ends are, walls do not hold. Grains that the case lets
-absorb waves are damped as in its runs, and contacts lose what they do there, -i omega C.
+frequency of the packing over 20. Walls across the axis do not hold the grains of the end, side
+walls do. Grains that the case lets absorb waves are damped as in its runs, and contacts lose what
+they do there, -i omega C.
 
 A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
 time A (``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the
-effective mass m*, as in the runs. A network whose springs have c for k, no static force and no
-friction has the matrix of these dampers for its stiffness.
+effective mass m*, as in the runs: grains that are held or driven along the normal do not move. A
+network whose springs have c for k, no static force and no friction has the matrix of these dampers
+for its stiffness.
 """
 
 from __future__ import annotations
@@ -34,8 +36,9 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from granwave.analysis.spectra.network import Array, Network, joined
+from granwave.analysis.spectra.network import Array, Network, Springs, joined
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
+from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
@@ -48,9 +51,12 @@ MATCHED = "matched"
 LAYER = "layer"
 # wall, and direction of its damper
 BOTTOM = "bottom"
+_RESISTANCES = ("rolling", "twisting")
 _Z = 2
+_FACING = 0.5  # part of a wall's normal along an axis, above which the wall is across it
 _END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
 _SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
+_HELD = 1e-12  # of an inverse mass, relative to that of free grains: less is rounding of the normal
 _FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
 
 
@@ -146,8 +152,8 @@ def transmission(
     matched: Callable[[float], sparse.csc_array] | None = None
     if end != REFLECTING:
         last, share = _far(network, drive, direction, float(layer[1]) if layer else 0.0)
-        network = _without_walls(network, last)
-        losses = None if losses is None else _without_walls(losses, last)
+        network = _without_ends(network, last, direction)
+        losses = None if losses is None else _without_ends(losses, last, direction)
         stiffness = stiffness_of(network)
         if layer:
             rate = np.zeros(network.n_grains)
@@ -200,10 +206,12 @@ def transmission(
     return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
 
 
-def _without_walls(network: Network, rows: NDArray[np.int64]) -> Network:
-    """Take the walls from grains."""
-    kept = (network.contacts.second >= 0) | ~np.isin(network.contacts.first, rows)
-    return dataclasses.replace(network, contacts=joined([network.contacts], kept))
+def _without_ends(network: Network, rows: NDArray[np.int64], direction: int) -> Network:
+    """Take the walls across a direction from grains; those along it stay."""
+    contacts = network.contacts
+    ends = (contacts.second < 0) & (np.abs(contacts.normal[:, direction]) > _FACING)
+    kept = ~(ends & np.isin(contacts.first, rows))
+    return dataclasses.replace(network, contacts=joined([contacts], kept))
 
 
 def _row(network: Network, grain: int, option: str) -> int:
@@ -247,30 +255,39 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
     inside[last] = True
     stiffness = np.zeros((network.n_grains, 3, 3))
     for one, other in ((springs.first, springs.second), (springs.second, springs.first)):
-        across = np.flatnonzero(inside[one] & ~inside[other])
-        normal = springs.normal[across]
-        parallel = normal[:, :, None] * normal[:, None, :]
-        block = springs.stiffness[across, None, None] * parallel
-        block += springs.tangential[across, None, None] * (np.eye(3) - parallel)
-        block -= (springs.force[across] / springs.distance[across])[:, None, None] * springs.turns[
-            across
-        ]
-        np.add.at(stiffness, one[across], block)
+        between = np.flatnonzero(inside[one] & ~inside[other])
+        np.add.at(stiffness, one[between], _blocks(springs)[between])
+    held = np.zeros_like(stiffness)
+    np.add.at(held, network.supports.first, _blocks(network.supports))
     number = network.numbers[last, :3]
     n = network.n_freedoms
     rows, columns = np.broadcast_arrays(number[:, :, None], number[:, None, :])
     kept = (rows >= 0) & (columns >= 0)
     strength, axes = np.linalg.eigh(np.where(kept, stiffness[last], 0.0))
+    sideways = np.einsum("nab,nai,nbi->ni", np.where(kept, held[last], 0.0), axes, axes)
 
     def at(omega: float) -> sparse.csc_array:
         stiff = np.where(strength > 0, strength, 1.0)
-        cosine = (1 - network.mass[last, None] * omega**2 / (2 * stiff)).astype(np.complex128)
-        inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), np.sqrt(cosine**2 - 1))
+        inertia = network.mass[last, None] * omega**2 - sideways
+        cosine = (1 - inertia / (2 * stiff)).astype(np.complex128)
+        decay = -np.sign(cosine.real) * np.sqrt(cosine**2 - 1)  # below and above the pass band
+        inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), decay)
         impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
         blocks = (axes * impedance[:, None, :]) @ axes.transpose(0, 2, 1)
         return sparse.coo_array((blocks[kept], (rows[kept], columns[kept])), shape=(n, n)).tocsc()
 
     return at
+
+
+def _blocks(springs: Springs) -> Array:
+    """Return the stiffness of each contact against displacements of its first grain: (n, 3, 3),
+    N/m.
+    """
+    normal = springs.normal
+    parallel = normal[:, :, None] * normal[:, None, :]
+    block = springs.stiffness[:, None, None] * parallel
+    block = block + springs.tangential[:, None, None] * (np.eye(3) - parallel)
+    return np.asarray(block - (springs.force / springs.distance)[:, None, None] * springs.turns)
 
 
 def dampers_of(assembly: Assembly, network: Network) -> Array:
@@ -292,13 +309,49 @@ def dampers_of(assembly: Assembly, network: Network) -> Array:
     return found
 
 
-def losses_of(assembly: Assembly, network: Network) -> Network | None:
+def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
+    """Return the effective masses of contacts along their normals, of grains that move in some
+    directions only, (n_grains, 3): (n_contacts,), kg.
+
+    Where nothing moves along the normal, those of the same grains without what holds them, as in
+    the pair style.
+    """
+    contacts = network.contacts
+    square = contacts.normal**2
+    inverse = np.append(1 / network.mass, 0.0)  # walls are the row beyond the last
+    left = np.vstack([moves, np.zeros(3)])
+    free = np.zeros(len(contacts))
+    moved = np.zeros(len(contacts))
+    for rows in (contacts.first, contacts.second):
+        free += inverse[rows]
+        moved += inverse[rows] * (square * left[rows]).sum(axis=1)
+    return np.asarray(1 / np.where(moved > _HELD * free, moved, free))
+
+
+def losses_of(
+    assembly: Assembly, network: Network, driven: Sequence[int] = (), axis: str = ""
+) -> Network | None:
     """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if
     they lose nothing.
+
+    Parameters
+    ----------
+    driven
+        Ids of grains whose motion is prescribed.
+    axis
+        Direction in which it is.
     """
-    if not assembly.case.has_loss:
-        return None
     case = assembly.case
+    for name, resistance in (
+        (name, getattr(contact, name)) for contact in case.contact_laws for name in _RESISTANCES
+    ):
+        if isinstance(resistance, Resistance) and resistance.coefficient and resistance.damping:
+            raise InputError(
+                f"{case.name}: contact.{name}.damping: found {resistance.damping:g}, expected 0: "
+                "only contact.loss is taken into account in a steady motion"
+            )
+    if not case.has_loss:
+        return None
     contacts = network.contacts
     partners = {wall.name: wall.material for wall in walls(assembly)}
 
@@ -311,9 +364,10 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
         return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
 
     damping = np.zeros(len(contacts))
-    one = network.mass[contacts.first]
-    other = np.where(contacts.second < 0, np.inf, network.mass[contacts.second])
-    effective = one / (1 + one / other)
+    moves = network.moves[:, :3].copy()
+    for direction in axis:
+        moves[np.isin(network.ids, driven), "xyz".index(direction)] = False
+    effective = _effective_masses(network, moves)
     ids = np.stack([network.ids[contacts.first], network.ids[contacts.second]], axis=1).tolist()
     names = [""] * len(contacts) if contacts.wall is None else contacts.wall.tolist()
     for row, ((i, j), wall) in enumerate(zip(ids, names, strict=True)):
@@ -329,5 +383,7 @@ def losses_of(assembly: Assembly, network: Network) -> Network | None:
                 k if kind == "time" else math.sqrt(2 / 3 * float(effective[row]) * k)
             )
     none = np.zeros(len(contacts))
-    damped = dataclasses.replace(contacts, stiffness=damping, tangential=none, force=none)
+    damped = dataclasses.replace(
+        contacts, stiffness=damping, tangential=none, force=none, rolling=none, twisting=none
+    )
     return dataclasses.replace(network, contacts=damped)

@@ -43,6 +43,7 @@ from granwave.analysis.spectra.network import Array
 from granwave.analysis.spectra.stiffness import Stiffness
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_number
 
 _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
@@ -181,7 +182,7 @@ def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
         corners = []
         for part in filter(str.strip, text.split(";")):
             try:
-                place = np.array([float(one) for one in part.split(",")])
+                place = np.array([read_number(one) for one in part.split(",")])
             except ValueError:
                 place = np.empty(0)
             if len(place) != 3 or not np.isfinite(place).all():

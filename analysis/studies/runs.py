@@ -12,6 +12,8 @@ from functools import cached_property
 from pathlib import Path
 from typing import Any, Generic, TypeVar
 
+import numpy as np
+
 from granwave.analysis.measures.target import period_of
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.boundary import Damper, HalfSpace, Plate, SupportBar
@@ -21,7 +23,7 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.lattices import kind_of
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.run_directory import CASE_FILE
@@ -120,7 +122,7 @@ def read_run(
             return ContinuumRun(label, directory, tables, summary) if whole and sound else None
         if summary.get("kind") == "sphere-contact":
             return SphereContactRun(label, directory, read_toml(directory / CASE_FILE), summary)
-        return FinishedRun(label, directory, load_case(directory / CASE_FILE), summary)
+        return FinishedRun(label, directory, read_stored_case(directory / CASE_FILE), summary)
     except GranwaveError:
         return None  # the report says so elsewhere
 
@@ -178,7 +180,7 @@ def packing_title(case: Case, *, height: bool = True) -> str:
     10 mm``.
     """
     packing = case.packing
-    own = case.material.name or ""
+    own = _materials(case)
     diameter = f"of {1e3 * packing.diameter:.4g} mm"
     if height and assemble(case).lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
@@ -188,6 +190,19 @@ def packing_title(case: Case, *, height: bool = True) -> str:
     kind = "Chain" if packing.kind == "chain" else f"{kind_of(packing.kind).label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
     return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
+
+
+_MOST_MATERIALS = 3  # named; more are counted
+
+
+def _materials(case: Case) -> str:
+    """Return the names of the materials of the spheres, ``steel and ptfe``."""
+    sites = assemble(case).sites
+    present = np.unique(np.broadcast_to(sites.body, sites.present.shape)[sites.present])
+    names = dict.fromkeys(sites.bodies[number][0].name or "" for number in present.tolist())
+    if len(names) > _MOST_MATERIALS:
+        return f"{len(names)} materials:"
+    return " and ".join(filter(None, names))
 
 
 def load_label(case: Case) -> str:

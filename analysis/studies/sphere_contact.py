@@ -18,13 +18,14 @@ from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.studies.runs import SphereContactRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 TITLE = "Contact law against finite elements"
 TEXT = (
     "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over "
     "the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by "
-    "element, so single values have steps of half a per cent."
+    "element, so single values have steps."
 )
 _SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
 _SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
@@ -137,7 +138,7 @@ def _measured(run: SphereContactRun) -> Contact:
     other = partner.get("material", own)
     radii = sorted((radius, float(partner.get("radius", radius))))
     strengths = [one.get("yield_strength", math.inf) for one in (own, other)]
-    with h5py.File(run.directory / RESULT_FILE) as file:
+    with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
         overlap, force, law = (
             np.asarray(file["loading"][name]) for name in ("overlap", "force", "law_force")
         )

@@ -184,9 +184,21 @@ def fields(result: Result, instants: Instants, rows: NDArray[np.int64] | slice) 
         else None
     )
     wanted: list[tuple[str, str, str, str, tuple[float, ...] | None]] = [
-        ("contact force", "Largest contact force (N)", "contact_force", forces, in_newtons),
+        (
+            "contact force",
+            "Largest contact force, walls left out (N)",
+            "contact_force",
+            forces,
+            in_newtons,
+        ),
         ("speed", "Speed (m/s)", "velocity", forces, None),
-        ("peak force", "Largest contact force so far (N)", "peak_force", forces, in_newtons),
+        (
+            "peak force",
+            "Largest contact force so far, walls left out (N)",
+            "peak_force",
+            forces,
+            in_newtons,
+        ),
         ("dissipated energy", "Dissipated so far (J)", "dissipated_energy", losses, in_joules),
         ("elastic energy", "Elastic energy (J)", "elastic_energy", losses, None),
     ]

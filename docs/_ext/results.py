@@ -227,34 +227,22 @@ def _tables(suite: Suite) -> Iterator[Mapping[str, Any]]:
 
 
 def _code(file: Path) -> list[str]:
-    """Return what a module defines, as far as it makes rows.
+    """Return the definitions of a module, as far as they make rows.
 
-    Left out are imports, comments, docstrings, indentation, and what makes `pictures` and `tables`
-    of a report.
+    Left out are imports, comments, docstrings, the layout of the text, and the functions
+    `pictures` and `tables` of a report.
     """
-    text = file.read_text(encoding="utf-8")
-    tree = ast.parse(text)
+    tree = ast.parse(file.read_text(encoding="utf-8"))
     documented = (ast.Module, ast.ClassDef, ast.FunctionDef)
-    no_rows = {
-        line
-        for node in ast.walk(tree)
-        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None
-        for line in range(node.body[0].lineno, (node.body[0].end_lineno or 0) + 1)
-    }
-
-    def lines_of(node: ast.stmt) -> str:
-        numbers = range(node.lineno, (node.end_lineno or node.lineno) + 1)
-        lines = [text_lines[number - 1].strip() for number in numbers if number not in no_rows]
-        return "\n".join(line for line in lines if line and not line.startswith("#"))
-
-    text_lines = text.splitlines()
-    left_out = (ast.Import, ast.ImportFrom, ast.If)
+    for node in ast.walk(tree):
+        if isinstance(node, documented) and ast.get_docstring(node, clean=False) is not None:
+            node.body[0] = ast.Pass()
+    left_out = (ast.Import, ast.ImportFrom, ast.If, ast.Pass)
     return [
-        lines_of(node)
+        ast.unparse(node)
         for node in tree.body
         if not isinstance(node, left_out)
         and getattr(node, "name", "") not in ("pictures", "tables")
-        and lines_of(node)
     ]
 
 

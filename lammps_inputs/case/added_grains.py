@@ -258,6 +258,7 @@ def with_added_grains(
     errors: ErrorList,
     *,
     periodic: bool = False,
+    stored: bool = False,
 ) -> PackingSection:
     """Return the packing with its added grains, as one of grains of a file.
 
@@ -269,6 +270,8 @@ def with_added_grains(
         Further materials of the case, by name; those of the grains are added.
     errors
         Takes the faults.
+    stored
+        The case is that of a run that was made: the memory of this machine does not matter.
     """
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
@@ -302,7 +305,7 @@ def with_added_grains(
     if own is None:
         lattice = packing.lattice(periodic=periodic)
         n = lattice.n_spheres
-        if not check_memory_of_sites(packing, n, _MEMORY_OF_GRAIN, errors):
+        if not (stored or check_memory_of_sites(packing, n, _MEMORY_OF_GRAIN, errors)):
             return packing
         period = lattice.lengths if periodic else None
         own = _grains_at(lattice.positions(1, n), packing.diameter, shape=packing.of_grain)
@@ -311,7 +314,9 @@ def with_added_grains(
     parts = [own]
     for key, entry in schema.numbered("grains", added).items():
         n = entry.most_places(len(own))
-        if (needed := n * _MEMORY_OF_GRAIN) > (available := available_memory()):
+        needed = n * _MEMORY_OF_GRAIN
+        available = math.inf if stored else available_memory()
+        if needed > available:
             found = f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
             room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
             what = "at" if entry.ring is None else "ring"

@@ -70,6 +70,27 @@ class Backing:
         front = self.mass / self.elements / 2 if self.elements else self.mass
         return PLATE_OSCILLATION * math.sqrt(front / (self.stiffness + contacts))
 
+    def moved_mass(self, grain: float, stiffness: float) -> float:
+        """Return the mass with which the support resists a contact, kg, as in the wall fix.
+
+        A plate or a free bar counts with its mass, and the spring and damper of a plate as at the
+        frequency of the grain on a plane at rest. A surface without mass and a bar whose end is
+        fixed or does not reflect belong to the ground: the mass is infinite.
+
+        Parameters
+        ----------
+        grain
+            Mass of the grain, kg.
+        stiffness
+            Stiffness of the contact, N/m.
+        """
+        if not self.mass:
+            return math.inf
+        if self.elements:
+            return self.mass if self.end == "free" else math.inf
+        slowness = grain / stiffness  # of the square of the angular frequency
+        return self.mass + self.damping * math.sqrt(slowness) + self.stiffness * slowness
+
 
 class Support(abc.ABC):
     """Support of the bottom plane: plate, damper, half-space or bar.

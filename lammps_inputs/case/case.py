@@ -28,7 +28,14 @@ from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.case.run import Figures, Output, Probe, Run
+from granwave.lammps_inputs.case.run import (
+    AUTO_FRAMES,
+    FRAMES_OF_A_FILM,
+    Figures,
+    Output,
+    Probe,
+    Run,
+)
 from granwave.lammps_inputs.case.schema import key_fields, keys_of, numbered
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
@@ -243,6 +250,21 @@ class Case:
     def sphere_mass(self) -> float:
         """Mass of one grain of the packing, kg."""
         return mass_of(self.material, self.packing.diameter / 2, self.packing.of_grain)
+
+    @property
+    def n_frames(self) -> int:
+        """Number of snapshots that are asked for, the start and the end among them."""
+        frames = self.run.frames
+        if isinstance(frames, int):
+            return frames
+        if isinstance(frames, tuple):
+            return len(frames)
+        return self.n_auto_frames
+
+    @property
+    def n_auto_frames(self) -> int:
+        """Number of snapshots of ``run.frames = "auto"``."""
+        return AUTO_FRAMES if self.figures.film == "none" else FRAMES_OF_A_FILM
 
     def to_dict(self) -> dict[str, Any]:
         """Return the case as nested tables of TOML values, all defaults filled in; [figures] only

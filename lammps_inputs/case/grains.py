@@ -29,7 +29,7 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.hints import POSSIBLE, plain
 from granwave.lammps_inputs.case.material import AXIS_COLUMNS, Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.case.schema import LABEL_FORM, LARGEST_COUNT, show
-from granwave.lammps_inputs.files import csv_cell, csv_rows, read_regular, read_text
+from granwave.lammps_inputs.files import csv_cell, csv_rows, read_number, read_regular, read_text
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
@@ -228,7 +228,7 @@ def _number(value: str, place: str, name: str) -> float:
     if not value.strip() and name in ("length", *AXIS_COLUMNS):
         return 0.0  # of a sphere
     try:
-        number = float(value)
+        number = read_number(value)
     except ValueError:
         number = math.nan
     if not math.isfinite(number):

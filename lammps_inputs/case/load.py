@@ -37,7 +37,7 @@ from granwave._contact_laws import load_at
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
-from granwave.lammps_inputs.files import read_text
+from granwave.lammps_inputs.files import read_number, read_text
 
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
@@ -66,7 +66,9 @@ def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
     for n, line in enumerate(text.splitlines(), start=1):
         words = line.partition("#")[0].split()
         try:
-            rows += [[float(time), float(size)] for time, size in ([words] if words else [])]
+            rows += [
+                [read_number(time), read_number(size)] for time, size in ([words] if words else [])
+            ]
         except ValueError:
             raise ValueError(
                 f"found {show(' '.join(words))} in line {n}; expected {form}"

@@ -104,7 +104,7 @@ def sphere_mass(material: Material, radius: float) -> float:
 
 
 def load_materials(path: str | Path) -> dict[str, Material]:
-    """Read a file of materials, one table for each.
+    """Read a file of materials, one table for each, or the ``[materials]`` of a case.
 
     Raises
     ------
@@ -113,7 +113,9 @@ def load_materials(path: str | Path) -> dict[str, Material]:
     """
     errors = ErrorList(str(path))
     read = dict[str, Material | None]()
-    for name, table in read_toml(path).items():
+    tables = read_toml(path)
+    tables = tables.get(MATERIALS, tables)
+    for name, table in tables.items():
         named = {"name": name, **table} if isinstance(table, Mapping) else table
         read[name] = read_table(Material, named, name, errors)
     if not read:

@@ -36,7 +36,6 @@ from granwave.lammps_inputs.case.material import (
     with_named_materials,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
-from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     read_list,
@@ -48,7 +47,6 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
-from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -167,13 +165,17 @@ _OF_OTHERS = {  # tables of other files
 }
 
 
-def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -> dict[str, Any]:
+def parse_case(
+    data: Mapping[str, Any], source: str | Path, errors: ErrorList, *, stored: bool = False
+) -> dict[str, Any]:
     """Read the nested mapping of a case file, table by table; faults are added to ``errors``.
 
     Parameters
     ----------
     source
         File that the case comes from; its stem is the default name of the case.
+    stored
+        The case is that of a run that was made: the memory of this machine does not matter.
 
     Returns
     -------
@@ -211,7 +213,7 @@ def parse_case(data: Mapping[str, Any], source: str | Path, errors: ErrorList) -
     if packing is not None and (added or packing.gaps):
         periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
         packing = parts["packing"] = with_added_grains(
-            packing, added, materials, errors, periodic=periodic
+            packing, added, materials, errors, periodic=periodic, stored=stored
         )
     parts[MATERIALS] = tuple(materials.values())
     if (
@@ -301,12 +303,12 @@ def read_parts(
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with implied values.
 
-    These are strikers as the load, the axis of strikers, a bar for a bottom, and frames of a film.
+    These are strikers as the load, the axis of strikers, and a bar for a bottom.
     """
     data = dict(data)
-    packing, boundary, figures, run = (
+    packing, boundary = (
         data.get(name, {}) if isinstance(data.get(name, {}), Mapping) else None
-        for name in ("packing", "boundary", FIGURES_TABLE, "run")
+        for name in ("packing", "boundary")
     )
     if "striker" in data:
         data.setdefault("load", {"kind": "striker"})
@@ -325,6 +327,4 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
         ]
     if "bar" in data and boundary is not None:
         data["boundary"] = {"bottom": "free", **boundary}
-    if figures and run is not None and figures.get("film", "none") != "none":
-        data["run"] = {"frames": FRAMES_OF_A_FILM, **run}
     return data

@@ -17,14 +17,24 @@ from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
+#: Largest error of the energy balance, over the input, that is accepted of every run.
+BALANCE_TOLERANCE = 1e-5
 LEAST_ENERGY_TOLERANCE = 1e-10  # rounding errors are some 1e-12 of the input
-DEFAULT_FRAMES = 20  # default of `run.frames`; a run of fewer steps has fewer
+AUTO: Literal["auto"] = "auto"
+AUTO_FRAMES = 20  # snapshots of `run.frames = "auto"`; a run of fewer steps has fewer
+# the same where a film is asked for: ten seconds at six pictures a second
+FRAMES_OF_A_FILM = 60
 
 _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 
 
-def _parse_frames(value: Any) -> int | tuple[float, ...] | tuple[str, ...]:
-    expected = 'how many snapshots (from 1 up), or a list of rising times, all in s or all shares of run.end_time ("25 %")'
+def _parse_frames(value: Any) -> int | Literal["auto"] | tuple[float, ...] | tuple[str, ...]:
+    expected = (
+        'how many snapshots (from 1 up), "auto", or a list of rising times, all in s or all shares '
+        'of run.end_time ("25 %")'
+    )
+    if value == AUTO:
+        return AUTO
     if not isinstance(value, list | tuple):
         return schema.whole(value, expected, at_most=schema.NO_LIMIT)
     words = all(isinstance(one, str) for one in value)
@@ -71,10 +81,12 @@ class Run:
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         INTERVAL,
     )
-    frames: int | tuple[float, ...] | tuple[str, ...] = schema.custom(
-        "snapshots, the start and the end among them: how many, or the times",
+    frames: int | Literal["auto"] | tuple[float, ...] | tuple[str, ...] = schema.custom(
+        "snapshots, the start and the end among them: how many, evenly spaced, or the times; "
+        f"auto: {AUTO_FRAMES}, {FRAMES_OF_A_FILM} with a film, two thirds of them until the wave is "
+        "expected at the bottom, if that is known",
         _parse_frames,
-        default=DEFAULT_FRAMES,
+        default=AUTO,
     )
 
     @property
@@ -82,12 +94,17 @@ class Run:
         """Times of the snapshots, s, shares of the end time among them; None if only their number
         is given.
         """
-        if isinstance(self.frames, int):
+        if not isinstance(self.frames, tuple):
             return None
         return tuple(
             parse_share(time, "a share") * self.longest if isinstance(time, str) else time
             for time in self.frames
         )
+
+    @property
+    def accepted_balance_error(self) -> float:
+        """Largest error of the energy balance, over the input, with which the run is accepted."""
+        return max(BALANCE_TOLERANCE, self.energy_tolerance)
 
     @property
     def adaptive(self) -> bool:
@@ -195,8 +212,6 @@ FIGURE_NAMES = (
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
-# default of `run.frames` where a film is asked for: ten seconds at six pictures a second
-FRAMES_OF_A_FILM = 60
 _LIMITS = schema.numbers(
     2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high
 )
@@ -310,8 +325,8 @@ class Figures:
         default=("pdf",),
     )
     film: str = schema.choice(
-        f"form of a film that is made with the figures, film.mp4 for one; run.frames is {FRAMES_OF_A_FILM} then, "
-        "where it is not given",
+        f"form of a film that is made with the figures, film.mp4 for one; there are {FRAMES_OF_A_FILM} snapshots then, "
+        "where run.frames is not given",
         ("none", *FILM_FORMATS),
         default="none",
     )

@@ -13,6 +13,7 @@ import dataclasses
 import difflib
 import logging
 import math
+import sys
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any, TypeVar
@@ -27,6 +28,8 @@ Parse = Callable[[Any], Any]
 
 _LOG = logging.getLogger("granwave")
 REQUIRED: Any = dataclasses.MISSING
+_LEAST = 2.3e-308  # magnitude, in messages
+_MOST_UNKNOWN = 20  # unknown keys of a table with an error each
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
 NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
 _NOT_A_VALUE = object()  # no key accepts it
@@ -154,7 +157,8 @@ def number(
     json: dict[str, Any] = {"type": "number"}
     json |= {keyword: limit for keyword, (limit, _) in bounds if math.isfinite(limit)}
     json = {"anyOf": [json, {"const": word}]} if word else json
-    return _field(description, unit, default, parse, (word,) if word else None, json=json)
+    options = (word,) if word else None
+    return _field(description, unit, default, parse, options, json=json, varies=units is not None)
 
 
 def positive_or_auto(description: str, unit: Usual, *, default: float | str = "auto") -> Any:
@@ -221,6 +225,8 @@ def finite(value: Any, expected: str) -> float:
     except OverflowError:
         raise ValidationError(expected) from None
     refuse_if(not math.isfinite(result), expected)
+    if 0 < abs(result) < sys.float_info.min:  # LAMMPS cannot read it
+        raise ValidationError(f"{expected}: 0, or a magnitude from {_LEAST:.3g} up")
     return result
 
 
@@ -390,12 +396,9 @@ def read_table(
             except ValidationError as error:
                 errors.add(key, f"found {show(table[name])}, expected {error}")
                 continue
-            errors.check_size(
-                key,
-                values[name],
-                field.metadata["usual"] or field.metadata["unit"],
-                show(table[name]),
-            )
+            unit = field.metadata["usual"] or field.metadata["unit"]
+            if not field.metadata["varies"]:
+                errors.check_size(key, values[name], unit, show(table[name]))
         elif field.default is REQUIRED and field.default_factory is REQUIRED:
             errors.add(key, f"missing; it is required: {field.metadata['description']}")
     return section(**values) if len(errors.lines) == before else None
@@ -404,13 +407,17 @@ def read_table(
 def refuse_unknown(
     table: Mapping[str, Any], known: Collection[str], prefix: str, errors: ErrorList
 ) -> None:
-    """Add an error for each key of ``table`` that is not ``known``, with a suggestion."""
-    for name in table:
-        key = f"{prefix}.{name}" if prefix else name
-        if name not in known:
-            errors.add_unknown(
-                key, f"unknown key; {hint_for(name, known, prefix, errors.vocabulary)}"
-            )
+    """Add an error for each key of ``table`` that is not ``known``, with a suggestion; of many keys
+    for the first ones, and one for the others.
+    """
+    unknown = [name for name in table if name not in known]
+    keys = [f"{prefix}.{name}" if prefix else name for name in unknown]
+    shown = len(keys) if len(keys) <= _MOST_UNKNOWN + 1 else _MOST_UNKNOWN
+    for name, key in zip(unknown[:shown], keys, strict=False):
+        hint = hint_for(name, known, prefix, errors.vocabulary)
+        errors.add_unknown(key, f"unknown key; {hint}")
+    if rest := keys[shown:]:
+        errors.add_unknown(rest[0], f"unknown key, as are {len(rest) - 1} more that follow it")
 
 
 def accepted(field: dataclasses.Field[Any]) -> str:
@@ -489,9 +496,12 @@ def _field(
     parse: Parse,
     options: tuple[Any, ...] | None = None,
     json: Mapping[str, Any] | None = None,
+    *,
+    varies: bool = False,
 ) -> Any:
     usual = unit if isinstance(unit, Usual) else None
     metadata = {"description": description, "unit": unit_name(unit), "usual": usual, "parse": parse}
+    metadata["varies"] = varies  # the unit, with other keys, which the reader of the table checks
     return dataclasses.field(
         default=default, metadata=metadata | {"options": options, "json": json}
     )

@@ -8,6 +8,7 @@ from collections.abc import Callable
 
 import numpy as np
 
+from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import Material, check_shape
@@ -26,6 +27,7 @@ from granwave.lammps_inputs.packing.walls import untouched, walls
 
 _LOG = logging.getLogger("granwave")
 _STEPS_IN_A_PERIOD = 10  # at least
+_FAR_LONGER = 100.0  # times the run: a load that lasts so long is in another unit
 _SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
 _OVERLAP = 1e-6  # diameters; largest overlap of a striker with the bottom, for rounding
 _LONGEST_ELEMENT = 10  # length of an element of a bar, in bead diameters
@@ -363,18 +365,21 @@ def outside_fit(material: Material) -> str:
         else material.youngs_modulus / material.yield_strength
     )
     ranges = (
-        ("Poisson's ratio", material.poisson_ratio, 0.0, 0.45),
-        (
-            "Young's modulus over yield strength",
-            ratio if math.isfinite(ratio) else 50.0,
-            50.0,
-            1000.0,
-        ),
-        ("hardening", material.hardening or 0.0, 0.0, 0.1),
+        ("Poisson's ratio", material.poisson_ratio, FE_RANGE["poisson_ratio"]),
+        ("Young's modulus over yield strength", ratio, FE_RANGE["modulus_over_strength"]),
+        ("hardening", material.hardening or 0.0, FE_RANGE["hardening"]),
     )
-    found = [f"{name} {value:.3g}, expected {low:g} to {high:g}" for name, value, low, high in ranges
-             if not low <= value <= high]  # fmt: skip
-    return f"law elastoplastic-fe is used beyond its fit: {'; '.join(found)}" if found else ""
+    outside = [
+        f"{name} {value:.3g}, expected {low:g} to {high:g}"
+        for name, value, (low, high) in ranges
+        if math.isfinite(value) and not low <= value <= high
+    ]
+    if not outside:
+        return ""
+    return (
+        f"law elastoplastic-fe is used beyond its fit, where it states no error bar: "
+        f"{'; '.join(outside)}"
+    )
 
 
 def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
@@ -462,6 +467,12 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
             f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended:"
         )
         warnings.append(f"{text} give run.end_time a later time")
+    if end * _FAR_LONGER < case.load.lasts < math.inf:
+        of_table = case.load.table is not None
+        key = "load.table" if of_table else "load.duration"
+        text = f"{key}: the load lasts {case.load.lasts:.3g} s, the run {end:.3g} s"
+        ask = "are its times in seconds?" if of_table else "is it in seconds?"
+        warnings.append(f"{text}: {ask}")
     if case.run.end_time == "auto" and not law.yields and not case.has_cohesion:
         warnings.append(
             'a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us'

@@ -278,7 +278,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
-    """Check that the packing fits into its tube, before this shrinks."""
+    """Check that the packing fits into its tube, before this shrinks, and each grain after it has."""
     tube = case.boundary.sides_tube
     if tube is None or errors.lines:
         return
@@ -295,6 +295,21 @@ def check_tube(case: Case, errors: ErrorList) -> None:
             "boundary.sides.tube.radius",
             f"found {tube:g} m, but sphere {widest + 1} reaches {reach[widest]:.9g} m from the axis x = y = 0",
         )
+    stage = case.precompression
+    if stage is None:
+        return
+    radius = np.where(reach > 0, sites.diameter / 2, 0.0)
+    largest = int(np.argmax(radius))
+    room = tube - float(radius[largest]) - TOUCHING * lattice.diameter
+    least = f"sphere {largest + 1} with a radius of {radius[largest]:.9g} m"
+    errors.check(
+        (0 < stage.moves.get("tube", 0.0) >= room, "precompression.tube",
+         f"found {stage.moves.get('tube', 0.0):g} m, by which a tube of {tube:.9g} m gets narrower "
+         f"than {least}; give a wider tube, or a smaller distance"),
+        ("tube" in stage.presses and room <= 0, "precompression.tube_force",
+         f"found a tube of {tube:.9g} m that shrinks, but is no wider than {least}; give a wider "
+         "tube"),
+    )  # fmt: skip
 
 
 def check_lines(assembly: Assembly, errors: ErrorList) -> None:

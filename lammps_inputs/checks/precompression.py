@@ -103,7 +103,11 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     elastic_range = contact.yields and law.elastic_limit > 0 and not case.contact.initial_overlap
     if elastic_range and least >= law.yield_force:
         most = getattr(stage, name) * law.yield_force / least
-        fault = f"would yield every contact: about {least:.3g} N on each, first yield at {law.yield_force:.3g} N"
+        most_loaded = f" at the top and {largest:.3g} N at the bottom" if least < largest else ""
+        fault = (
+            f"found {getattr(stage, name):g} {unit}, about {least:.3g} N on each contact"
+            f"{most_loaded}: all yield, from {law.yield_force:.3g} N on"
+        )
         errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {most:.3g} {unit}")
     elif largest > deepest:
         most = getattr(stage, name) * deepest / largest
@@ -113,8 +117,16 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
         errors.add(
             "boundary.sides",
             f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
-            'spreads without friction, also between walls; expected "periodic", or precompression.kind = "uniform"',
+            f"spreads without friction, also between walls; expected {_confined(case)}",
         )
+
+
+def _confined(case: Case) -> str:
+    """Return the values of keys with which a packing that spreads is confined."""
+    if is_plane_crystal(case.packing.kind):
+        return '"periodic"'
+    free = "" if case.boundary.sides == "free" else ' with boundary.sides = "free"'
+    return f'"periodic", or precompression.kind = "uniform"{free}'
 
 
 def _force_at_largest_overlap(law: ContactLaw) -> float:

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
@@ -68,7 +69,7 @@ class NearContacts(NamedTuple):
         return np.asarray(((self.place >= low) & (self.place <= high)).all(axis=1))
 
 
-def _dents(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDArray[np.float64]:
+def dents_in(region: Dents, law: ContactLaw, radius: NDArray[np.float64]) -> NDArray[np.float64]:
     """Return the largest overlaps so far, as a region gives them, of contacts with effective radii
     (n,): (n,), m.
 
@@ -103,8 +104,8 @@ def dents_table(assembly: Assembly) -> str:
         law = near.law
         radius = near.effective_radius
         peak = np.zeros(len(near.second))
-        for region in _regions(assembly.case) if known is None else ():
-            peak = np.where(near.inside(region), _dents(region, law, radius), peak)
+        for region in regions_of(assembly.case) if known is None else ():
+            peak = np.where(near.inside(region), dents_in(region, law, radius), peak)
         if known is not None:
             keys = zip(near.first.tolist(), near.second.tolist(), strict=True)
             peak = np.array([known.get(key, 0.0) for key in keys])
@@ -145,7 +146,7 @@ def error_in_dents(assembly: Assembly) -> str:
                 f"found a dent of {deepest:.3g} m, expected at most {LARGEST} R* = {limit:.3g} m"
             )
             return f"{found}, as far as the contact law holds"
-    boxes = [region for region in _regions(case) if region.low or region.high]
+    boxes = [region for region in regions_of(case) if region.low or region.high]
     there = contacts_at_start(assembly) if boxes else []
     for box in boxes:
         if not any(near.inside(box).any() for near in there):
@@ -254,8 +255,10 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
     return found
 
 
-def _regions(case: Case) -> tuple[Dents, ...]:
-    """Return the regions of dents that are given by value."""
+def regions_of(case: Case) -> tuple[Dents, ...]:
+    """Return the regions of dents that are given by value, of which the last holds where they
+    overlap.
+    """
     given = case.contact.initial_overlap
     return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)
 
@@ -263,7 +266,8 @@ def _regions(case: Case) -> tuple[Dents, ...]:
 def _deepest(case: Case, law: ContactLaw) -> float:
     """Return the largest dent given by value, for contacts of one law, m."""
     return max(
-        float(_dents(region, law, np.array([law.effective_radius]))[0]) for region in _regions(case)
+        float(dents_in(region, law, np.array([law.effective_radius]))[0])
+        for region in regions_of(case)
     )
 
 
@@ -334,7 +338,7 @@ def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDA
     import h5py  # takes longer to load than most commands need
 
     found: dict[str, dict[str, NDArray]] = {}
-    with h5py.File(path, "r") as file:
+    with h5py.File(regular(path), "r") as file:
         for group, columns in _COLUMNS.items():
             table = found[group] = {}
             for name, (kind, width) in columns.items():

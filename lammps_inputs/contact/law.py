@@ -17,6 +17,7 @@ from typing import Any, Literal
 import numpy as np
 
 from granwave._contact_laws import ContactLaw, LineContact
+from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import (
     LAW_CONSTANTS,
@@ -29,10 +30,27 @@ from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.bodies import PlacedBar
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.packing.places import cohesive_law
-from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.packing.walls import backing_of, walls
 from granwave.lammps_inputs.roots import brentq
+
+HERTZ = Contact(law="hertz")
+
+
+def elastic_contact(contact: Contact) -> Contact:
+    """Return Hertz's law, or the law itself if it is a power of the overlap, which is elastic."""
+    return contact if contact.entry.is_power else HERTZ
+
+
+def elastic_case(case: Case) -> Case:
+    """Return a case with the elastic contacts of the first half of its static stage."""
+    contact = dataclasses.replace(elastic_contact(case.contact), line=case.contact.line)
+    pairs = tuple(
+        dataclasses.replace(pair, contact=elastic_contact(pair.contact)) for pair in case.pair
+    )
+    return dataclasses.replace(case, contact=contact, pair=pairs)
 
 
 def sphere_contact(case: Case) -> ContactLaw:
@@ -206,14 +224,17 @@ def energy_at_start(assembly: Assembly) -> float:
 
 def cohesive_laws(assembly: Assembly) -> Iterator[tuple[ContactLaw, float]]:
     """Iterate over the laws of spheres of the packing that cohere, each with twice the effective
-    mass, kg.
+    mass, kg; a light plate counts with its mass alone.
     """
     case = assembly.case
     if case.contact_between(case.material, case.material).coheres:
         yield cohesive_law(case, case.material), case.sphere_mass
     for wall in walls(assembly):
         if not wall.held_layer and case.contact_between(case.material, wall.material).coheres:
-            yield cohesive_law(case, wall.material, flat=True), 2 * case.sphere_mass
+            behind = backing_of(assembly, wall, case.material)
+            plate = behind.mass if behind is not None and not behind.elements else 0.0
+            mass = 2 * case.sphere_mass / (1 + case.sphere_mass / (plate or math.inf))
+            yield cohesive_law(case, wall.material, flat=True), mass
 
 
 _STEPS = 2000  # of a collision
@@ -234,6 +255,7 @@ def viscous_loss(
     *,
     flat: bool = False,
     shapes: tuple[Shape, Shape] | None = None,
+    behind: Backing | None = None,
 ) -> Viscous | None:
     """Return the loss of contacts between grains of a material and their partners; None if they
     lose nothing.
@@ -246,6 +268,8 @@ def viscous_loss(
         True for partners that are planes: walls and faces of bars.
     shapes
         Shapes of the grains; by default whatever there are of these materials.
+    behind
+        Body behind a plane; None for a plane at rest.
 
     Raises
     ------
@@ -274,9 +298,23 @@ def viscous_loss(
     ]  # a flat, where there is no second grain
     mass = 1 / sum(1 / assembly.mass_of(one) for one in ids)
     time = _loss_time(
-        contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass
+        contact, (first, second), *zip(*forms[:2], strict=True), assembly.plane_strain, mass, behind
     )
     return ("time", time) if time else None
+
+
+def loss_at_bar(
+    assembly: Assembly, contact: Contact, material: Material, bar: PlacedBar
+) -> Viscous | None:
+    """Return the loss of grains of a material at the face of a bar with free ends.
+
+    The pair style takes the body of a face as immovable: the factor of a dashpot makes up for the
+    mass of the bar.
+    """
+    loss = viscous_loss(assembly, contact, material, bar.material, flat=True, behind=bar.backing)
+    if loss is None or loss[0] != "dashpot":
+        return loss
+    return (loss[0], loss[1] / math.sqrt(1 + assembly.mass_of(bar.touches) / bar.backing.mass))
 
 
 @lru_cache(maxsize=256)
@@ -287,9 +325,10 @@ def _loss_time(
     shapes: tuple[Shape, Shape],
     plane_strain: bool,
     mass: float,
+    behind: Backing | None = None,
 ) -> float:
     """Return the loss time with which two bodies of an effective mass (kg) have the restitution of
-    the law, s.
+    the law, s; ``behind``: a body behind the plane that a grain of this mass hits.
     """
     loss = contact.loss
     assert loss is not None and loss.restitution is not None and loss.velocity is not None
@@ -299,6 +338,10 @@ def _loss_time(
     alone = law.collide(mass, velocity, steps=_STEPS)
     if math.isnan(alone["restitution"]):  # nothing stops them
         return 0.0
+    if behind is not None:
+        stiffness = mass * (math.pi / alone["duration"]) ** 2
+        mass = mass / (1 + mass / behind.moved_mass(mass, stiffness))
+        alone = law.collide(mass, velocity, steps=_STEPS)
     if alone["restitution"] < restitution - _ROUNDING:
         raise ValueError(
             f"at most {alone['restitution']:.4g}, which law {contact.law} alone leaves at {velocity:g} m/s by yielding"

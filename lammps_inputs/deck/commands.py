@@ -4,22 +4,27 @@ dents.
 
 from __future__ import annotations
 
+import sys
 from collections.abc import Iterable, Sequence
 from itertools import combinations_with_replacement
 
 import numpy as np
 
 from granwave.lammps_inputs.case.boundary import Damper
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.contact.law import (
+    HERTZ,
+    Viscous,
+    elastic_contact,
+    loss_at_bar,
+    viscous_loss,
+)
+from granwave.lammps_inputs.packing.assembly import Assembly, Species
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import (
     Wall,
-    footprint_radius,
-    materials_at,
+    backing_of,
     plane_fixes,
     touched_by,
     touched_groups,
@@ -32,7 +37,11 @@ _WIDTH = 110
 
 
 def num(value: float) -> str:
-    """Format a number with as few digits as reproduce it exactly."""
+    """Format a number with as few digits as reproduce it exactly; 0 for one below the smallest that
+    LAMMPS reads in formulas.
+    """
+    if 0 < abs(value) < sys.float_info.min:
+        return "0"
     short = f"{value:.6g}"
     return short if float(short) == value else repr(float(value))
 
@@ -196,9 +205,6 @@ def _slider(key: str, resistance: Resistance | str | None) -> list[str]:
     return [key, "sds", stiffness, num(resistance.damping), num(resistance.coefficient)]
 
 
-_ELASTIC = Contact(law="hertz")
-
-
 def contacts(assembly: Assembly) -> list[str]:
     """Return the pair style with the laws of all pairs of types."""
     case = assembly.case
@@ -221,23 +227,29 @@ def pair_coefficients(assembly: Assembly, *, elastic: bool = False) -> list[str]
     for (i, first), (j, second) in combinations_with_replacement(
         enumerate(assembly.species, start=1), 2
     ):
-        contact = _ELASTIC
+        contact = HERTZ
         partner = None if i == j else second.material
         loss = None
         if first.role == "sphere":  # nodes of bars do not touch each other
             own = case.contact_between(first.material, second.material)
-            flat = second.role != "sphere"
-            contact = _elastic(own) if elastic else own
-            bodies = (first.material, second.material)
-            shapes = (first.shape, second.shape)
-            loss = (
-                None if elastic else viscous_loss(assembly, own, *bodies, flat=flat, shapes=shapes)
-            )
+            contact = elastic_contact(own) if elastic else own
+            loss = None if elastic else _pair_loss(assembly, own, first, second)
         rough = second.role == "sphere" and not elastic  # the face of a bar is not
         friction = contact.friction if rough else 0.0
         words = law_coefficients(contact, first.material, partner, friction, loss, resists=rough)
         lines.append(f"pair_coeff      {i} {j} {words}")
     return lines
+
+
+def _pair_loss(
+    assembly: Assembly, contact: Contact, first: Species, second: Species
+) -> Viscous | None:
+    """Return the loss of spheres with spheres, or with the face of a bar."""
+    bodies = (first.material, second.material)
+    for bar in assembly.bars:
+        if second.bar == bar.name:
+            return loss_at_bar(assembly, contact, first.material, bar)
+    return viscous_loss(assembly, contact, *bodies, shapes=(first.shape, second.shape))
 
 
 def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
@@ -259,11 +271,6 @@ def cylinder_commands(assembly: Assembly, *, again: bool = False) -> list[str]:
     back = ["unfix           cylinders"] if again else []
     line = " line plane-strain" if assembly.plane_strain else ""
     return [*back, f"fix             cylinders all gran/cylinder {joined(words)}{line}"]
-
-
-def _elastic(contact: Contact) -> Contact:
-    """Return Hertz's law, or the one given if it is a power of the overlap, which is elastic."""
-    return contact if contact.entry.is_power else _ELASTIC
 
 
 def plane_names(assembly: Assembly) -> list[str]:
@@ -301,16 +308,19 @@ def wall_commands(
             lines.append(f"group           held id {id_ranges(assembly.lattice.last_layer)}")
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
-        place = coordinate(case, wall)
+        place = coordinate(assembly, wall)
         low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
         style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
         line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
         for name, group, material in wall.fixes:
             contact = case.contact_between(material, wall.material)
-            words = [law_coefficients(_elastic(contact), material, wall.material), *line]
+            words = [law_coefficients(elastic_contact(contact), material, wall.material), *line]
             if not elastic:
                 friction = wall_friction(case, wall, material)
-                loss = viscous_loss(assembly, contact, material, wall.material, flat=True)
+                behind = backing_of(assembly, wall, material)
+                loss = viscous_loss(
+                    assembly, contact, material, wall.material, flat=True, behind=behind
+                )
                 law = law_coefficients(
                     contact, material, wall.material, friction, loss, resists=True
                 )
@@ -332,14 +342,18 @@ def wall_commands(
     return lines
 
 
-def coordinate(case: Case, wall: Wall) -> str:
-    """Return the position of a plane, or the radius of a tube; of walls that move to a force as a
+def coordinate(assembly: Assembly, wall: Wall) -> str:
+    """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a force as a
     formula.
     """
     name = "tube" if wall.tube else "xyz"[wall.axis]
-    if case.precompression is None or name not in case.precompression.presses:
-        return num(wall.coordinate)
-    return f"$({num(wall.coordinate)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
+    place = wall.coordinate
+    if not wall.tube:
+        place -= float(assembly.deck_origin[wall.axis])
+    stage = assembly.case.precompression
+    if stage is None or name not in stage.presses:
+        return num(place)
+    return f"$({num(place)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
 
 
 def moved_wall(name: str) -> str:
@@ -385,9 +399,9 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
         mass, velocity = wall.plate
         held = assembly.case.precompression is not None  # until the run begins, see `motion`
         return ["support", "free", num(mass), "0.0" if held else num(velocity)]
-    if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
+    behind = backing_of(assembly, wall, material)
+    if behind is None:
         return []
-    behind = wall.support.backing(wall.material, footprint_radius(assembly))
     if isinstance(wall.support, Damper):
         return ["support", "damper", num(behind.damping)]
     if not behind.elements:

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.directories import note_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.ownership import claim, clear, read_marker, results_in
 from granwave.lammps_inputs.packing.assembly import Assembly, Species, assemble
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
@@ -50,7 +50,6 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     density column. Rows of equal spheres come from all processes; of unlike ones each would have to
     hold them all.
     """
-    lattice = assembly.lattice
     bars = assembly.bars
     n = assembly.lattice.n_spheres
     box = "".join(
@@ -63,19 +62,23 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     batch = partial(_batch, assembly if writers is ALONE else assembly.case)
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(
-            f"granwave: {lattice.kind} packing, SI units, struck layer at z = 0\n\n"
+            f"{_title(assembly)}\n\n"
             f"{assembly.n_particles} atoms\n{len(assembly.species)} atom types\n{bonds}\n{box}\n"
             f"{_BAR_TITLE if bars else _PLAIN_TITLE}\n\n"
         )
         file.writelines(writers.map(batch, range(1, n + 1, _BATCH)))
         if assembly.strikers:
             centres = np.array([centre for _, centre in assembly.strikers])
+            centres -= assembly.deck_origin
             file.write(_rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres))
         for bar in bars:
             roles = (Species(bar.material, role, bar.name) for role in ("node", "face"))
             node, face = (1 + assembly.species.index(one) for one in roles)
             for number, z, mass in zip(
-                range(bar.first, bar.last + 1), bar.position, bar.mass, strict=True
+                range(bar.first, bar.last + 1),
+                bar.position - assembly.deck_origin[2],
+                bar.mass,
+                strict=True,
             ):
                 file.write(
                     f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n"
@@ -98,15 +101,26 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
             )
 
 
+def _title(assembly: Assembly) -> str:
+    """Return the first line of the data file, which says where its origin is."""
+    origin = assembly.deck_origin
+    if isinstance(assembly.lattice, Places):
+        place = f"origin at {joined(map(num, origin))} m of the file" if origin.any() else ""
+    else:
+        place = "struck layer at z = 0"
+    return ", ".join(filter(None, [f"granwave: {assembly.lattice.kind} packing, SI units", place]))
+
+
 def _batch(case: Case | Assembly, first: int) -> str:
     assembly = assemble(case)
     last = min(first + _BATCH - 1, assembly.lattice.n_spheres)
     here = np.flatnonzero(assembly.sites.present[first - 1 : last])
-    return _rows(assembly, here + first, assembly.sites.positions(first, last)[here])
+    centres = assembly.sites.positions(first, last)[here] - assembly.deck_origin
+    return _rows(assembly, here + first, centres)
 
 
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:
-    """Return the rows of grains with these ids and centres (n, 3), m.
+    """Return the rows of grains with these ids and centres (n, 3) in the deck, m.
 
     LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its
     diameter.
@@ -130,14 +144,14 @@ def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float6
 
 
 def box_of(assembly: Assembly) -> NDArray[np.float64]:
-    """Return the lowest and highest x, y, z of the box: (3, 2), m."""
+    """Return the lowest and highest x, y, z of the box in the deck: (3, 2), m."""
     lattice = assembly.lattice
     low, high = assembly.bounds() + np.array([[-0.5], [0.5]]) * lattice.diameter
     if lattice.periodic:
         lowest = lattice.bounds()[0, :2] if isinstance(lattice, Places) else 0.0
         low[:2] = lowest + _PERIODIC_LOW * lattice.diameter
         high[:2] = low[:2] + np.array(lattice.lengths)
-    return np.stack([low, high], axis=1)
+    return np.stack([low, high], axis=1) - assembly.deck_origin[:, None]
 
 
 @dataclasses.dataclass(frozen=True)
@@ -294,7 +308,7 @@ def read_deck(directory: str | Path) -> Deck:
     """
     directory = Path(directory)
     path = directory / run_directory.CASE_FILE
-    case = load_case(path)
+    case = read_stored_case(path)
     table = read_toml(path).get("resolved", {})
     try:
         table = _NEW | table

@@ -27,9 +27,13 @@ from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
+    CHECKPOINT_FILE,
     DATA_FILE,
+    DEAD_LOAD_FILE,
     DENTS_FILE,
     DUMPS,
+    LOAD_FILE,
+    LOG_FILE,
     MOVED_WALLS_FILE,
     SCRIPT_FILE,
     STATIC_FILE,
@@ -39,6 +43,18 @@ RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
 READ_DATA = f"read_data       {DATA_FILE}"
 
+# words of commands that name files of a run
+_NAMES = (
+    DATA_FILE,
+    DENTS_FILE,
+    LOAD_FILE,
+    LOG_FILE,
+    DEAD_LOAD_FILE,
+    CHECKPOINT_FILE,
+    f"{DUMPS}/{{}}",
+)
+_WORDS = "|".join(re.escape(name).replace(r"\{\}", r'[^\s"]+') for name in _NAMES)
+_FILES = re.compile(rf"(?<!\S)(?:{_WORDS})(?!\S)")
 _HARMFUL = re.compile(r"""[^ -~]|["&]""")  # not ASCII, or joins lines even in a comment
 _SKIN = 0.1  # skin distance of the neighbour list, diameters
 _MOST_STEPS_BETWEEN_CHECKS = 10
@@ -199,6 +215,20 @@ def _run(case: Case, schedule: Schedule) -> list[str]:
         "jump            SELF next_block",
         "label           finished",
     ]
+
+
+def with_absolute_files(commands: str, directory: str) -> str:
+    """Return commands whose files of a run are those in ``directory``, whatever the working
+    directory of LAMMPS is.
+
+    Parameters
+    ----------
+    directory
+        Absolute path without double quotes; empty: the commands stay as they are.
+    """
+    if not directory:
+        return commands
+    return _FILES.sub(lambda name: f'"{directory}/{name[0]}"', commands)
 
 
 def part(script: str, which: str) -> str:

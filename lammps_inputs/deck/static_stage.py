@@ -1,10 +1,12 @@
 """Static stage before a precompressed run, in the LAMMPS input script.
 
 Dead loads are applied, and the spheres are brought to equilibrium by damped dynamics (FIRE, Bitzek
-et al. 2006) without friction. FIRE overshoots, which must not leave dents: the first half uses
-Hertz's law for all contacts, and the contact history is reset afterwards. The second half starts
-from that equilibrium with the laws and initial dents of the case; contacts whose static force
-exceeds yield get their dents there. Then time and energies are reset to zero.
+et al. 2006) without friction. The first half uses Hertz's law for all contacts, and the contact
+history is cleared afterwards, since its overlaps are not those of the case's law. The second half
+starts from that equilibrium with the laws and initial dents of the case; contacts whose static force
+exceeds yield get their dents there. FIRE overshoots, which leaves no dents: every iteration begins
+with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of a
+load that grows steadily. Then time and energies are reset to zero.
 
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
@@ -55,11 +57,10 @@ from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import (
-    Wall,
     moving_fix,
     plane_fixes,
+    pressed_walls,
     support_timestep,
-    walls,
 )
 from granwave.lammps_inputs.run_directory import (
     DEAD_LOAD_FILE,
@@ -74,6 +75,8 @@ _STAGE_END = "# --- end of the static stage ---"
 
 # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 LARGEST_MOVE = 0.1
+
+FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them
@@ -167,11 +170,11 @@ def first_half(assembly: Assembly) -> list[str]:
     ]
     return [
         _STAGE_MARKER,
-        "# To balance under the dead loads, first with elastic contacts, whose overshoots leave no dents.",
+        "# To balance under the dead loads, first with elastic contacts; what they leave is cleared.",
         *pair_coefficients(assembly, elastic=True),
         *(
             f"variable        {moved_wall(name)} equal {num(overlap)}"
-            for name in _pressed_walls(assembly)
+            for name in pressed_walls(assembly)
         ),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
@@ -192,7 +195,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
         *(f"unfix           {_PREFIX}{name}" for name in plane_names(assembly)),
-        "gran/dents      begin",
+        "gran/dents      clear",
         *pair_coefficients(assembly),
         _STAGE_END,
     ]
@@ -212,7 +215,7 @@ def second_half(assembly: Assembly) -> list[str]:
     ]
     record = dict(RECORD)
     support = moving_fix(assembly)
-    for name, pressed in _pressed_walls(assembly).items():
+    for name, pressed in pressed_walls(assembly).items():
         mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
@@ -271,16 +274,6 @@ def load_tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-def _pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
-    """Return the walls that move in to a force, by x, y or tube."""
-    names = assembly.case.precompression.presses if assembly.case.precompression else ()
-    there = walls(assembly)
-    return {
-        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
-        for name in names
-    }
-
-
 def _pressing(assembly: Assembly) -> list[str]:
     """Return the commands that move walls in, round by round, until they bear their forces.
 
@@ -294,7 +287,7 @@ def _pressing(assembly: Assembly) -> list[str]:
         "# Walls move in until they bear their forces: a secant of the power 2/3 of the force over the distance."
     ]
     for number in range(_ROUNDS):
-        for name, pressed in _pressed_walls(assembly).items():
+        for name, pressed in pressed_walls(assembly).items():
             here = f"v_{moved_wall(name)}"
             level = f"static_level_{name}"
             force = "+".join(f"({outward_force(wall, _PREFIX)})" for wall in pressed)
@@ -314,7 +307,7 @@ def _pressing(assembly: Assembly) -> list[str]:
                 f"variable        static_from_{name} equal $({here}:%.17g)",
                 f"variable        {moved_wall(name)} equal $({here}+(1-v_{level})/v_static_slope_{name}:%.17g)",
             ]
-        moved = [wall for pressed in _pressed_walls(assembly).values() for wall in pressed]
+        moved = [wall for pressed in pressed_walls(assembly).values() for wall in pressed]
         lines += wall_commands(assembly, elastic=True, prefix=_PREFIX, only=moved)
         lines.append(_minimize(assembly, first=True))
     found = "\n".join(
@@ -340,7 +333,7 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     """
     disordered = has_gaps(assembly.case)
     mean = force_of_contact(assembly)
-    span = float(np.abs(assembly.bounds()).max())
+    span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
     )  # of coordinates

@@ -239,6 +239,27 @@ class Assembly:
             corners += [np.array([low[0], low[1], z]) for z in (bar.position[0], bar.position[-1])]
         return np.stack([np.min(corners, axis=0), np.max(corners, axis=0)])
 
+    @cached_property
+    def deck_origin(self) -> NDArray[np.float64]:
+        """Point that is the origin of the deck: (3,), m.
+
+        LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
+        distance from the origin. A file of grains that lies farther from the origin than it is
+        large is moved to it, along each axis; results are in the coordinates of the file. The axis
+        of a tube, or of bars, stays where it is.
+        """
+        low, high = self.lattice_bounds()
+        origin = np.zeros(3)
+        if not isinstance(self.lattice, Places):
+            return origin
+        size = max(float((high - low).max()), self.lattice.diameter)
+        outside = np.maximum(np.maximum(low, -high), 0.0)
+        away = outside > size
+        if self.case.boundary.sides_tube is not None or self.bars:
+            away[:2] = False
+        origin[away] = low[away]
+        return origin
+
     def lattice_bounds(self) -> NDArray[np.float64]:
         """Return the lowest and highest coordinates of sites along x, y, z: (2, 3), m."""
         bounds = self.lattice.bounds()

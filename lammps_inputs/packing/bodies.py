@@ -21,6 +21,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import Bar, Striker
+from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.packing.disorder import striker_shift
@@ -254,6 +255,11 @@ class PlacedBar:
     def stiffness(self) -> float:
         """Stiffness of an element, N/m."""
         return self.material.youngs_modulus * self.section.area / self.pitch
+
+    @property
+    def backing(self) -> Backing:
+        """The bar as a body behind a plane."""
+        return Backing(float(self.mass.sum()), self.stiffness, elements=self.section.elements)
 
     @property
     def wave_speed(self) -> float:

@@ -43,6 +43,22 @@ def struck_site(assembly: Assembly) -> int | None:
     return sphere
 
 
+def impacted_of(assembly: Assembly) -> tuple[int, ...]:
+    """Return the ids of the spheres of the packing that the load acts on; of strikers, all spheres
+    that the moving ones touch.
+    """
+    n_spheres = assembly.lattice.n_spheres
+    pending = list(struck_of(assembly))
+    impacted: dict[int, None] = {}
+    while pending:
+        sphere = pending.pop(0)
+        if sphere > n_spheres:
+            pending += assembly.case.striker[sphere - n_spheres - 1].touches
+        else:
+            impacted[sphere] = None
+    return tuple(impacted)
+
+
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the initial velocities by id of the spheres that have one, m/s."""
     case = assembly.case
@@ -69,6 +85,23 @@ def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
     if hold.index is not None:
         return tuple(sorted(set(hold.index)))
     return case.packing.grains.of_group(hold.group or "") if case.packing.grains is not None else ()
+
+
+def held_against_load(assembly: Assembly) -> tuple[int, ...]:
+    """Return the ids of the grains that do not move along an axis along which others are set in
+    motion: a last layer held in place, and those of ``[[hold]]`` and ``[[guide]]``.
+    """
+    case = assembly.case
+    moving = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
+    for velocity in velocities_of(assembly).values():
+        moving |= {axis for axis, part in zip("xyz", velocity, strict=True) if part}
+    ids = set[int]()
+    for hold in case.holds.values():
+        if moving & set(hold.axes):
+            ids.update(held_ids(case, hold))
+    if case.boundary.bottom == "fixed":
+        ids.update(assembly.lattice.last_layer.tolist())
+    return tuple(sorted(ids))
 
 
 _BESIDE = 0.25  # diameters; grains of a line are no further from it

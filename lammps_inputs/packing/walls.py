@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import elliptic_radius
-from granwave.lammps_inputs.case.boundary import Support, Touched
+from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
@@ -68,6 +68,10 @@ class Wall:
     fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(
         default=(), repr=False, compare=False
     )
+
+    def moved_in(self, distance: float) -> Wall:
+        """Return the wall after it has moved towards the packing by a distance, m."""
+        return dataclasses.replace(self, coordinate=self.coordinate - self.outward * distance)
 
     def gaps(
         self, positions: NDArray[np.float64], radii: NDArray[np.float64]
@@ -167,6 +171,17 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
             )
         )
     return tuple(placed)
+
+
+def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
+    """Return the walls that move in to a force, by x, y or tube."""
+    stage = assembly.case.precompression
+    names = stage.presses if stage else {}
+    there = walls(assembly)
+    return {
+        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
+        for name in names
+    }
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
@@ -304,6 +319,15 @@ def moving_fix(assembly: Assembly) -> str | None:
             resting = materials_at(assembly, assembly.lattice.last_layer)[0]
             return next(name for name, _, material in wall.fixes if material == resting)
     return None
+
+
+def backing_of(assembly: Assembly, wall: Wall, material: Material) -> Backing | None:
+    """Return what moves behind a wall when grains of a material press it; None if it does not move."""
+    if wall.plate is not None:
+        return Backing(wall.plate[0], 0.0)
+    if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:
+        return None
+    return wall.support.backing(wall.material, footprint_radius(assembly))
 
 
 def support_timestep(assembly: Assembly, stiffness: float) -> float:

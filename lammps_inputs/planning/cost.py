@@ -48,7 +48,7 @@ MOST_DRAWN = 1_000_000  # spheres of a packing that is drawn without being asked
 _PROGRAM = 130e6  # the interpreter with LAMMPS, or with the libraries of the analysis, loaded
 # of LAMMPS and the sorted snapshot; with friction in addition
 _SPHERE = 750.0
-_PAIR = 135.0
+_PAIR = 155.0  # 135 measured, and 16 of the front of the wave since
 _ROUGH_PAIR = 60.0
 _SLIPPING_PAIR = 1500.0  # with partial slip in addition, all in contact
 _STATIC_STAGE = 2.0  # times the memory of a run without one
@@ -56,6 +56,7 @@ _STATIC_STAGE = 2.0  # times the memory of a run without one
 _ANALYSED_SPHERE = 550.0
 _ANALYSED_PAIR = 310.0
 _LAYERS = 4  # next to a part: at most so many hold spheres that may touch it
+_LEAST_OF_RANK = 0.8e9  # memory that the analysis may take for each rank of the run
 _SITE = 170.0  # a site of a lattice of unlike or missing spheres, while the deck is written
 _PLACED_SITE = 120.0  # a site of a lattice against which strikers are placed
 _DRAWN = 2 * 600.0  # a sphere, in two processes that draw
@@ -69,37 +70,64 @@ _SCRATCH_SPHERE = 56.0
 _SCRATCH_PAIR = 150.0
 # measured with friction, all yielded
 _CHECKPOINT_SPHERE = 250.0
-_CHECKPOINT_PAIR = 250.0
+_CHECKPOINT_PAIR = 285.0  # 250 measured, and the front in both records of a pair since
 _CHECKPOINT_SLIPPING_PAIR = 630.0  # with partial slip in addition
 _ROW = 400.0  # of the ledger
 # disk space of a particle at an instant of a chain's history, in rows of the ledger
 _ROWS_PER_PARTICLE = 0.25
 
 
-def expected_space(
-    assembly: Assembly, schedule: Schedule, n_ranks: int
-) -> tuple[float, float, float, float]:
-    """Estimate the space that a run needs, bytes, as `granwave.lammps_inputs.planning.plan.Plan`
-    has it.
+@dataclasses.dataclass(frozen=True)
+class Space:
+    """Memory and disk space of a run, as `granwave.lammps_inputs.planning.plan.Plan` has them."""
 
-    Returns
-    -------
-    tuple
-        Memory of the first rank and of each other one, disk space, and disk space that must stay
-        free.
+    first_rank: float
+    other_rank: float
+    idle_rank: float
+    n_analysing: int
+    disk: float
+    disk_reserve: float
+
+
+def analysing_ranks(assembly: Assembly, n_ranks: int) -> int:
+    """Return the number of ranks that take part in the analysis.
+
+    Each of them holds a part of the packing whose size does not depend on their number. Together
+    they may need as much memory as the steps, or `_LEAST_OF_RANK` for each rank.
     """
+    space = max(_of_steps(assembly), n_ranks * _LEAST_OF_RANK)
+    return max(1, min(n_ranks, int(space / _of_part(assembly))))
+
+
+def _of_steps(assembly: Assembly) -> float:
+    """Estimate the memory of all ranks for the packing during the steps, bytes."""
+    case = assembly.case
+    pair = _PAIR + case.has_friction * _ROUGH_PAIR + case.has_partial_slip * _SLIPPING_PAIR
+    stages = _STATIC_STAGE if case.precompression else 1.0
+    return (assembly.n_particles * _SPHERE + assembly.n_neighbours * pair) * stages
+
+
+def _of_part(assembly: Assembly) -> float:
+    """Estimate the memory of a rank for its part of the packing in the analysis, bytes."""
+    n = assembly.n_particles
+    if n <= ANALYSED_AT_ONCE:  # of a small packing snapshots only
+        return n * _ANALYSED_SPHERE
+    nx, ny, _ = assembly.lattice.shape
+    at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
+    return at_once * (_ANALYSED_SPHERE + assembly.n_neighbours / n * _ANALYSED_PAIR)
+
+
+def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
+    """Estimate the space that a run needs, bytes."""
     case = assembly.case
     n = assembly.n_particles
     pairs = assembly.n_neighbours
-    pair = _PAIR + case.has_friction * _ROUGH_PAIR + case.has_partial_slip * _SLIPPING_PAIR
     kept_pair = _CHECKPOINT_PAIR + case.has_partial_slip * _CHECKPOINT_SLIPPING_PAIR
-    steps = (n * _SPHERE + pairs * pair) * (_STATIC_STAGE if case.precompression else 1.0)
-    nx, ny, _ = assembly.lattice.shape
-    at_once = min(n, ANALYSED_AT_ONCE + _LAYERS * nx * ny)
-    analysis = at_once * (_ANALYSED_SPHERE + pairs / n * _ANALYSED_PAIR)
-    shared = (
-        analysis if n > ANALYSED_AT_ONCE else n * _ANALYSED_SPHERE
-    )  # of a small packing snapshots alone
+    of_step = _of_steps(assembly) / n_ranks
+    part = _of_part(assembly)
+    analysis = part
+    if n <= ANALYSED_AT_ONCE:  # the first rank holds a small packing whole
+        analysis = n * _ANALYSED_SPHERE + pairs * _ANALYSED_PAIR
     if n <= MOST_DRAWN:
         analysis = max(analysis, n * _DRAWN)
     scratch = n * _SCRATCH_SPHERE + pairs * _SCRATCH_PAIR if n > ANALYSED_AT_ONCE else 0.0
@@ -110,11 +138,14 @@ def expected_space(
     rows = schedule.n_steps / schedule.ledger_every + schedule.n_steps / schedule.probe_every
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
-    return (
-        2 * _PROGRAM + max(steps / n_ranks, analysis) + assembly.lattice.n_spheres * sites,
-        _PROGRAM + max(steps / n_ranks, shared),
-        n * (_DATA + schedule.n_frames * _FRAME) + pairs * pair_on_disk + rows * _ROW + scratch,
-        n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
+    frames = n * (_DATA + schedule.n_frames * _FRAME)
+    return Space(
+        first_rank=2 * _PROGRAM + max(of_step, analysis) + assembly.lattice.n_spheres * sites,
+        other_rank=_PROGRAM + max(of_step, part),
+        idle_rank=_PROGRAM + of_step,
+        n_analysing=analysing_ranks(assembly, n_ranks),
+        disk=frames + pairs * pair_on_disk + rows * _ROW + scratch,
+        disk_reserve=n * (_FRAME + _CHECKPOINT_SPHERE) + pairs * kept_pair,
     )
 
 

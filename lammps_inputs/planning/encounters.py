@@ -8,11 +8,12 @@ loading:
 * the struck sphere against the n spheres that it rests on, at the angle theta to the impact direction:
   m_eff = m / (1 + n cos^2 theta), v_n = v cos theta (for fcc and hcp n = 3, cos^2 theta = 2/3);
 * a sphere that a rigid plate throws forward at twice its velocity, or the share of a contact in the plate's energy;
-* a sphere against a wall: m_eff = m, v_n = v if lines of contacts carry the pulse there undivided (chain, simple
-  cubic), else v halved with each layer on the way.
+* a sphere against a wall, or against one that is held: m_eff = m, v_n = v if lines of contacts carry the pulse there
+  undivided (chain, simple cubic), else v halved with each layer on the way; a wall that moves counts with the mass of
+  its plate.
 
 If bodies differ, each kind of touching pair is a candidate with the whole energy input, of which a
-pair of masses m1 < m2 takes up at most m2/(m1 + m2). The energy input of a force F is at most that
+pair of masses m1 < m2 takes up at most m2/(m1 + m2), and all of it where one of them is held. The energy input of a force F is at most that
 of its impulse J on a free sphere, J^2/2m, and no contact force exceeds some 2.5 F (2.3 F in a
 Hertzian chain). If there are many diameters, those within 10 % of each other are represented by the
 smallest one, which has the stiffest contact for its mass. Equal spheres with diameter scatter are
@@ -30,6 +31,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import ContactLaw
+from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.contact import NO_FORCE
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material
@@ -38,9 +40,14 @@ from granwave.lammps_inputs.contact.law import Viscous, flat_contact, pair_conta
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
-from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
+from granwave.lammps_inputs.packing.motion import (
+    held_against_load,
+    struck_of,
+    velocities_of,
+)
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.sites import Sites
+from granwave.lammps_inputs.packing.walls import PLATE, backing_of, walls
 from granwave.lammps_inputs.roots import brentq
 
 
@@ -89,6 +96,12 @@ def energy_of_plate(load: Load) -> float:
     return mass * velocity**2 / 2
 
 
+def key_of_plate(load: Load) -> str:
+    """Return the key of a plate on the top, with its mass."""
+    return f"load.mass = {load.mass or 0.0:g} kg"
+
+
+BOTTOM = "boundary.bottom"  # key of a support
 # kinds of spheres that are distinguished; if more, diameters in this ratio count as one
 _MOST_KINDS = 50
 _NEAR = 1.1
@@ -167,7 +180,7 @@ class Encounter:
         Work of loading that the contact takes up, J.
     mass
         Twice the effective mass, kg: the mass of one of two equal spheres, or twice that of a
-        sphere at a wall.
+        sphere at a wall or at one that is held.
     against_wall
         True if there is no second sphere.
     dent
@@ -175,6 +188,9 @@ class Encounter:
         applies.
     loss
         Kind and size of the viscous loss of the contact.
+    body
+        Key of the body behind a wall, and its mass, if it is lighter than the sphere; empty
+        otherwise.
     """
 
     law: ContactLaw
@@ -183,6 +199,7 @@ class Encounter:
     against_wall: bool = False
     dent: float = 0.0
     loss: Viscous | None = None
+    body: str = ""
 
     @cached_property
     def overlap(self) -> float:
@@ -299,57 +316,121 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         halvings = assembly.lattice.n_layers - 1 if rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
         loss = _loss(assembly, assembly.material, None, flat=True)
-        found.append(
-            Encounter(
-                flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss
-            )
+        at_wall = Encounter(
+            flat_contact(assembly, smallest), energy, 2 * mass, against_wall=True, loss=loss
         )
+        behind = _behind(assembly, "bottom", assembly.material)
+        found.append(_with_body(at_wall, behind, BOTTOM))
+    if held := held_against_load(assembly):
+        # the pulse runs through the layers above the last one; other held grains may be next to
+        # the struck one
+        layers = max(assembly.lattice.n_layers - 2, 0)
+        far = rule.set_back and np.isin(held, assembly.lattice.last_layer).all()
+        energy = striking * (velocity * 0.5 ** (layers if far else 0)) ** 2 / 2
+        loss = _loss(assembly, assembly.material, assembly.material)
+        found.append(Encounter(law, energy, 2 * mass, loss=loss))
     return found
+
+
+def _behind(assembly: Assembly, name: str, material: Material) -> Backing | None:
+    """Return what moves behind the wall of this name when grains of a material press it."""
+    wall = next((wall for wall in walls(assembly) if wall.name == name), None)
+    return None if wall is None else backing_of(assembly, wall, material)
+
+
+def _with_body(collision: Encounter, behind: Backing | None, key: str) -> Encounter:
+    """Return a collision with a plane, with the mass of the body behind it, which has this key."""
+    if behind is None or collision.energy <= 0 or collision.law.name == NO_FORCE:
+        return collision
+    try:
+        stiffness = collision.stiffness
+    except (ArithmeticError, ValueError):  # `some_encounters` names it
+        return collision
+    if not 0 < stiffness < math.inf:
+        return collision
+    sphere = collision.mass / 2
+    body = behind.moved_mass(sphere, stiffness)
+    return dataclasses.replace(
+        collision, mass=2 * sphere / (1 + sphere / body), body=key if body < sphere else ""
+    )
 
 
 def _of_any(assembly: Assembly) -> list[Encounter]:
     """Return a collision with the whole energy input for each kind of touching pair."""
-    case = assembly.case
-    boundary = assembly.case.boundary
-    lattice = assembly.lattice
+    collisions = _of_pairs(assembly)
     energy = expected_energy(assembly)
-    found = []
+    for sphere, material, behind, key in _flats(assembly):
+        law = flat_contact(assembly, sphere, material)
+        mass = 2 * assembly.mass_of(sphere)
+        loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
+        taken = _limited(assembly, law, energy)
+        at_flat = Encounter(law, taken, mass, against_wall=True, loss=loss)
+        collisions.append(_with_body(at_flat, behind, key))
+    return collisions
+
+
+def _of_pairs(assembly: Assembly) -> list[Encounter]:
+    """Return a collision for each kind of touching pair, and for those with a grain that is held."""
+    energy = expected_energy(assembly)
+    of, _ = kinds_of_grains(assembly.sites)
+    held = held_against_load(assembly)
+    kinds = set(of[np.array(held, dtype=np.int64) - 1].tolist())
+
+    def may_be_held(grain: int) -> bool:
+        return grain <= len(of) and int(of[grain - 1]) in kinds
+
+    collisions = []
     for first, second in kinds_of_pairs(assembly):
         masses = assembly.mass_of(first), assembly.mass_of(second)
         law = pair_contact(assembly, first, second)
-        effective = math.prod(masses) / sum(masses)
-        taken = _limited(assembly, law, energy * max(masses) / sum(masses))
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
-        found.append(Encounter(law, taken, 2 * effective, loss=loss))
+        share = max(masses) / sum(masses)
+        effective = math.prod(masses) / sum(masses)
+        collisions.append(
+            Encounter(law, _limited(assembly, law, energy * share), 2 * effective, loss=loss)
+        )
+        for mass, partner in zip(masses, (second, first), strict=True):
+            if may_be_held(partner):
+                collisions.append(
+                    Encounter(law, _limited(assembly, law, energy), 2 * mass, loss=loss)
+                )
+    return collisions
+
+
+def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | None, str]]:
+    """Return a grain for each kind that may meet a flat: its id, the material of the flat, and the
+    body behind it with its key.
+    """
+    case = assembly.case
+    boundary = assembly.case.boundary
+    lattice = assembly.lattice
     of, example = kinds_of_grains(assembly.sites)
-    flats: list[tuple[int, Material | None]] = [
-        (bar.touches, bar.material) for bar in assembly.bars
+    flats: list[tuple[int, Material | None, Backing | None, str]] = [
+        (bar.touches, bar.material, bar.backing, f"{bar.name}.length") for bar in assembly.bars
     ]
     if case.load.plate is not None:
-        flats += [(int(lattice.top_layer[0]), None)]
+        grain = int(lattice.top_layer[0])
+        behind = _behind(assembly, PLATE, assembly.material_of(grain))
+        flats.append((grain, None, behind, key_of_plate(case.load)))
     if boundary.bottom == "wall":
         there = np.unique(of[lattice.last_layer - 1])
         flats += [
-            (sphere, boundary.bottom_material) for sphere in example[there[there >= 0]].tolist()
+            (
+                sphere,
+                boundary.bottom_material,
+                _behind(assembly, "bottom", assembly.material_of(sphere)),
+                BOTTOM,
+            )
+            for sphere in example[there[there >= 0]].tolist()
         ]
     aside = any(case.load.way[:2])
     if (assembly.has_cylinders or aside) and any(boundary.has_planes(axis) for axis in "xy"):
         grains = [grain for grain in example.tolist() if aside or assembly.shape_of(grain)]
-        flats += [(grain, boundary.sides_material) for grain in grains]
+        flats += [(grain, boundary.sides_material, None, "") for grain in grains]
     held = [n for n, (one, _) in enumerate(assembly.strikers, lattice.n_spheres + 1) if one.walls]
-    flats += [
-        (n, material)
-        for n in held
-        for material in (boundary.bottom_material, boundary.sides_material)
-    ]
-    for sphere, material in flats:
-        law = flat_contact(assembly, sphere, material)
-        mass = 2 * assembly.mass_of(sphere)
-        loss = _loss(assembly, assembly.material_of(sphere), material, flat=True)
-        found.append(
-            Encounter(law, _limited(assembly, law, energy), mass, against_wall=True, loss=loss)
-        )
-    return found
+    for material in (boundary.bottom_material, boundary.sides_material):
+        flats += [(n, material, None, "") for n in held]
+    return flats
 
 
 def _loss(

@@ -40,7 +40,11 @@ class Plan:
     first_rank
         Memory of the first rank, which also writes the deck and puts the results together, bytes.
     other_rank
-        Memory of each other rank, which makes parts of the results in the analysis, bytes.
+        Memory of each other rank that makes parts of the results in the analysis, bytes.
+    idle_rank
+        Memory of each rank that takes no part in the analysis, bytes.
+    n_analysing
+        Number of ranks that take part in the analysis, the first included.
     disk
         Disk space, bytes.
     disk_reserve
@@ -66,6 +70,8 @@ class Plan:
     n_ranks: int
     first_rank: float
     other_rank: float
+    idle_rank: float
+    n_analysing: int
     disk: float
     disk_reserve: float
     peak_overlap: float
@@ -100,13 +106,21 @@ class Plan:
 
     @property
     def allowed(self) -> float:
-        """Longest first timestep that a kind of collision would allow alone, s."""
-        return max((limit.step for limit in self.limits if limit.of_contact), default=math.nan)
+        """Longest first timestep that a kind of contact of two grains would allow alone, s; of
+        contacts with walls where there are no others.
+
+        The pulse that reaches a wall is weaker in a larger packing, so that contacts with walls
+        would allow any timestep.
+        """
+        of_contacts = [limit for limit in self.limits if limit.of_contact]
+        of_grains = [limit.step for limit in of_contacts if not limit.against_wall]
+        return max(of_grains or [limit.step for limit in of_contacts], default=math.nan)
 
     @property
     def memory(self) -> float:
         """Memory of all ranks together, bytes."""
-        return self.first_rank + (self.n_ranks - 1) * self.other_rank
+        idle = (self.n_ranks - self.n_analysing) * self.idle_rank
+        return self.first_rank + (self.n_analysing - 1) * self.other_rank + idle
 
     @property
     def wall_time(self) -> float:
@@ -143,17 +157,15 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
             "they all in SI units (70 GPa is 70e9)?"
         ) from None
     _note_times(case, schedule)
-    first, other, disk, reserve = cost.expected_space(assembly, schedule, n_ranks)
+    _note_gaps(assembly)
+    space = cost.expected_space(assembly, schedule, n_ranks)
     return Plan(
         name=case.name,
         n_spheres=assembly.n_spheres,
         n_contacts=assembly.n_contacts,
         schedule=schedule,
         n_ranks=n_ranks,
-        first_rank=first,
-        other_rank=other,
-        disk=disk,
-        disk_reserve=reserve,
+        **dataclasses.asdict(space),
         peak_overlap=overlap,
         peak_overlap_yield=overlap / law.yield_overlap if case.contact.yields else None,
         peak_overlap_radius=overlap / law.effective_radius,
@@ -184,6 +196,30 @@ def _refuse_endless(case: Case) -> None:
         )
 
 
+_NEAREST = 6  # neighbours of a grain among which the closest surfaces are looked for
+
+
+def _note_gaps(assembly: Assembly) -> None:
+    """Log a warning about grains of a file of which no two touch."""
+    case = assembly.case
+    if case.packing.grains is None or assembly.n_spheres < 2 or assembly.n_contacts:
+        return
+    from scipy.spatial import KDTree  # takes longer to load than most plans
+
+    position = case.packing.grains.position
+    radius = case.packing.grains.diameter / 2
+    n_near = min(_NEAREST + 1, len(position))
+    distance, near = KDTree(position).query(position, n_near)
+    gap = float((distance - radius[near] - radius[:, None])[:, 1:].min())
+    _LOG.warning(
+        "%s: packing: no two grains touch at the start, the closest are %.3g m apart, %.3g of the "
+        "smallest diameter; were coordinates rounded, or are units mixed?",
+        case.name,
+        gap,
+        gap / (2 * float(radius.min())),
+    )
+
+
 def _note_times(case: Case, schedule: Schedule) -> None:
     """Log warnings about a timestep that is far too long, and a probe interval shorter than the
     timestep.
@@ -202,36 +238,33 @@ def _note_times(case: Case, schedule: Schedule) -> None:
         _LOG.warning(text, case.name, interval, schedule.first_timestep)
 
 
-def check_run(
-    case: Case,
-    expected: Plan,
-    directory: Path | None = None,
-    *,
-    files: bool = True,
-    memory: bool = True,
-) -> None:
-    """Check that the machine can run a case: the files that it names, memory, and disk space.
+def check_files(case: Case) -> None:
+    """Check the files that a run reads besides its case.
+
+    Raises
+    ------
+    InputError
+        The earlier result with its indentations cannot be read, or is of another packing.
+    """
+    earlier = earlier_result(case)
+    if earlier is not None:
+        dents_of_result(assemble(case), earlier)
+
+
+def afford(expected: Plan, directory: Path | None = None) -> None:
+    """Check that this machine has the memory and the disk space of a run.
 
     Parameters
     ----------
     directory
         Directory of the results; None: the disk space is not checked.
-    files
-        True to check the files that the case names.
-    memory
-        True to check the memory of this machine.
 
     Raises
     ------
     InputError
-        The run cannot be made; the message lists all faults.
+        It has not; the message lists all faults.
     """
-    earlier = earlier_result(case)
-    checks = list[Callable[[], object]]()
-    if files and earlier is not None:
-        checks.append(lambda: dents_of_result(assemble(case), earlier))
-    if memory:
-        checks.append(lambda: check_memory(expected))
+    checks: list[Callable[[], object]] = [lambda: check_memory(expected)]
     if directory is not None:
         checks.append(lambda: check_disk(directory, expected.disk, spare=expected.disk_reserve))
     raise_all(checks)

@@ -16,10 +16,11 @@ import math
 import numpy as np
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import AUTO_END_TIME, DEFAULT_FRAMES, FRAMES_OF_A_FILM
+from granwave.lammps_inputs.case.run import AUTO, AUTO_END_TIME
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import chain_history, line_history
+from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.timestep import (
     Limit,
     auto_timestep,
@@ -42,6 +43,10 @@ MOST_STEPS = 2e9
 # each snapshot evaluates a formula with a term for each of them: 40 s in total
 _MOST_UNEVEN_FRAMES = 10_000
 _AUTO_FRAME_SPAN = 1e-3  # s, time over which `frames` snapshots are spread if the end is not known
+# of run.frames = "auto": part of the intervals until the wave is at the bottom, and the time of
+# that over the expected arrival
+_DENSE_PART = 2 / 3
+_DENSE_UNTIL = 1.1
 
 
 @dataclasses.dataclass(frozen=True)
@@ -116,6 +121,12 @@ class Schedule:
         """Number of snapshots of a run that reaches its last step, including the start."""
         return 1 + (len(self.frame_steps) or math.ceil(self.n_steps / self.frame_every))
 
+    def n_frames_until(self, time: float) -> int:
+        """Return the number of snapshots until a time, s, including the start."""
+        if self.frame_every:
+            return min(self.n_frames, 1 + math.floor(time / (self.frame_every * self.timestep)))
+        return 1 + sum(step * self.timestep <= time for step in self.frame_steps)
+
 
 def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Schedule:
     """Make the schedule of a case.
@@ -159,22 +170,9 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
             every for every in range(1, max(1, most // per_first) + 1) if in_block % every == 0
         )
 
-    gaps = max(1, run.frames - 1) if isinstance(run.frames, int) else 0
-    between = n_units // gaps if gaps and run.frames != 1 and n_units % gaps == 0 else 0
-    if in_blocks and isinstance(run.frames, int):
-        between = units(_AUTO_FRAME_SPAN / run.frames)
-    _check_counts(case, max(1, round(span / length * per_first)), even=between > 0)
-    frame_every = unit * between
-    frame_steps = tuple[int, ...]()
-    if not between:
-        wanted = unit * np.rint(np.linspace(0, n_units, gaps + 1 if gaps > 1 else 2))
-        if isinstance(run.frames, tuple):
-            wanted = np.rint(np.array(run.frame_times) / tick)
-        chosen = np.union1d(np.minimum(wanted, unit * n_units).astype(np.int64), [unit * n_units])
-        frame_steps = tuple(chosen[chosen > 0].tolist())
-        if frame_steps == tuple(range(frame_steps[0], unit * n_units + 1, frame_steps[0])):
-            frame_every = frame_steps[0]
-            frame_steps = ()
+    frame_every, frame_steps = _frames(
+        assembly, tick, unit, n_units, round(span / length * per_first)
+    )
     interval = output.probe_interval
     instants = chain_history(assembly)
     return Schedule(
@@ -193,6 +191,71 @@ def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Sched
         longest_step=unit,
         energy_tolerance=run.energy_tolerance if isinstance(fixed, str) else 0.0,
     )
+
+
+def _frames(
+    assembly: Assembly, tick: float, unit: int, n_units: int, n_steps: int
+) -> tuple[int, tuple[int, ...]]:
+    """Return the counts between snapshots if they are evenly spaced, else 0 and those at each after
+    the first.
+
+    Parameters
+    ----------
+    tick
+        Time of a count, s.
+    unit
+        Counts that records are multiples of.
+    n_units
+        Units of the run, or the most that there can be.
+    n_steps
+        First timesteps over which snapshots are spread.
+    """
+    run = assembly.case.run
+    in_blocks = isinstance(run.end_time, str)
+    length = unit * tick
+    last = unit * n_units
+    dense = _dense_times(assembly)
+    gaps = 0 if isinstance(run.frames, tuple) or dense else max(1, assembly.case.n_frames - 1)
+    between = n_units // gaps if gaps and assembly.case.n_frames != 1 and n_units % gaps == 0 else 0
+    if in_blocks and gaps:
+        between = max(1, round(_AUTO_FRAME_SPAN / assembly.case.n_frames / length))
+    _check_counts(assembly.case, max(1, n_steps), even=between > 0)
+    if between:
+        return unit * between, ()
+    if isinstance(run.frames, tuple):
+        wanted = np.rint(np.array(run.frame_times) / tick)
+    elif dense:
+        wanted = unit * np.rint(np.array(dense) / length)
+    else:
+        wanted = unit * np.rint(np.linspace(0, n_units, gaps + 1 if gaps > 1 else 2))
+    chosen = np.union1d(np.minimum(wanted, last).astype(np.int64), [last])
+    steps = tuple(chosen[chosen > 0].tolist())
+    if steps == tuple(range(steps[0], last + 1, steps[0])):
+        return steps[0], ()
+    return 0, steps
+
+
+def _dense_times(assembly: Assembly) -> tuple[float, ...]:
+    """Return the times of the snapshots of ``run.frames = "auto"``, s, two thirds of them until the
+    wave is at the bottom; empty where they are evenly spaced.
+
+    They are so where the arrival is not known, or two thirds of an even spread come no later.
+    """
+    run = assembly.case.run
+    if run.frames != AUTO:
+        return ()
+    in_blocks = isinstance(run.end_time, str)
+    span = _AUTO_FRAME_SPAN if in_blocks else run.longest
+    gaps = assembly.case.n_frames - 1
+    dense = round(_DENSE_PART * gaps)
+    arrival = expected_arrival(assembly)
+    if arrival is None or _DENSE_UNTIL * arrival >= span * dense / gaps:
+        return ()
+    until = _DENSE_UNTIL * arrival
+    sparse = (span - until) / (gaps - dense)
+    later = math.floor((run.longest - until) / sparse * (1 + 1e-9))
+    before = np.linspace(0.0, until, dense + 1)
+    return (*before.tolist(), *(until + sparse * np.arange(1, later + 1)).tolist())
 
 
 def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, int, int, int, int]:
@@ -236,7 +299,9 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
     span = _AUTO_FRAME_SPAN if isinstance(run.end_time, str) else run.longest
     intervals = [duration / rows]
     intervals += [_WALL_STEPS * first]
-    intervals += [span / max(1, run.frames - 1)] if isinstance(run.frames, int) else []
+    if not isinstance(run.frames, tuple):
+        times = _dense_times(assembly)
+        intervals.append(times[1] if times else span / max(1, case.n_frames - 1))
     probes = case.output.probe_interval
     given = None if isinstance(probes, str) or not case.probes else probes
     intervals += [given or _AUTO_PROBE_STEPS * first] if case.probes else []
@@ -294,15 +359,13 @@ def _check_counts(case: Case, n_steps: int, *, even: bool) -> None:
     frames = case.run.frames
     history = case.output.history
     errors = []
-    count = frames if isinstance(frames, int) else len(frames)
     each_step = f"expected at most {n_steps + 1}: one at the start, one a step"
-    default = DEFAULT_FRAMES if case.figures.film == "none" else FRAMES_OF_A_FILM
-    if isinstance(frames, int) and frames > max(n_steps + 1, default):
+    if isinstance(frames, int) and frames > max(n_steps + 1, case.n_auto_frames):
         errors.append(f"run.frames: found {frames}, {each_step}")
-    elif count > _MOST_UNEVEN_FRAMES and not even:
+    elif frames != AUTO and case.n_frames > _MOST_UNEVEN_FRAMES and not even:
         errors.append(
-            f"run.frames: found {count}, expected at most {_MOST_UNEVEN_FRAMES} where they do not divide the {n_steps} "
-            "steps evenly; output.probes and output.history record more often"
+            f"run.frames: found {case.n_frames}, expected at most {_MOST_UNEVEN_FRAMES} where they do not divide the "
+            f"{n_steps} steps evenly; output.probes and output.history record more often"
         )
     if isinstance(history, int) and history > n_steps + 1:
         errors.append(f"output.history: found {history}, {each_step}")

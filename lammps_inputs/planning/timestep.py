@@ -39,7 +39,12 @@ from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.walls import support_timestep
-from granwave.lammps_inputs.planning.encounters import encounters, some_encounters
+from granwave.lammps_inputs.planning.encounters import (
+    BOTTOM,
+    encounters,
+    key_of_plate,
+    some_encounters,
+)
 
 _TOLERANCE = 1e-6  # error of the energy balance at any instant over the energy input
 _ERROR = 0.135  # c above, upper end of its range in fcc packings
@@ -48,6 +53,12 @@ _OF_COHESION = 0.5  # surfaces that jump together move fast at first
 # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
 _OF_VISCOUS_DECAY = 0.1
 
+# of bodies behind walls, by their keys
+_REMEDIES = {
+    BOTTOM: "a heavier or softer support",
+    "bar.length": "a longer bar",
+    "incident_bar.length": "a longer bar",
+}
 _OF_LOAD = 0.01  # timestep over the duration or period of a load
 # same for a load on a bar, whose energy balance has an error of some (pi dt/T)^2
 _OF_LOAD_ON_BAR = 5e-4
@@ -95,12 +106,15 @@ class Limit:
         What would leave a longer timestep.
     of_contact
         True for the bound by a kind of collision.
+    against_wall
+        True for a collision with a wall.
     """
 
     step: float
     cause: str
     remedy: str
     of_contact: bool = False
+    against_wall: bool = False
 
 
 def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[Limit]:
@@ -120,7 +134,11 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
             f"a contact of R* = {one.law.effective_radius:.3g} m and a mass of {one.mass:.3g} kg"
         )
         step = factor * math.sqrt(one.mass / one.stiffness)
-        found.append(Limit(step, cause, "larger grains there", of_contact=True))
+        remedy = _REMEDIES.get(one.body, "a heavier plate") if one.body else "larger grains there"
+        step_of_contact = Limit(
+            step, one.body or cause, remedy, of_contact=True, against_wall=one.against_wall
+        )
+        found.append(step_of_contact)
     for law, mass in cohesive_laws(
         assembly
     ):  # stiffness 2 E* a of the circle of contact without force
@@ -178,15 +196,11 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
     for bar in assembly.bars:
         step = BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed
         limits.append(Limit(step, f"{bar.name}.elements", "fewer elements"))
-    limits.append(
-        Limit(
-            support_timestep(assembly, stiffness), "boundary.bottom", "a heavier or softer support"
-        )
-    )
+    limits.append(Limit(support_timestep(assembly, stiffness), BOTTOM, _REMEDIES[BOTTOM]))
     if case.load.plate is not None:
         on_plate = len(assembly.lattice.top_layer) * stiffness
         step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
-        limits.append(Limit(step, f"load.mass = {case.load.plate[0]:g} kg", "a heavier plate"))
+        limits.append(Limit(step, key_of_plate(case.load), "a heavier plate"))
     return limits
 
 

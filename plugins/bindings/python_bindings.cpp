@@ -234,6 +234,12 @@ class Contact {
     if (scaled.cohesive()) return sticking(overlap, peak).energy;
     return scaled.elastic_energy(overlap, history(std::max(peak, overlap)));
   }
+  double force_error(double overlap, double peak) const
+  {
+    const double now = std::max(overlap, 0.0);
+    return scaled.force_error(now, history(std::max(peak, now)));
+  }
+  double restitution_error(double peak) const { return scaled.restitution_error(history(peak)); }
   double dissipated_energy(double peak) const { return scaled.dissipated_energy(history(peak)); }
   double residual_overlap(double peak) const { return scaled.residual_overlap(history(peak)); }
   double unloading_exponent(double peak) const { return scaled.unloading_exponent(history(peak)); }
@@ -428,10 +434,17 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,
                     "largest overlap that leaves no dent, in alpha_y; infinite: it never yields")
       .def_readonly("fitted", &LawEntry::fitted, "True for a fit, valid to overlaps of 0.2 R*")
+      .def_readonly("states_error", &LawEntry::states_error, "True if the law states error bars of its own")
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
       .def_property_readonly("is_power", &LawEntry::is_power,
                              "True for a power of the overlap, or no force at all, whatever the radii")
       .def_property_readonly("options", &option_names, "names of its options, of variant, yield_factor, beta and constants");
+  using Fe = ElastoplasticFe;
+  py::dict range;
+  range["poisson_ratio"] = std::pair(0.0, Fe::LARGEST_POISSON);
+  range["modulus_over_strength"] = std::pair(Fe::LEAST_RATIO, Fe::LARGEST_RATIO);
+  range["hardening"] = std::pair(0.0, Fe::LARGEST_HARDENING);
+  module.attr("FE_RANGE") = range;
   py::dict laws;
   for (const LawEntry &entry : law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
   module.attr("LAWS") = laws;
@@ -479,6 +492,10 @@ PYBIND11_MODULE(_contact_laws, module)
                              "share of the dissipated energy that belongs to the first body")
       .def("force", py::vectorize(&Contact::force), overlap, peak,
            "Force at an overlap when the largest so far was peak_overlap, N.")
+      .def("force_error", py::vectorize(&Contact::force_error), overlap, peak,
+           "Error bar of that force, N, that the law states for itself; NaN where it states none.")
+      .def("restitution_error", py::vectorize(&Contact::restitution_error), peak,
+           "Error bar of the coefficient of restitution of a collision with this largest overlap; NaN if there is none.")
       .def("loading_force", py::vectorize(&Contact::loading_force), overlap, "Force of first loading, N.")
       .def("loading_work", py::vectorize(&Contact::loading_work), overlap, "Work of first loading from zero, J.")
       .def("elastic_energy", py::vectorize(&Contact::elastic_energy), overlap, peak,

@@ -11,6 +11,7 @@
 #ifndef GRANWAVE_CONTACT_HISTORY_H
 #define GRANWAVE_CONTACT_HISTORY_H
 
+#include "front.h"
 #include "tangential.h"
 
 #include <cstdint>
@@ -23,7 +24,8 @@ namespace granwave {
 /* Largest overlap of a contact, in length units, and its times; -1 = never. */
 struct Dent {
   double peak = 0.0;
-  double time_first = -1.0, time_peak = -1.0, time_yield = -1.0;
+  Front front;    // of the overlap
+  double time_peak = -1.0, time_yield = -1.0;
 };
 
 /* Replace a time by another one if that is earlier; -1 = never. */
@@ -33,7 +35,7 @@ inline void earliest(double &time, double other)
 }
 
 struct ContactRecord {
-  static constexpr int SIZE = 8;    // number of doubles in messages and restart files, where it stands as it is
+  static constexpr int SIZE = 10;    // number of doubles in messages and restart files, where it stands as it is
 
   std::int64_t partner;          // ID of the other sphere
   std::int64_t partner_birth;    // and its birth, for another sphere may get the ID of one that was deleted

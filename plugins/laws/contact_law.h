@@ -108,6 +108,10 @@ class ContactLaw {
     constexpr double STEP = 1e-5;    // relative
     return (area(a + STEP * a, site) - area(a - STEP * a, site)) / (2.0 * STEP * a);
   }
+  ErrorBar error_bar(double peak, const Site &site) const
+  {
+    return with([&](const auto &law) { return law.error_bar(peak, site); });
+  }
   bool update(double a, double peak, double rate, const Site &site, double *extra) const
   {
     return with([&](const auto &law) { return law.update(a, peak, rate, site, extra); });
@@ -234,6 +238,21 @@ class ScaledLaw {
     return yielded(overlap) ? loading_beyond_yield(overlap, extra) : elastic_force(overlap);
   }
 
+  /* Overlap at which the force was a part of that at a larger one, on the way up; below an initial dent on its reloading curve. */
+  double overlap_at_part(double overlap, double part, const double *extra, const LawHistory &initial) const
+  {
+    const bool dented = yielded(initial.peak);
+    if (!dented && !yielded(overlap) && is_hertzian()) return overlap * std::cbrt(part * part);
+    const Turning dent = dented ? turning(initial) : Turning{};
+    const double highest = dented && overlap < initial.peak ? unloading(overlap, dent) : loading_force(overlap, extra);
+    const double wanted = part * highest;
+    if (dented && wanted < peak_force(dent)) {
+      const double elongation = std::pow(wanted / peak_force(dent), 1.0 / dent.exponent);
+      return std::min(overlap, overlap_ * (dent.residual + (dent.peak - dent.residual) * elongation));
+    }
+    return overlap_on_loading(wanted, overlap, highest, extra);
+  }
+
   double loading_work(double overlap, const double *extra) const
   {
     if (overlap <= 0.0) return 0.0;
@@ -339,6 +358,25 @@ class ScaledLaw {
   double residual_overlap(const LawHistory &h) const { return yielded(h.peak) ? overlap_ * turning(h).residual : 0.0; }
   double unloading_exponent(const LawHistory &h) const { return yielded(h.peak) ? turning(h).exponent : 1.5; }
 
+  /* Error bar of the force that the law states, not a number where it states none: below the peak that of the peak force plus
+     that of the unloading curve. */
+  double force_error(double overlap, const LawHistory &h) const
+  {
+    if (elastic_ || cohesive()) return NAN;
+    const double peak = std::max(overlap, h.peak);
+    const ErrorBar bar = law_->error_bar(normalised(peak), site(h.extra));
+    const double of_peak = overlap < h.peak ? bar.unloading * peak_force(h) : 0.0;
+    return of_peak + bar.force * std::abs(force(overlap, h));
+  }
+
+  /* Error bar of the coefficient of restitution of a collision with this peak, absolute. */
+  double restitution_error(const LawHistory &h) const
+  {
+    if (elastic_ || cohesive()) return NAN;
+    const double work = loading_work(h.peak, h.extra), lost = dissipated_energy(h);
+    return law_->error_bar(normalised(h.peak), site(h.extra)).restitution * std::sqrt(std::max(0.0, 1.0 - lost / work));
+  }
+
   /* Slope of the force over the overlap, on loading at the peak and below it on unloading: the tangent stiffness. */
   double tangent_stiffness(double overlap, const LawHistory &h) const
   {
@@ -385,6 +423,25 @@ class ScaledLaw {
   CohesionKind cohesion_ = CohesionKind::NONE;
   double pull_per_length_ = 0.0;    // of DMT: pull over the slope of the squared radius of the contact circle
   Neck neck_;
+
+  /* Overlap of a force on the loading curve below a known point, by secants in logarithms: exact for a power law. */
+  double overlap_on_loading(double wanted, double overlap, double force, const double *extra) const
+  {
+    constexpr int SECANTS = 4;
+    constexpr double USUAL_EXPONENT = 1.25;
+    double before = std::log(overlap), log_before = std::log(force);
+    double place = before + std::log(wanted / force) / USUAL_EXPONENT;
+    for (int n = 0; n < SECANTS; n++) {
+      const double log_force = std::log(loading_force(std::exp(place), extra));
+      const double slope = (log_force - log_before) / (place - before);
+      before = place;
+      log_before = log_force;
+      const double change = (std::log(wanted) - log_force) / slope;
+      if (!std::isfinite(change) || change == 0.0) break;
+      place += change;
+    }
+    return std::min(std::exp(place), overlap);
+  }
 
   double pull_of(bool loads, double overlap, const Turning *turning) const    // no rate with cohesion: no history
   {

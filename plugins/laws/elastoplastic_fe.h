@@ -7,15 +7,24 @@
                     f = a^1.5 (1 + ks s (sqrt(d) - sqrt(d_y)))/(1 + D)                            a > 1
                     D = t K (b + (c - b)/(1 + t/tc)),  K = 1/(1 + (t0/t)^tk)                      from elastic to plastic
                     b = (2/3) C/(P (G + H)),  c = c0 W/(1 + hc H)                                 f -> a/b: fully plastic
-                    G = 0.05 + 0.95/(1 + g^gq + fl g^2)                                           flattening
-                    H = h1 r d^h2 (1 + hg g) ...,  r = eta^h3,  h = H/(1 + H)                     hardening
-                    a straight line from d = 0.2 on, where there are no finite elements           d > 0.2
+                    G = 0.05 + 0.95/(1 + g^gq + fl g^2),  g = d phi ...                           flattening
+                    H = h1 r (d w)^h2 (1 + hg g) ...,  r = eta^h3,  h = H/(1 + H)                 hardening
+                    a straight line from d w = 0.2 on, where there are no finite elements
        residual     a_R = a_max - B f_max^(2/3),  ln B a sum of terms that vanish at yield
        unloading    exponent n, 1.5 at yield
 
    P, the mean pressure times the contact area over pi R* alpha sigma_y, is 2.8 to 3 times 2.7. Body A is the one that yields
-   first: of like yield strengths the smaller one. s_A = R* / R_A is its share of the relative curvature; p the share of
-   body A in the plastic deformation; eta = E h/((1 - h) sigma_y), with the tangent modulus h E. */
+   first: of like yield strengths the smaller one. s_A = R* / R_A is its share of the relative curvature; p_A its share in the
+   plastic deformation; c_A its share in the elastic compliance; eta = E h/((1 - h) sigma_y), with the tangent modulus h E.
+
+   A sphere on a rigid flat at overlap alpha is half a pair of equal spheres at 2 alpha: the force is the same, the energy half.
+   The law has this symmetry, since it is composed of the bodies' own overlaps p_i alpha over their own radii R* / p_i, that is
+
+       w = sum p_i^3        phi = q0 w + (1 - q0) sum p_i^3 (s_i/p_i)^q1        s = sum c_i s_i
+
+   All of them are 1 on a rigid flat, and 1/4, 1/4 and 1/2 for a pair, whose d is four times as large. What else depends on the
+   two bodies vanishes for these: u = 1 - c_A where A alone yields (gradually more as B is stronger), v = (s_A - s_B)^2 where the strengths are alike, and
+   z = 1 - s_A where they are not. */
 
 #ifndef GRANWAVE_ELASTOPLASTIC_FE_H
 #define GRANWAVE_ELASTOPLASTIC_FE_H
@@ -48,16 +57,22 @@ class ElastoplasticFe : public NormalLaw {
     compliance_a_ = softness(a) / (softness(a) + softness(b));
     rate_a_ = rate(a);
     rate_b_ = rate(b);
-    stronger_ = std::isfinite(b.yield_strength) ? STRENGTH * logarithm(b.yield_strength / a.yield_strength) : LARGE;
-    const double ps = logistic(stronger_), even = 4.0 * ps * (1.0 - ps);
-    const double yielding = ps * compliance_a_ + (1.0 - ps) * (1.0 - compliance_a_);
     nu_ = a.poisson_ratio - 0.3;
+    const bool both_yield = std::isfinite(b.yield_strength);
+    const double stronger = both_yield ? logarithm(b.yield_strength / a.yield_strength) : LARGE;
+    stronger_ = both_yield ? STRENGTH * stronger : LARGE;
+    const double ps = logistic(stronger_), pu = logistic(both_yield ? c_.st * exponential(c_.stn * nu_) * stronger : LARGE);
+    alike_ = 4.0 * ps * (1.0 - ps);
+    const double u = (1.0 - 4.0 * pu * (1.0 - pu)) * (1.0 - pu * compliance_a_ - (1.0 - pu) * (1.0 - compliance_a_));
     pressure_ = 2.0 / 3.0 * yield_pressure(m1, m2) / a.yield_strength;
-    knee_ = c_.c0 * exponential(c_.cn * nu_) * power(1.0 - (1.0 - even) * (1.0 - yielding), c_.cw);
-    start_ = c_.t0 * exponential(c_.te * (1.0 - even));
+    knee_ = c_.c0 * exponential(c_.cn * nu_) * power(1.0 - u, c_.cw);
+    knee_width_ = c_.tc * exponential(c_.tcn * nu_);
+    start_ = c_.t0 * exponential(c_.te * u);
     steep_ = c_.tk * exponential(c_.tkn * nu_);
-    limit_ = c_.p0 * (1.0 + c_.pe * (1.0 - even) * (1.0 - yielding));
-    alike_ = even;
+    flat_ = exponential(c_.gu * u) / c_.gk;
+    unlike_ = u;
+    in_range_ = compliance_a_ >= LEAST_COMPLIANCE && is_fitted(a) && (alike_ < NOT_ALIKE || is_fitted(b));
+    equal_ = shape(0.5, 0.5);
   }
 
   /* Contact pressure at first yield over the yield strength; exact for 0 <= nu <= 0.5 to 1e-8. */
@@ -136,52 +151,118 @@ class ElastoplasticFe : public NormalLaw {
     return radius * radius;
   }
 
+  /* The error bars of the fit; none outside its range, and 0 before yield, where the law is Hertz's. */
+  ErrorBar error_bar(double peak, const Site &site) const
+  {
+    if (!in_range_ || (!same_ && share_of_a(site) < LEAST_SHARE)) return {};
+    if (peak <= 1.0) return {0.0, 0.0, 0.0};
+    if (peak * overlap_per_radius_ * reach(shape(site)) > DEEPEST) return {};
+    const auto &bars = FE_BARS[is_mirrored(site) ? 0 : 1];
+    const FeBar *bar = bars;
+    for (const FeBar &each : bars)
+      if (peak >= each.from) bar = &each;
+    return {bar->force, bar->unloading, bar->restitution};
+  }
+
+  /* Range of the finite elements: Poisson's ratio, Young's modulus over yield strength, hardening. */
+  static constexpr double LARGEST_POISSON = 0.45, LEAST_RATIO = 50.0, LARGEST_RATIO = 1000.0, LARGEST_HARDENING = 0.1;
+
  private:
   static constexpr double STRENGTH = 40.0, LARGE = 40.0;    // sharpness of the logistic function, and its largest argument
   static constexpr double FLAT = 0.05;                      // of G at any depth, so that the force rises
-  static constexpr double STRAIN = 0.1;     // mean plastic strain over sqrt(d), for the hardening of unloading
-  static constexpr double DEEPEST = 0.2;    // overlap over R* of the finite elements
+  static constexpr double STRAIN = 0.2;     // mean plastic strain over sqrt(d w), for the hardening of unloading
+  static constexpr double DEEPEST = 0.2;    // own overlap over own radius, of the finite elements
   static constexpr double STIFFER = 1.2;    // of a sphere with a large contact than of a half-space
+  static constexpr double SECANT = 2e-3;    // of the straight line beyond, over its start
   static constexpr double FIRST_PANEL = 0.125, LEAST = 1e-9, STEEPEST = 1.05;
-
-  FeConstants c_;
-  double overlap_per_radius_, compliance_a_, rate_a_, rate_b_, stronger_, nu_, pressure_, knee_, start_, steep_, limit_,
-      alike_;
-  bool swapped_, same_;
+  static constexpr double FLATTEST = 0.01;    // share of a flat in the relative curvature: radii beyond 99:1 count as flats
+  static constexpr double LEAST_PART = 1e-12, EVEN = 1e-12, NOT_ALIKE = 1e-6;
+  static constexpr double UNEVEN = 0.02;    // of v, from which on the finite elements end at 0.2 R* as those of a flat do
+  static constexpr double MIRRORED =
+      0.05;    // scatter of radii, or compliance of the flat, up to which a contact is mirrored
+  static constexpr double LEAST_COMPLIANCE = 0.33, LEAST_SHARE = 0.09, ROUNDING = 1e-9;    // range of the finite elements
 
   /* What follows from the radii. */
   struct Shape {
-    double stiff, curved, flat, knee, eta, rate, hard;
+    double stiff, own, curved, flat, knee, fall, bend, eta, rate, hard, harder, power, soft, uneven;
   };
+
+  FeConstants c_;
+  double overlap_per_radius_, compliance_a_, rate_a_, rate_b_, stronger_, nu_, pressure_, knee_, knee_width_, start_, steep_,
+      flat_, unlike_, alike_;
+  bool swapped_, same_, in_range_;
+  Shape equal_;    // of equal radii
 
   static double logistic(double y) { return 1.0 / (1.0 + exponential(-std::min(std::max(y, -LARGE), LARGE))); }
 
+  static bool is_fitted(const Material &m)
+  {
+    const double ratio = m.youngs_modulus / m.yield_strength;
+    return m.poisson_ratio >= 0.0 && m.poisson_ratio <= LARGEST_POISSON + ROUNDING &&
+           ratio >= LEAST_RATIO * (1.0 - ROUNDING) && ratio <= LARGEST_RATIO * (1.0 + ROUNDING) &&
+           m.hardening <= LARGEST_HARDENING + ROUNDING;
+  }
+
+  /* True for equal spheres, and a sphere on a rigid flat. */
+  bool is_mirrored(const Site &site) const
+  {
+    return same_ ? std::abs(site.share1 - site.share2) < MIRRORED
+                 : std::min(compliance_a_, share_of_a(site)) > 1.0 - MIRRORED;
+  }
+
+  double share_of_a(const Site &site) const { return swapped_ ? site.share2 : site.share1; }
+
+  /* exp(x), quickly where there is nothing to compute. */
+  static double factor(double x) { return x == 0.0 ? 1.0 : exponential(x); }
+
+  /* Share of the depth of equal spheres in that of a flat at which the finite elements end. */
+  double reach(const Shape &s) const
+  {
+    return 1.0 - 3.0 * alike_ * compliance_a_ * (1.0 - compliance_a_) * exponential(-s.uneven / UNEVEN);
+  }
+
   Shape shape(const Site &site) const
   {
+    if (std::abs(site.share1 - site.share2) < EVEN) return equal_;
     const bool second = same_ ? site.share2 > site.share1 : swapped_;
-    const double sa = second ? site.share2 : site.share1, sb = second ? site.share1 : site.share2;
-    const double p = logistic(stronger_ + c_.rb * (logarithm(std::max(sa, LEAST)) - logarithm(std::max(sb, LEAST))));
-    const double even = 4.0 * p * (1.0 - p);
-    const double curved = p * power(std::max(sa, LEAST), c_.q1) + (1.0 - p) * power(std::max(sb, LEAST), c_.q1);
-    const double apart = alike_ * (sa - sb) * (sa - sb);
+    return second ? shape(site.share2, site.share1) : shape(site.share1, site.share2);
+  }
+
+  Shape shape(double share_a, double share_b) const
+  {
+    const double sa = std::max(share_a, FLATTEST), sb = std::max(share_b, FLATTEST);
+    const double p = logistic(stronger_ + c_.rb * logarithm(sa / sb)), q = 1.0 - p, even = 4.0 * p * q;
+    const double v = alike_ * (sa - sb) * (sa - sb), z = (1.0 - alike_) * (1.0 - sa);
+    const auto own = [&](double part, double share) {
+      return part == 0.0 ? 0.0 : part * part * part * power(share / std::max(part, LEAST_PART), c_.q1);
+    };
     Shape s;
     s.stiff = compliance_a_ * sa + (1.0 - compliance_a_) * sb;
-    s.curved = sa;
-    s.flat = (c_.q0 + (1.0 - c_.q0) * curved) * (1.0 + c_.qs * (1.0 - even) * 4.0 * sa * sb) *
-             exponential(apart * (c_.qr + c_.qr2 * apart) + c_.qn * nu_);
-    s.knee = knee_ * exponential(c_.cq * apart);
-    const double mean = p * sa + (1.0 - p) * sb;
-    s.eta = p * rate_a_ + (1.0 - p) * rate_b_;
-    s.rate = s.eta > 0.0 ? power(s.eta, c_.h3) : 0.0;
-    s.hard = c_.h1 * s.rate * (1.0 + c_.e3 * (1.0 - even) * (1.0 - mean)) * exponential(c_.hq * apart);
+    s.own = p * p * p + q * q * q;
+    s.curved = (c_.q0 * s.own + (1.0 - c_.q0) * (own(p, sa) + own(q, sb))) * factor(c_.qr * v);
+    s.flat = s.curved * flat_;
+    s.knee = knee_ * factor(c_.cq * v);
+    s.fall = c_.fl * factor(c_.fla * v);
+    s.bend = c_.gq * factor(c_.gqe * z);
+    s.eta = p * rate_a_ + q * rate_b_;
+    s.uneven = v;
+    s.rate = s.hard = s.harder = s.power = s.soft = 0.0;
+    if (s.eta > 0.0) {
+      s.rate = power(s.eta, c_.h3);
+      s.hard = c_.h1 * s.rate * (1.0 + c_.e3 * (1.0 - even) * (1.0 - p * sa - q * sb)) * factor(c_.hq * v);
+      s.harder = c_.hg * factor(c_.hge * z);
+      s.power = c_.h2 + c_.h2a * v;
+      s.soft = c_.hf * factor(c_.hfa * v + c_.hfe * z);
+    }
     return s;
   }
 
   double beyond(double a, const Shape &s) const
   {
-    const double end = DEEPEST / overlap_per_radius_;
+    if (!(a * overlap_per_radius_ > DEEPEST)) return fitted(a, s);
+    const double end = DEEPEST / (reach(s) * overlap_per_radius_);
     if (!(a > end && end > 1.0)) return fitted(a, s);
-    const double before = end - 1e-4 * (end - 1.0), force = fitted(end, s);
+    const double before = end - SECANT * (end - 1.0), force = fitted(end, s);
     return force + (force - fitted(before, s)) / (end - before) * (a - end);
   }
 
@@ -189,30 +270,35 @@ class ElastoplasticFe : public NormalLaw {
   {
     const double d = a * overlap_per_radius_, root = std::sqrt(a), t = root - 1.0;
     if (!(t > LEAST)) return hertz_force(a);
-    double g = d * s.flat, hard = 0.0, h = 0.0;
+    double g = d * s.flat, hard = 0.0, bend = s.bend, width = knee_width_;
     if (s.rate > 0.0) {
-      hard = s.hard * power(d, c_.h2) * (1.0 + c_.hg * g) * exponential(c_.hd * d * logarithm(1.0 + s.rate));
-      h = hard / (1.0 + hard);
+      const double own = d * s.own;
+      hard =
+          s.hard * power(own, s.power) * (1.0 + s.harder * c_.gk * g) * exponential(c_.hd * own * logarithm(1.0 + s.rate));
+      const double h = hard / (1.0 + hard);
+      g *= 1.0 + h * (s.soft + c_.hf2 * h);
+      bend *= exponential(c_.gqh * h);
+      width *= exponential(c_.tch * h);
     }
-    g *= (1.0 + h * (c_.hf + c_.hf2 * h)) / c_.gk;
-    const double flattening = FLAT + (1.0 - FLAT) / (1.0 + power(g, c_.gq * exponential(c_.gqh * h)) + c_.fl * g * g);
-    const double b = pressure_ / (limit_ * (flattening + hard)), c = s.knee / (1.0 + c_.hc * hard);
-    const double k = 1.0 / (1.0 + power(start_ / t, steep_)), tc = c_.tc * exponential(c_.tch * h + c_.tcn * nu_);
+    const double flattening = FLAT + (1.0 - FLAT) / (1.0 + power(g, bend) + s.fall * g * g);
+    const double b = pressure_ / (c_.p0 * (flattening + hard)), c = s.knee / (1.0 + c_.hc * hard);
+    const double k = 1.0 / (1.0 + power(start_ / t, steep_));
     const double stiffer = 1.0 + c_.ks * s.stiff * std::sqrt(overlap_per_radius_) * t;
-    return a * root * stiffer / (1.0 + k * t * (b + (c - b) / (1.0 + t / tc)));
+    return a * root * stiffer / (1.0 + k * t * (b + (c - b) / (1.0 + t / width)));
   }
 
   Turning branch(double a, double f, const Shape &s) const
   {
     const double l = logarithm(a), z = std::max(0.0, 1.5 * l - logarithm(f)), d = a * overlap_per_radius_;
-    const double root = std::sqrt(d) - std::sqrt(overlap_per_radius_), far = d - overlap_per_radius_;
-    const double h = STRAIN * s.eta * root, hard = h / (1.0 + h);
-    const double sum = c_.r0 * l + c_.r1 * z + c_.r2 * l * z + c_.r3 * l * l + c_.r4 * z * z + c_.r5 * root * s.stiff +
-                       c_.r6 * far * s.curved + c_.r7 * l * nu_ + (c_.r8 * l + c_.r9 * root) * hard;
-    const double share = z / (1.0 + z);
-    const double drop = c_.n0 * l / (1.0 + l) + c_.n1 * share + c_.n2 * l / ((3.0 + l) * (3.0 + l)) +
-                        c_.n3 * far * s.curved + c_.n4 * root * s.stiff + c_.n5 * share * std::min(l / 9.0, 1.0) +
-                        c_.n6 * share * share;
+    const double root = std::sqrt(d) - std::sqrt(overlap_per_radius_), own = std::sqrt(s.own) * root;
+    const double far = (d - overlap_per_radius_) * s.curved, stiff = root * s.stiff;
+    const double h = STRAIN * s.eta * own, hard = h / (1.0 + h);
+    const double sum = c_.r0 * l + c_.r1 * z + c_.r2 * l * z + c_.r3 * nu_ * z + c_.r4 * z * z + c_.r5 * stiff +
+                       c_.r6 * far + c_.r7 * l * nu_ + (c_.r8 * l + c_.r9 * own) * hard;
+    const double share = z / (1.0 + z), late = l / (1.0 + l);
+    const double drop = (c_.n0 + c_.n9 * unlike_) * late + (c_.n1 + c_.n7 * unlike_) * share +
+                        c_.n2 * l / ((3.0 + l) * (3.0 + l)) + c_.n3 * far + c_.n4 * stiff +
+                        c_.n5 * share * std::min(l / 9.0, 1.0) + c_.n6 * share * share + c_.n8 * own;
     const double back = exponential(-std::max(0.0, sum)) * exponential(2.0 / 3.0 * logarithm(f));
     return {a, f, std::max(0.0, a - back), std::min(1.5, std::max(STEEPEST, 1.5 - drop))};
   }

@@ -82,7 +82,7 @@ const std::vector<LawEntry> &law_table()
       {"thornton", 1.0, false, YIELD_FACTOR | RATE, 0, thornton},
       {"power", INFINITE, false, POWER, 0, hertz},
       {"none", INFINITE, false, 0, 0, hertz, true},
-      {"elastoplastic-fe", 1.0, true, HARDENING | RATE, 0, elastoplastic_fe, false, true},
+      {"elastoplastic-fe", 1.0, true, HARDENING | RATE, 0, elastoplastic_fe, false, true, true},
   };
   return TABLE;
 }

@@ -52,7 +52,8 @@ struct LawEntry {
   int n_extra;             // doubles of history beyond the largest overlap
   AnyLaw (*make)(const LawOptions &, const LawScales &);    // Hertz's for a power of the overlap, which has no history
   bool no_force = false;
-  bool exact_yield = false;    // first yield where von Mises' stress reaches the yield strength, for every Poisson's ratio
+  bool exact_yield = false;     // first yield where von Mises' stress reaches the yield strength, for every Poisson's ratio
+  bool states_error = false;    // true if it has error bars of its own
 
   bool yields() const { return elastic_limit < INFINITE; }    // requires the yield strength of at least one body
   bool takes(LawOption option) const { return options & option; }

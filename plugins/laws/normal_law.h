@@ -69,6 +69,13 @@ struct Site {
   double share1 = 0.5, share2 = 0.5;
 };
 
+/* Error bars that a law states of itself; not a number where it states none. */
+struct ErrorBar {
+  double force = NAN;          // of the force on loading, relative
+  double unloading = NAN;      // of the force below the peak over that at the peak, absolute
+  double restitution = NAN;    // of the coefficient of restitution, relative
+};
+
 /* Base of the laws. A law is a class with the functions
 
        double loading(double a, const Site &) const              force on the loading branch, a > 0
@@ -90,6 +97,9 @@ struct NormalLaw {
   {
     return false;
   }
+
+  /* Error bars of a contact with this peak. */
+  ErrorBar error_bar(double /* peak */, const Site &) const { return {}; }
 
   /* One-line description of why the constants do not give a passive law; empty if they do. */
   std::string fault() const { return ""; }

@@ -61,6 +61,9 @@ class StepController {
   /* Correct the error of the energy balance by a measured one. */
   void correct(double s, double measured) { left_ += measured - error(s); }
 
+  /* Take note that s is larger by so much for another reason than motion, such as atoms that were added or deleted. */
+  void shift(double more) { start_ += more; }
+
   /* Error of the energy balance now. */
   double error(double s) const { return left_ + square(ticks_) * (start_ - s); }
 

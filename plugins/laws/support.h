@@ -48,6 +48,8 @@ class Support {
       if (elements != std::floor(elements) || elements < 1 || elements > MOST_ELEMENTS)
         refuse("ELEMENTS must be a whole number from 1 to " + std::to_string(MOST_ELEMENTS) + ", found '" + words[1] + "'");
       stiffness_ = number(words[3], "STIFFNESS");
+      is_bar_ = true;
+      total_ = total;
       if (total == 0.0) refuse("MASS of a bar must be positive, found '" + words[2] + "'");
       if (stiffness_ == 0.0) refuse("STIFFNESS of a bar's element must be positive, found '" + words[3] + "'");
       const auto n = static_cast<std::size_t>(elements);
@@ -91,6 +93,17 @@ class Support {
     // chain of equal masses with halves at its ends: the highest frequency is 2 sqrt(k/m)
     const double of_chain = mass_.size() > 1 ? std::sqrt(2.0 * mass_[0] / stiffness_) : INFINITE;
     return std::min(of_plane, of_chain);
+  }
+
+  /* Mass with which the support resists a contact of a sphere of this mass, of the given stiffness; infinite where the plane is
+     the surface of a body that the ground holds or that has no end. At the frequency w = sqrt(k/m) of the sphere on a plane at
+     rest a node counts with M + C/w + K/w^2: a plate with its mass, and as held where its spring or damper hold it. */
+  double moved_mass(double sphere, double stiffness) const
+  {
+    if (massless() || !(stiffness > 0.0)) return INFINITE;
+    if (is_bar_) return ground_stiffness_ == 0.0 && ground_damping_ == 0.0 ? total_ : INFINITE;
+    const double slowness = sphere / stiffness;    // 1/w^2
+    return mass_[0] + ground_damping_ * std::sqrt(slowness) + ground_stiffness_ * slowness;
   }
 
   /* -------------------------------------------------------------------------- one step */
@@ -222,6 +235,8 @@ class Support {
   double force_ = 0.0, earlier_ = 0.0;    // of the spheres, in this evaluation and in that of the previous step
   double borne_ = 0.0;                    // constant force of the ground on a damper
   double work_ = 0.0, damped_ = 0.0;
+  double total_ = 0.0;    // mass of a bar
+  bool is_bar_ = false;
   bool bears_ = false;
   bool started_ = false;
   double before_ = 0.0, plane_moved_ = 0.0, end_moved_ = 0.0;    // in this step

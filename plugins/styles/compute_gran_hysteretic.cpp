@@ -92,7 +92,7 @@ void ComputeGranHystereticAtom::compute_peratom()
   const auto add = [&](int i, double share, const Report &report) {
     double *row = array_atom[i];
     const Dent &dent = report.dent;
-    reach(row, report.peak_force, dent.time_peak, dent.peak, dent.time_first, dent.time_yield);
+    reach(row, report.peak_force, dent.time_peak, dent.peak, report.time_first, dent.time_yield);
     row[FORCE] = std::max(row[FORCE], report.force);
     row[DISSIPATED] += share * report.dissipated;
     row[ELASTIC] += 0.5 * report.elastic;
@@ -174,8 +174,9 @@ void ComputeGranHystereticLocal::compute_local()
     const double *const f = report.tangential;
     const Dent &dent = report.dent;
     append(lower, higher, report.overlap, report.force, dent.peak, report.peak_force, report.elastic, report.dissipated,
-           dent.time_first, dent.time_peak, dent.time_yield, report.live, report.tangential_force, report.tangential_elastic,
-           report.frictional_loss, report.initial, report.viscous_loss, side * f[0], side * f[1], side * f[2]);
+           report.time_first, dent.time_peak, dent.time_yield, report.live, report.tangential_force,
+           report.tangential_elastic, report.frictional_loss, report.initial, report.viscous_loss, side * f[0], side * f[1],
+           side * f[2]);
   });
   size_local_rows = static_cast<int>(values.size() / N_LOCAL);
   rows.resize(size_local_rows);

@@ -48,8 +48,10 @@ std::pair<int, int> ContactList::find(tagint lower, tagint higher) const
 void ContactList::clear_histories()
 {
   const std::size_t n = partner.size();
+  start.kept = false;
   peak.assign(n, 0.0);
-  for (auto *times : {&time_first, &time_peak, &time_yield}) times->assign(n, -1.0);
+  front.assign(n, Front());
+  for (auto *times : {&time_peak, &time_yield}) times->assign(n, -1.0);
   extra.assign(n * has.n, 0.0);
   turning.assign(n, -1);
   turnings.clear();
@@ -115,17 +117,61 @@ void ContactList::unpack(int k, double side, const BlockLayout &layout, const do
   std::copy_n(seen.initial_extra, has.n, initial_extra.data() + static_cast<std::size_t>(k) * has.n);
 }
 
-void ContactList::reset(int k, double new_peak, bool dented)
+void ContactList::begin_anew(int k, double new_peak, bool dented)
 {
   has.begin(block(k), dented);
   peak[k] = new_peak;
-  time_first[k] = time_peak[k] = time_yield[k] = -1.0;
+  front[k] = Front();
+  time_peak[k] = time_yield[k] = -1.0;
   turning[k] = -1;
   if (has.friction) spring[k].loss = 0.0;
   if (!has.dents) return;
   initial[k] = dented ? new_peak : 0.0;
   reached[k] = 0.0;
   std::copy_n(block(k), has.n, initial_extra.data() + static_cast<std::size_t>(k) * has.n);
+}
+
+void ContactList::reset(int k, double new_peak, bool dented)
+{
+  begin_anew(k, new_peak, dented);
+  if (start.kept) keep_start_of(k);
+}
+
+/* ---------------------------------------------------------------------- minimization */
+
+void ContactList::keep_start()
+{
+  start = {true, front, peak, time_peak, time_yield, has.dents ? reached : std::vector<double>(), extra};
+}
+
+void ContactList::keep_start_of(int k)
+{
+  start.peak[k] = peak[k];
+  start.front[k] = front[k];
+  start.time_peak[k] = time_peak[k];
+  start.time_yield[k] = time_yield[k];
+  if (has.dents) start.reached[k] = reached[k];
+  std::copy_n(block(k), has.n, start.extra.data() + static_cast<std::size_t>(k) * has.n);
+}
+
+void ContactList::return_to_start_of(int k)
+{
+  peak[k] = start.peak[k];
+  front[k] = start.front[k];
+  time_peak[k] = start.time_peak[k];
+  time_yield[k] = start.time_yield[k];
+  if (has.dents) reached[k] = start.reached[k];
+  // the doubles of the law; the histories behind them do not advance in a minimization
+  std::copy_n(start.extra.data() + static_cast<std::size_t>(k) * has.n, has.n - has.size(), block(k));
+  discard_turning(k);
+}
+
+void ContactList::return_to_start()
+{
+  if (!start.kept) return;
+  for (int k = 0; k < static_cast<int>(peak.size()); k++)
+    if (peak[k] != start.peak[k] || (has.dents && reached[k] != start.reached[k])) return_to_start_of(k);
+  published = false;
 }
 
 /* ---------------------------------------------------------------------- exchange with the records of the spheres */
@@ -158,7 +204,7 @@ void ContactList::take_up(ContactHistory &history, int k, int of, const Sphere &
     if (!record->live || record->partner != other.tag || record->partner_birth != other.birth) continue;
     unpack(k, side, history.layout(), history.block(of, m));
     peak[k] = record->dent.peak;
-    time_first[k] = record->dent.time_first;
+    front[k] = record->dent.front;
     time_peak[k] = record->dent.time_peak;
     time_yield[k] = record->dent.time_yield;
     record->live = FOUND;
@@ -170,6 +216,6 @@ double ContactList::bytes() const
 {
   const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
   return resting.bytes() + groups.bytes() +
-         bytes(row, begin, quiet_special, row_sphere, partner, partner_sphere, peak, time_first, time_peak, time_yield,
+         bytes(row, begin, quiet_special, row_sphere, partner, partner_sphere, peak, front, time_peak, time_yield,
                turning, turnings, work_lost, circle, spring, touched, extra, initial, reached, initial_extra);
 }

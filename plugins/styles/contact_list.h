@@ -32,7 +32,8 @@ class ContactList {
   std::vector<int> row, begin;    // sphere of each row, local or ghost; index of its first pair (one element longer)
   std::vector<int> partner;       // local or ghost index
   std::vector<double> peak;       // largest overlap so far
-  std::vector<double> time_first, time_peak, time_yield;
+  std::vector<Front> front;       // of the largest overlap of this run
+  std::vector<double> time_peak, time_yield;
   std::vector<int> turning;                // index into turnings, or -1 while Hertzian
   std::vector<Turning> turnings;           // of contacts that have yielded
   std::vector<double> work_lost;           // normalized dissipated energy at the turning point; -1 if not yet computed
@@ -42,6 +43,14 @@ class ContactList {
   std::vector<double> initial, reached;    // with initial dents: initial dent, largest overlap of this run
   std::vector<double> initial_extra;       // with initial dents: initial doubles of the law
   std::vector<Sphere> row_sphere, partner_sphere;    // also after LAMMPS has put the atoms into another order
+  /* Histories at the start of a minimization, which every evaluation in it continues from: a position that it tries and does not keep
+     leaves no dent. */
+  struct Start {
+    bool kept = false;
+    std::vector<Front> front;
+    std::vector<double> peak, time_peak, time_yield, reached, extra;
+  };
+  Start start;
   RestingBlocks resting;
   RowGroups groups;                   // of the plain rows
   std::vector<char> quiet_special;    // 1 for special rows in which no pair touched at the last evaluation
@@ -112,7 +121,7 @@ class ContactList {
   double *block(int k) { return extra.data() + static_cast<std::size_t>(k) * has.n; }
   const double *block(int k) const { return extra.data() + static_cast<std::size_t>(k) * has.n; }
   LawHistory law_history(int k) const { return {peak[k], block(k)}; }
-  Dent dent(int k) const { return {peak[k], time_first[k], time_peak[k], time_yield[k]}; }
+  Dent dent(int k) const { return {peak[k], front[k], time_peak[k], time_yield[k]}; }
   BlockView view(int k) const;
 
   /* Return true if something ends when pair k parts. */
@@ -135,12 +144,16 @@ class ContactList {
   }
 
   /* Increase the largest overlap of this run, which may be smaller than the initial dent. */
-  void raise_reached(int k, double overlap, double now)
+  void raise_reached(int k, double overlap, double now, double step)
   {
-    if (time_first[k] < 0.0) time_first[k] = now;
+    if (Front::crosses(reached[k], overlap)) front[k].rise(reached[k], overlap, now, step);
     reached[k] = overlap;
     time_peak[k] = now;
   }
+
+  /* Keep the present histories as those at the start of a minimization, or return to those that were kept. */
+  void keep_start();
+  void return_to_start();
 
   /* Reset pair k to a contact that has not touched in this run, with this peak. With `dented` the peak is that of an initial dent,
      whose history is kept. */
@@ -174,6 +187,9 @@ class ContactList {
   ContactMemory &has;           // of the pair style
   std::vector<double> extra;    // blocks of has.n doubles
 
+  void begin_anew(int k, double new_peak, bool dented);
+  void keep_start_of(int k);
+  void return_to_start_of(int k);
   void add_rows(const std::vector<std::pair<int, int>> &, const tagint *tag, int nall);
   void clear_histories();
   void renew_turning(int k, const ScaledLaw &);

@@ -51,6 +51,13 @@ void FixGranHystereticHistory::grow_arrays(int nmax)
   images_.resize(nmax);
 }
 
+/* The new list of a minimization begins with the histories at its start, too. */
+void FixGranHystereticHistory::min_pre_exchange()
+{
+  if (return_to_start) return_to_start();
+  gather();
+}
+
 /* The callbacks below may be called by commands that reorder spheres at any time (sort, delete_atoms, fix balance),
    before gather() is called: the first call makes the per-sphere records the valid copy. */
 void FixGranHystereticHistory::copy_arrays(int i, int j, int)
@@ -107,6 +114,15 @@ int FixGranHystereticHistory::size(int i, int further) const
 }
 
 void FixGranHystereticHistory::expect_records(int i, int n) { maxexchange = std::max(maxexchange, size(i, n)); }
+
+/* Give the records of all processors the same layout: those of a restart file are known only where there are atoms. */
+void FixGranHystereticHistory::agree_on_layout()
+{
+  const BlockLayout mine = history.layout();
+  int most[2] = {mine.n_extra, mine.extended ? 1 : 0};
+  MPI_Allreduce(MPI_IN_PLACE, most, 2, MPI_INT, MPI_MAX, world);
+  history.extend({most[0], most[1] != 0});
+}
 
 int FixGranHystereticHistory::most_numbers() const
 {

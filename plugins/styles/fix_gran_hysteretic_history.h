@@ -29,7 +29,7 @@ class FixGranHystereticHistory : public Fix {
   int setmask() override { return FixConst::PRE_EXCHANGE | FixConst::MIN_PRE_EXCHANGE; }
   void setup_pre_exchange() override { gather(); }
   void pre_exchange() override { gather(); }
-  void min_pre_exchange() override { gather(); }
+  void min_pre_exchange() override;
 
   void grow_arrays(int nmax) override;
   void copy_arrays(int, int, int) override;
@@ -50,6 +50,9 @@ class FixGranHystereticHistory : public Fix {
      between two runs. */
   void expect_records(int i, int n);
 
+  /* Give the records of all processors the same layout. A collective call. */
+  void agree_on_layout();
+
   granwave::ContactHistory history;
 
   /* Periodic images that a ghost is away from its sphere, along the edges of the box; 0 for an owned sphere. */
@@ -60,8 +63,8 @@ class FixGranHystereticHistory : public Fix {
   const Images &images(int i) const { return images_[i]; }
 
   /* Set by the pair style, whose flat list, if valid, is more recent than the records: update these, and also invalidate the list;
-     be told that the fix is deleted by somebody else. */
-  std::function<void()> publish_contacts, release_contacts, lose_contacts;
+     be told that the fix is deleted by somebody else; undo what a minimization has tried. */
+  std::function<void()> publish_contacts, release_contacts, lose_contacts, return_to_start;
 
  private:
   static constexpr int RANKS = 24;      // bits of the number of a birth that are those of the processor

@@ -8,6 +8,7 @@
 #include "error.h"
 #include "fix_wall_gran_hysteretic.h"
 #include "force.h"
+#include "info.h"
 #include "input.h"
 #include "modify.h"
 #include "motion.h"
@@ -16,6 +17,8 @@
 #include "restart_state.h"
 #include "timer.h"
 #include "variable.h"
+
+#include <array>
 
 using namespace LAMMPS_NS;
 using namespace granwave;
@@ -42,6 +45,20 @@ std::int64_t units_of(double term)
   std::int64_t bits;
   std::memcpy(&bits, &shifted, sizeof(bits));
   return bits - MAGIC_BITS;
+}
+
+/* Fixes of LAMMPS that multiply the step counter by the timestep, or an interval by it. */
+constexpr std::array<const char *, 4> MULTIPLY_STEPS = {"^controller", "^deform", "^move", "^pour"};
+
+/* Fixes of LAMMPS that wait for certain steps, and with Nevery = 1 for each of them. */
+constexpr std::array<const char *, 3> WAIT_FOR_STEPS = {"^ave/", "^print", "^vector"};
+
+/* Functions of variables that multiply the step counter by the timestep. */
+constexpr std::array<const char *, 3> FUNCTIONS_OF_STEPS = {"vdisplace(", "swiggle(", "cwiggle("};
+
+template <std::size_t N> bool matches(const char *style, const std::array<const char *, N> &patterns)
+{
+  return std::any_of(patterns.begin(), patterns.end(), [style](const char *p) { return utils::strmatch(style, p); });
 }
 
 bool power_of_two(std::int64_t n) { return n > 0 && (n & (n - 1)) == 0; }
@@ -124,24 +141,30 @@ void FixGranTimestep::init()
     error->all(FLERR, "Fix {} {}: the timestep was changed to {:g}; unfix it first", STYLE, id, update->dt);
   require_mechanical_units(lmp, fmt::format("Fix {} {}", STYLE, id));
   bool later = false;
-  rotates = false;
+  rotates = 0;
   others.clear();
+  rebuilders.clear();
   walls.clear();
+  n_atoms = atom->natoms;
+  refuse_fixes_that_count_steps();
+  refuse_variables_that_count_steps();
   cylinders = FixGranCylinder::find(lmp);
+  integrated = integrated_groups(lmp);
   for (const auto *other : modify->get_fix_list()) {
     if (other == this) {
       later = true;
       continue;
     }
     if (const auto *const wall = dynamic_cast<const FixWallGranHysteretic *>(other)) walls.push_back(wall);
-    rotates = rotates || utils::strmatch(other->style, "^nve/sphere");
+    if (utils::strmatch(other->style, "^nve/sphere")) rotates |= other->groupbit;
     if (std::strcmp(other->style, "dt/reset") == 0)
       error->all(FLERR, "Fix {} {}: fix dt/reset changes the timestep, too", STYLE, id);
-    if (other->nevery == 0 || !(modify->get_fix_mask(const_cast<Fix *>(other)) & FixConst::END_OF_STEP)) continue;
-    if (later)
+    if (other->force_reneighbor) rebuilders.push_back(other);
+    if (other->nevery > 1) others.push_back(other);
+    const bool ends_steps = modify->get_fix_mask(const_cast<Fix *>(other)) & FixConst::END_OF_STEP;
+    if (later && ends_steps && other->nevery > 0)
       error->all(FLERR, "Fix {} {} must come after all fixes that act at the end of a step, and fix {} follows it", STYLE,
                  id, other->id);
-    if (other->nevery > 1) others.push_back(other);
   }
   for (const auto &name : {energy_name, balance_name}) {
     if (name.empty()) continue;
@@ -153,6 +176,47 @@ void FixGranTimestep::init()
   reached = update->ntimestep;
   take(taken);
   if (n_steps == 0) report();
+}
+
+/* Stop with an error if another fix would take a step for a tick. */
+void FixGranTimestep::refuse_fixes_that_count_steps() const
+{
+  if (longest == 1) return;    // a step is a tick
+  for (const auto *other : modify->get_fix_list()) {
+    if (matches(other->style, MULTIPLY_STEPS))
+      error->all(FLERR,
+                 "Fix {} {}: fix {} {} multiplies the number of steps by the timestep, and a step has several ticks: "
+                 "unfix one of the two",
+                 STYLE, id, other->style, other->id);
+    if (other->nevery == 1 && matches(other->style, WAIT_FOR_STEPS))
+      error->all(FLERR,
+                 "Fix {} {}: fix {} {} waits for every tick, and a step has several: give it an interval, best a multiple "
+                 "of {}",
+                 STYLE, id, other->style, other->id, longest);
+    const bool wall_of_lammps =
+        utils::strmatch(other->style, "^wall/gran") && !dynamic_cast<const FixWallGranHysteretic *>(other);
+    if (wall_of_lammps && comm->me == 0)
+      error->warning(FLERR, "Fix {} {}: a wall of fix {} {} must not wiggle, since it takes a tick for a step", STYLE, id,
+                     other->style, other->id);
+  }
+}
+
+/* Stop with an error if a variable has a function that takes a step for a tick. */
+void FixGranTimestep::refuse_variables_that_count_steps() const
+{
+  if (longest == 1) return;
+  Info info(lmp);
+  Variable *const variables = input->variable;
+  for (int n = 0; n < variables->nvar; n++) {
+    if (!variables->equalstyle(n) && !variables->atomstyle(n) && !variables->vectorstyle(n)) continue;
+    const std::string text = info.get_variable_info(n);
+    for (const std::string function : FUNCTIONS_OF_STEPS)
+      if (text.find(function) != std::string::npos)
+        error->all(FLERR,
+                   "Fix {} {}: variable {} has {}...), which multiplies the number of steps by the timestep, and a step "
+                   "has several ticks: write it with the keyword time",
+                   STYLE, id, variables->names[n], function);
+  }
 }
 
 /* Set the timestep of the steps to come. */
@@ -220,10 +284,10 @@ FixGranTimestep::Sums FixGranTimestep::sums() const
         squared *= FixGranCylinder::INERTIA;
       }
       p += turning;
-      q += squared;
+      if (atom->mask[i] & rotates) q += squared;
     }
     mine[0] += units_of(p * of_power);
-    mine[1] += units_of(q * of_force);
+    if (atom->mask[i] & integrated) mine[1] += units_of(q * of_force);    // others are not accelerated
   };
   for (int begin = 0; begin < atom->nlocal; begin += RestingBlocks::SIZE) {
     const int n = std::min(RestingBlocks::SIZE, atom->nlocal - begin);
@@ -260,6 +324,8 @@ bigint FixGranTimestep::next_due() const
   if (output->next > reached) due = std::min(due, output->next);
   if (balance_every > 0) due = std::min(due, (reached / balance_every + 1) * balance_every);
   for (const auto *other : others) due = std::min(due, (reached / other->nevery + 1) * other->nevery);
+  for (const auto *other : rebuilders)
+    if (other->next_reneighbor > reached) due = std::min(due, other->next_reneighbor);
   return due;
 }
 
@@ -272,13 +338,20 @@ bool FixGranTimestep::tallied(bigint step) const
   return false;
 }
 
+/* True if the first step of a run may have so many ticks. The run has asked its computes already whether they need energies or
+   a virial, for the step after one tick. */
+bool FixGranTimestep::fits(std::int64_t ticks, bigint due) const
+{
+  return reached % ticks == 0 && reached + ticks <= due && !tallied(reached + ticks);
+}
+
 void FixGranTimestep::begin_step()
 {
   if (!pending) return;
   pending = false;
-  // the run has asked its computes already whether they need energies or a virial, for the step after this tick
+  const bigint due = next_due();
   std::int64_t next = taken;
-  while (next > 1 && tallied(reached + next)) next /= 2;
+  while (next > 1 && !fits(next, due)) next /= 2;
   controller.take(next, s);
   take(next);
   set_clock();
@@ -319,7 +392,15 @@ void FixGranTimestep::end_of_step()
     bound_step();
   }
   const Sums now = sums();
+  const bool other_atoms = atom->natoms != n_atoms;
+  if (other_atoms) last = now;
+  const double before = s;
   s = (now.q + last.q) / 48.0 - (now.p - last.p) / (12.0 * static_cast<double>(taken));
+  if (other_atoms) {
+    controller.shift(s - before);
+    bound_step();
+  }
+  n_atoms = atom->natoms;
   last = now;
   if (balance_every > 0 && reached % balance_every == 0 && energy > 0.0) {
     const double measured = value_of(balance_name, reached + balance_every);
@@ -329,7 +410,7 @@ void FixGranTimestep::end_of_step()
   }
   const bool held = origin + static_cast<double>(reached) * tick < until;
   const double most = held ? std::min(bound, static_cast<double>(first)) : bound;
-  const std::int64_t next = controller.choose(s, AIM * tolerance * energy, most, reached, next_due());
+  std::int64_t next = controller.choose(s, AIM * tolerance * energy, most, reached, next_due());
   // what is due now is written here, as the run would do right after this, before the counter moves on
   if (reached == output->next) {
     const double dt = update->dt;
@@ -338,6 +419,10 @@ void FixGranTimestep::end_of_step()
     output->write(reached);
     timer->stamp(Timer::OUTPUT);
     update->dt = dt;
+    // only now the next output is known
+    const bigint due = next_due();
+    while (next > 1 && reached + next > due) next /= 2;
+    controller.take(next, s);
   }
   take(next);
   pending = reached >= update->laststep;

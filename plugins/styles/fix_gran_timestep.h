@@ -53,6 +53,9 @@ class FixGranTimestep : public Fix {
   Sums sums() const;
   void bound_step();
   bigint next_due() const;
+  void refuse_fixes_that_count_steps() const;
+  void refuse_variables_that_count_steps() const;
+  bool fits(std::int64_t ticks, bigint due) const;
   bool tallied(bigint step) const;
   void take(std::int64_t ticks);
   void set_clock();
@@ -61,6 +64,7 @@ class FixGranTimestep : public Fix {
   double tick = 0.0;
   double origin = 0.0;    // clock at step 0
   double tolerance;
+  int integrated = 0;    // bits of the groups whose spheres follow the forces on them
   std::string energy_name;
   double energy = 0.0;
   std::string balance_name;
@@ -75,9 +79,11 @@ class FixGranTimestep : public Fix {
   double reported[5] = {};    // output: the same throughout a step, and when a run goes on from a restart file
   bigint reached = 0;         // step counter when the last step ended
   bool pending = false;       // the counter is to be set as the next step begins
-  bool rotates = false;
+  int rotates = 0;            // bits of the groups whose spheres follow the torques on them
   std::shared_ptr<const granwave::Cylinders> cylinders;
-  std::vector<const Fix *> others;                           // that act at the end of some steps
+  bigint n_atoms = 0;                                        // when the last step ended
+  std::vector<const Fix *> others;                           // that act in some steps
+  std::vector<const Fix *> rebuilders;                       // that ask for new neighbor lists at some step
   std::vector<const class FixWallGranHysteretic *> walls;    // that may move
 };
 

@@ -92,7 +92,8 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
 int FixWallGranHysteretic::setmask()
 {
   const int forces = FixConst::POST_FORCE | FixConst::MIN_POST_FORCE | FixConst::POST_NEIGHBOR | FixConst::MIN_POST_NEIGHBOR;
-  return support ? forces | FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : forces;
+  const int all = forces | FixConst::MIN_PRE_EXCHANGE;
+  return support ? all | FixConst::INITIAL_INTEGRATE | FixConst::FINAL_INTEGRATE : all;
 }
 
 void FixWallGranHysteretic::init()
@@ -107,11 +108,11 @@ void FixWallGranHysteretic::init()
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
   if (domain->triclinic && (tube || axis < 2) && (domain->xz != 0.0 || (axis == 0 ? domain->xy : domain->yz) != 0.0))
     error->all(FLERR, "Fix {} {}: the box is tilted across the wall, which a periodic boundary would then shift", STYLE, id);
-  if (support || loss.kind == LossKind::DASHPOT)
+  if (support || has_dashpot())
     require_mechanical_units(lmp, fmt::format("Fix {} {} with {}", STYLE, id, support ? "a support" : "a dashpot"));
   grows = radii_may_change(lmp);
   init_cylinders();
-  rigid = loss ? rigid_bodies(lmp) : nullptr;
+  if (has_dashpot()) masses.find(lmp, this);
   reset_dt();
 }
 
@@ -137,8 +138,47 @@ void FixWallGranHysteretic::setup(int)
   evaluate();
 }
 
+void FixWallGranHysteretic::min_setup(int)
+{
+  keep_start();
+  setup(0);
+}
+
+/* Spheres are about to be exchanged between processors, with the histories at the start of the minimization. */
+void FixWallGranHysteretic::min_pre_exchange()
+{
+  return_to_start();
+  start.kept = false;
+}
+
+void FixWallGranHysteretic::keep_start()
+{
+  const std::size_t n = atom->nlocal;
+  start.kept = true;
+  start.histories.assign(histories.begin(), histories.begin() + static_cast<std::ptrdiff_t>(n * n_history()));
+  start.fronts.assign(fronts.begin(), fronts.begin() + static_cast<std::ptrdiff_t>(n));
+  start.reports.clear();
+  for (std::size_t i = 0; i < n; i++) start.reports.insert(start.reports.end(), array_atom[i], array_atom[i] + N_REPORTED);
+}
+
+/* Only spheres that may have touched a wall have changed. Those whose present force is no longer known count as near. */
+void FixWallGranHysteretic::return_to_start()
+{
+  if (!start.kept) return;
+  for (int i = 0; i < atom->nlocal; i++) {
+    if (!touched[i]) continue;
+    std::copy_n(start.histories.data() + static_cast<std::size_t>(i) * n_history(), n_history(), at_walls(i));
+    std::copy_n(start.reports.data() + static_cast<std::size_t>(i) * N_REPORTED, static_cast<int>(N_REPORTED),
+                array_atom[i]);
+    fronts[i] = start.fronts[i];
+    near[i] = 1;
+  }
+}
+
 void FixWallGranHysteretic::min_post_force(int)
 {
+  if (!start.kept) keep_start();
+  return_to_start();
   if (support) support->settle(contact_stiffness);
   evaluate();
 }
@@ -215,10 +255,6 @@ void FixWallGranHysteretic::evaluate()
   tallied = -1;
   const bool arrived = !listed;    // after reneighboring: all that is new here counts as near
   if (!listed || grows || (support && std::fabs(level(moving) - listed_level) > 0.5 * neighbor->skin)) list_spheres();
-  if (rigid && arrived) {
-    moved_mass.resize(atom->nmax);
-    set_moved_masses(lmp, rigid, moved_mass);
-  }
   if (cylinders)
     for (const int i : spheres)
       if (atom->mask[i] & groupbit) admit_type(atom->type[i]);

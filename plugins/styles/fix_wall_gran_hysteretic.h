@@ -24,8 +24,10 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 
 #include "../laws/contact_memory.h"
 #include "../laws/exact_sum.h"
+#include "../laws/front.h"
 #include "../laws/support.h"
 #include "fix_gran_cylinder.h"
+#include "moved_mass.h"
 #include "update.h"
 
 #include <map>
@@ -43,9 +45,15 @@ class FixWallGranHysteretic : public Fix {
   void init() override;
   void reset_dt() override;
   void setup(int) override;
-  void min_setup(int) override { setup(0); }
+  void min_setup(int) override;
+  void min_pre_exchange() override;
   void initial_integrate(int) override { support->advance(update->dt); }
-  void post_neighbor() override { listed = false; }
+  void setup_post_neighbor() override { post_neighbor(); }
+  void post_neighbor() override
+  {
+    listed = false;
+    if (has_dashpot()) masses.update();
+  }
   void min_post_neighbor() override { listed = false; }
   void post_force(int) override { evaluate(); }
   void min_post_force(int) override;
@@ -57,7 +65,7 @@ class FixWallGranHysteretic : public Fix {
   /* Set the initial dent of a sphere at its present position, on the nearer of the two walls. */
   void set_dent(int i, double peak);
   /* Turn all dents so far into initial dents, and reset the totals. */
-  void begin();
+  void begin(bool keeps);
   /* The coefficient of friction. */
   void *extract(const char *, int &) override;
   /* Power of the forces on a plane that moves, and force^2 over mass: parts of them that are not of spheres. */
@@ -120,6 +128,8 @@ class FixWallGranHysteretic : public Fix {
   bool meets_walls(int i) const;
   void part(int i);
   void evaluate();
+  void keep_start();
+  void return_to_start();
   double level(int side) const;
   double depth(int i, int side) const;
   void inward(int i, int side, double normal[3]) const;
@@ -132,6 +142,8 @@ class FixWallGranHysteretic : public Fix {
   Contact compute_normal(int i, int side, double overlap, double now, std::size_t line);
   void compute_cohesion(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   bool joins(int i, int side, double overlap);
+  bool has_dashpot() const { return loss.kind == granwave::LossKind::DASHPOT; }
+  double effective_mass(int i, int side, double stiffness) const;
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
   void compute_resistance(int i, int side, const Contact &);
@@ -147,8 +159,10 @@ class FixWallGranHysteretic : public Fix {
   double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.n_extra(); }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
   double approach(int i, int side) const;
+  void note_largest_force(int i, double force, double now);
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);
+  void unpack_reported(int i, const double *values);
   void push_support();
   void check_timestep(double contacts) const;
   void tally();
@@ -158,7 +172,7 @@ class FixWallGranHysteretic : public Fix {
   granwave::ResistanceHistory &resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
   granwave::ViscousHistory &viscous(int i, int side) { return has.loss_of(extra(i, side)); }
   int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (has.n + law.n_extra()); }
-  int n_state() const { return N_REPORTED + n_history(); }
+  int n_state() const { return N_REPORTED + granwave::Front::LEVELS + n_history(); }
 
   int axis = 2;
   std::unique_ptr<granwave::Tube> tube;    // in place of planes
@@ -183,8 +197,7 @@ class FixWallGranHysteretic : public Fix {
   granwave::ContactMemory has;    // has.friction: friction or a resistance
   granwave::ResistanceModel resistance;
   granwave::ViscousLoss loss;
-  Fix *rigid = nullptr;                          // with a loss: fix of rigid bodies
-  std::vector<double> moved_mass;                // with rigid bodies: of the spheres
+  granwave::MovedMass masses;                    // with a dashpot
   std::unique_ptr<granwave::Support> support;    // of the plane, if it can move
   int moving = 0;                                // index of the movable plane
 
@@ -197,6 +210,16 @@ class FixWallGranHysteretic : public Fix {
   // n_history() numbers per sphere: at lower and upper wall the sides, springs if there is friction, and further history
   // variables of the law, present and initial
   std::vector<double> histories;
+  std::vector<granwave::Front> fronts;    // of the largest force of each sphere
+
+  /* Histories and output of the spheres at the start of a minimization, which every evaluation in it continues from: a position that
+     it tries and does not keep leaves no dent. */
+  struct Start {
+    bool kept = false;
+    std::vector<double> histories, reports;
+    std::vector<granwave::Front> fronts;
+  };
+  Start start;
 
   double wall_force[3];              // force of the spheres of this processor on the walls
   granwave::ExactSum on_plane[2];    // force and stiffness of the contacts of this processor with a movable plane

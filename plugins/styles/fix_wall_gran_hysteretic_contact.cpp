@@ -74,7 +74,6 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     error->one(FLERR,
                "Cylinder {} reaches {:.3g} into the wall of fix {}, where the law of a line contact ends: it is too short",
                atom->tag[i], overlap, id);
-  if (state[TIME_FIRST] < 0.0) state[TIME_FIRST] = now;
   if (side.touching == 0.0) {
     side.touching = 1.0;
     if (side.dent > 0.0) {
@@ -125,13 +124,21 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     state[FORCE] = contact.force;
     state[OVERLAP] = overlap;
   }
-  if (contact.force > state[PEAK_FORCE]) {
-    state[PEAK_FORCE] = contact.force;
-    state[TIME_PEAK] = now;
-  }
+  if (contact.force > state[PEAK_FORCE]) note_largest_force(i, contact.force, now);
   state[PEAK_OVERLAP] = std::max(state[PEAK_OVERLAP], overlap);
   touched[i] = 1;
   return contact;
+}
+
+/* Note the largest force of sphere i on the walls so far, and when the part of it passed that is an arrival. */
+void FixWallGranHysteretic::note_largest_force(int i, double force, double now)
+{
+  double *const state = array_atom[i];
+  Front &front = fronts[i];
+  if (Front::crosses(state[PEAK_FORCE], force)) front.rise(state[PEAK_FORCE], force, now, update->dt);
+  state[PEAK_FORCE] = force;
+  state[TIME_PEAK] = now;
+  state[TIME_FIRST] = front.passed(force, ARRIVED);
 }
 
 /* Return true if sphere i touches one wall, is held by a neck, or has just parted. */
@@ -156,6 +163,15 @@ void FixWallGranHysteretic::compute_cohesion(int i, int which, double overlap, c
         std::max(overlap > 0.0 ? contact.stiffness : 0.0, 2.0 * law.modulus() * std::sqrt(state.circle_squared));
 }
 
+/* Effective mass of sphere i and one wall, from the tangent stiffness of their contact. */
+double FixWallGranHysteretic::effective_mass(int i, int which, double stiffness) const
+{
+  double normal[3];
+  inward(i, which, normal);
+  const bool moves = support && which == moving;
+  return masses.effective(i, MovedMass::BODY, normal, moves ? 1.0 / support->moved_mass(atom->rmass[i], stiffness) : 0.0);
+}
+
 /* Add the viscous force of one wall on sphere i to the normal force, as the pair style does. */
 void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, const ScaledLaw &scaled, Contact &contact)
 {
@@ -173,7 +189,7 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     const LawHistory h = law_history(i, which);
     const double stiffness = has.cohesion && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
                                                                      : scaled.tangent_stiffness(overlap, h);
-    return loss.coefficient(stiffness, rigid ? moved_mass[i] : atom->rmass[i]);
+    return loss.coefficient(stiffness, has_dashpot() ? effective_mass(i, which, stiffness) : 0.0);
   });
 }
 

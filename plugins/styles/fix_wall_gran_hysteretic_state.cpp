@@ -159,19 +159,22 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   report_dents(i);
 }
 
-void FixWallGranHysteretic::begin()
+void FixWallGranHysteretic::begin(bool keeps)
 {
   for (int i = 0; i < atom->nlocal; i++) {
     const ScaledLaw &scaled = scaled_law(i);
     double *const state = array_atom[i];
     state[PEAK_FORCE] = state[FRICTION_LOSS] = 0.0;
     state[TIME_FIRST] = state[TIME_PEAK] = state[TIME_YIELD] = -1.0;
+    fronts[i] = Front();
     for (int which = 0; which < 2; which++) {
       Side &side = sides(i)[which];
-      const bool yielded = scaled.yielded(side.dent);
+      const bool yielded = keeps && scaled.yielded(side.dent);
+      const double rounding = ROUNDING * atom->radius[i];
       side.initial = yielded ? side.dent : 0.0;
-      if (!yielded)
-        side.dent = side.touching != 0.0 ? std::max(depth(i, which), has.cohesion ? ROUNDING * atom->radius[i] : 0.0) : 0.0;
+      if (side.touching == 0.0 && !yielded) side.dent = 0.0;
+      else if (!keeps) side.dent = rounding;
+      else if (!yielded) side.dent = std::max(depth(i, which), has.cohesion ? rounding : 0.0);
       side.lost_before = 0.0;
       has.begin(extra(i, which), yielded);
       std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
@@ -204,6 +207,7 @@ void FixWallGranHysteretic::grow_arrays(int nmax)
   near.resize(nmax);
   touched.resize(nmax);
   histories.resize(static_cast<std::size_t>(nmax) * n_history());
+  fronts.resize(nmax);
 }
 
 void FixWallGranHysteretic::copy_arrays(int i, int j, int)
@@ -212,6 +216,7 @@ void FixWallGranHysteretic::copy_arrays(int i, int j, int)
   listed = false;
   std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), array_atom[j]);
   std::copy_n(at_walls(i), n_history(), at_walls(j));
+  fronts[j] = fronts[i];
 }
 
 void FixWallGranHysteretic::set_arrays(int i)
@@ -221,20 +226,30 @@ void FixWallGranHysteretic::set_arrays(int i)
   std::fill_n(array_atom[i], static_cast<int>(N_REPORTED), 0.0);
   std::fill_n(at_walls(i), n_history(), 0.0);
   array_atom[i][TIME_FIRST] = array_atom[i][TIME_PEAK] = array_atom[i][TIME_YIELD] = -1.0;
+  fronts[i] = Front();
 }
 
 int FixWallGranHysteretic::pack_exchange(int i, double *buf)
 {
-  std::copy_n(at_walls(i), n_history(), std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf));
+  double *at = std::copy_n(array_atom[i], static_cast<int>(N_REPORTED), buf);
+  at = std::copy_n(fronts[i].time, static_cast<int>(Front::LEVELS), at);
+  std::copy_n(at_walls(i), n_history(), at);
   return n_state();
+}
+
+/* Take up the reported values of a sphere, and its front. */
+void FixWallGranHysteretic::unpack_reported(int i, const double *values)
+{
+  std::copy_n(values, static_cast<int>(N_REPORTED), array_atom[i]);
+  std::copy_n(values + N_REPORTED, static_cast<int>(Front::LEVELS), fronts[i].time);
 }
 
 int FixWallGranHysteretic::unpack_exchange(int i, double *buf)
 {
   near[i] = touched[i] = 1;
   listed = false;
-  std::copy_n(buf, static_cast<int>(N_REPORTED), array_atom[i]);
-  std::copy_n(buf + N_REPORTED, n_history(), at_walls(i));
+  unpack_reported(i, buf);
+  std::copy_n(buf + N_REPORTED + Front::LEVELS, n_history(), at_walls(i));
   return n_state();
 }
 
@@ -246,13 +261,14 @@ int FixWallGranHysteretic::pack_restart(int i, double *buf)
 void FixWallGranHysteretic::unpack_restart(int i, int nth)
 {
   const AtomState state = atom_state(lmp, *this, i, nth);
-  constexpr int N_BASIC = N_REPORTED + 2 * N_SIDE;
+  constexpr int N_BEFORE = N_REPORTED + Front::LEVELS;
+  constexpr int N_BASIC = N_BEFORE + 2 * N_SIDE;
   const bool whole = has.n == 0 && (state.n == N_BASIC || state.n == N_BASIC + 2 * N_SPRING);    // friction is new, or gone
   if (!whole && state.n != n_state())
     error->one(FLERR, "Restart file holds fix {} {} with another law or friction: give it again as it was", STYLE, id);
   FixWallGranHysteretic::set_arrays(i);
-  std::copy_n(state.values, static_cast<int>(N_REPORTED), array_atom[i]);
-  std::copy_n(state.values + N_REPORTED, std::min(state.n, n_state()) - N_REPORTED, at_walls(i));
+  unpack_reported(i, state.values);
+  std::copy_n(state.values + N_BEFORE, std::min(state.n, n_state()) - N_BEFORE, at_walls(i));
 }
 
 int FixWallGranHysteretic::size_restart(int) { return AtomState::HEAD + n_state(); }

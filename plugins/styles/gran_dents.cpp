@@ -33,22 +33,26 @@ bool is_id(const std::string &word)
 void GranDents::command(int narg, char **arg)
 {
   const std::string word = narg > 0 ? arg[0] : "";
-  if (!(word == "begin" && narg == 1) && !(word == "read" && narg == 2))
-    error->all(FLERR, "Illegal {} command: expected 'read FILE' or 'begin'", STYLE);
+  const bool alone = word == "begin" || word == "clear";
+  if (!(alone && narg == 1) && !(word == "read" && narg == 2))
+    error->all(FLERR, "Illegal {} command: expected 'read FILE', 'begin' or 'clear'", STYLE);
   if (!domain->box_exist) error->all(FLERR, "Command {} before the simulation box is defined", STYLE);
   pair = dynamic_cast<PairGranHysteretic *>(force->pair_match(PairGranHysteretic::STYLE, 1));
   if (!pair) error->all(FLERR, "Command {} requires pair style {}", STYLE, PairGranHysteretic::STYLE);
   build_lists();
   pair->prepare_initial_dents();
-  if (word == "read") {
-    set(arg[1], read(arg[1]));
-  } else {
-    pair->begin_initial_dents();
-    for (auto *fix : modify->get_fix_list())
-      if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix)) wall->begin();
-  }
+  if (word == "read") set(arg[1], read(arg[1]));
+  else begin(word == "begin");
   for (auto *compute : modify->get_compute_list())
     compute->invoked_flag = 0;    // their values of this timestep are outdated
+}
+
+/* Begin anew with the dents so far, or without any. */
+void GranDents::begin(bool keeps)
+{
+  pair->begin_initial_dents(keeps);
+  for (auto *fix : modify->get_fix_list())
+    if (auto *wall = dynamic_cast<FixWallGranHysteretic *>(fix)) wall->begin(keeps);
 }
 
 /* Build ghost atoms and neighbor lists as at the start of a run. */

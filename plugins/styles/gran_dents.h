@@ -2,7 +2,8 @@
 /* Command gran/dents: initial dents of pair style gran/hysteretic and of walls.
 
    gran/dents read FILE     dents by IDs: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments
-   gran/dents begin         turn all dents so far into initial dents  */
+   gran/dents begin         turn all dents so far into initial dents
+   gran/dents clear         forget all dents so far */
 
 #ifdef COMMAND_CLASS
 // clang-format off
@@ -39,6 +40,7 @@ class GranDents : public Command {
   };
 
   void build_lists();
+  void begin(bool keeps);
   std::vector<Line> read(const std::string &file);
   void set(const std::string &file, const std::vector<Line> &);
 

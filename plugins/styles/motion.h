@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* What the styles share: checks that motion is finite, masses that spheres move with, the time, numbers and files of commands.
+/* What the styles share: checks that motion is finite, the time, numbers and files of commands.
 
    The checks of LAMMPS itself do not detect a NaN: every comparison with NaN is false, so that such an atom never counts as
    moved, and the neighbor lists are not rebuilt. */
@@ -31,18 +31,6 @@ std::string causes_of_overlap(LAMMPS_NS::LAMMPS *, double speed, double radius, 
 
 /* Return the speed of an atom of this processor, and 0 for a ghost. */
 double speed_of(LAMMPS_NS::LAMMPS *, int i);
-
-// Dashpots need the masses that spheres move with: frozen spheres do not move, and those of rigid bodies move with the mass of the
-// body, as in the granular styles of LAMMPS.
-
-/* Bit of the group of fix freeze; 0 if there is none. */
-int frozen_group(LAMMPS_NS::LAMMPS *);
-
-/* The fix of rigid bodies; null if there is none. */
-LAMMPS_NS::Fix *rigid_bodies(LAMMPS_NS::LAMMPS *);
-
-/* Set the masses that the owned spheres move with; the vector has at least as many elements. */
-void set_moved_masses(LAMMPS_NS::LAMMPS *, LAMMPS_NS::Fix *rigid, std::vector<double> &masses);
 
 /* True in `rerun`, whose snapshots have no steps between them: no run sets up at another step than its first. */
 bool is_rerun(const LAMMPS_NS::Update &);

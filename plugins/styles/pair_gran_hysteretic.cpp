@@ -27,7 +27,7 @@ PairGranHysteretic::PairGranHysteretic(LAMMPS *lmp) : Pair(lmp)
   finitecutflag = 1;
   writedata = 0;
   centroidstressflag = CENTROID_SAME;
-  comm_forward = 1;    // masses of rigid bodies
+  comm_forward = MovedMass::SIZE;
 }
 
 PairGranHysteretic::~PairGranHysteretic()
@@ -36,7 +36,8 @@ PairGranHysteretic::~PairGranHysteretic()
   delete[] pvector;
   if (copymode) return;
   if (fix_history) {
-    fix_history->publish_contacts = fix_history->release_contacts = fix_history->lose_contacts = nullptr;
+    fix_history->publish_contacts = fix_history->release_contacts = nullptr;
+    fix_history->lose_contacts = fix_history->return_to_start = nullptr;
     if (modify && modify->get_fix_by_id(FixGranHystereticHistory::ID)) modify->delete_fix(FixGranHystereticHistory::ID);
   }
   if (allocated) {
@@ -113,7 +114,7 @@ void PairGranHysteretic::init_style()
   if (update->whichflag == 2) refuse_line_searches();
 
   ContactMemory wanted = has;
-  bool any_dashpot = false;
+  has_dashpot = false;
   int n_extra = 0;
   has_rate = false;
   for (int i = 1; i <= atom_types; i++)
@@ -121,7 +122,7 @@ void PairGranHysteretic::init_style()
       if (!setflag[i][j]) continue;
       const LawArguments &args = coefficients[i * (atom_types + 1) + j];
       args.extend(wanted);
-      any_dashpot = any_dashpot || args.loss.kind == LossKind::DASHPOT;
+      has_dashpot = has_dashpot || args.loss.kind == LossKind::DASHPOT;
       n_extra = std::max(n_extra, args.n_extra());
       has_rate = has_rate || args.has_rate();
     }
@@ -138,9 +139,8 @@ void PairGranHysteretic::init_style()
                                 : "partial slip");
   wanted.n = has.n;    // until a new list is built
   has = wanted;
-  frozen = has.loss ? frozen_group(lmp) : 0;
-  rigid = has.loss ? rigid_bodies(lmp) : nullptr;
-  if (any_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
+  if (has_dashpot) masses.find(lmp);
+  if (has_dashpot) require_mechanical_units(lmp, "Pair style gran/hysteretic with a dashpot");
   radii_vary = radii_may_change(lmp);
   if (has.friction && (!atom->omega_flag || !atom->torque_flag))
     error->all(FLERR,
@@ -161,11 +161,13 @@ void PairGranHysteretic::init_style()
         modify->add_fix(fmt::format("{} all {}", FixGranHystereticHistory::ID, FixGranHystereticHistory::STYLE)));
     fix_history->publish_contacts = [this] { publish_contacts(); };
     fix_history->release_contacts = [this] { release_contacts(); };
+    fix_history->return_to_start = [this] { contacts.return_to_start(); };
     fix_history->lose_contacts = [this] {
       fix_history = nullptr;
       contacts.valid = false;
       lost_contacts = true;
     };
+    fix_history->agree_on_layout();
     if (from_restart && !fix_history->restart_reset)
       error->all(FLERR, "The restart file is damaged: it holds no contacts of pair style gran/hysteretic");
     if (const int kept = fix_history->history.layout().n_extra;

@@ -31,6 +31,7 @@ PairStyle(gran/hysteretic,PairGranHysteretic);
 #include "contact_list.h"
 #include "fix_gran_cylinder.h"
 #include "fix_gran_hysteretic_history.h"
+#include "moved_mass.h"
 #include "pair.h"
 
 #include "atom.h"
@@ -51,6 +52,7 @@ class PairGranHysteretic : public Pair {
     double overlap, force;    // present values; overlap < 0 is a gap
     double on_first[3];       // present force on i: normal and tangential; of for_each_dent, for live contacts
     double peak_force, elastic, dissipated, share_i;
+    double time_first;    // arrival of the force
     double tangential_force, tangential_elastic, frictional_loss;
     double rolling_loss, twisting_loss;    // part of the frictional loss
     double viscous_loss, adhesive_loss;
@@ -112,12 +114,12 @@ class PairGranHysteretic : public Pair {
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
   /* Initial dents (gran_dents.h). `prepare` must be called first, with LAMMPS's neighbor lists rebuilt: from then on initial
-     dents are stored. `begin` turns all dents so far into initial dents. `set_dents` sets those of pairs of IDs, lower first,
-     and returns how this went for the pairs within reach. All three are called on all processors. */
+     dents are stored. `begin` turns all dents so far into initial dents, or forgets them. `set_dents` sets those of pairs of IDs, lower first,
+     and returns how this went for the pairs within reach. All of them are called on all processors. */
   using Ids = std::pair<tagint, tagint>;
   enum DentStatus { SET = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };
   void prepare_initial_dents();
-  void begin_initial_dents();
+  void begin_initial_dents(bool keeps);
   std::map<Ids, DentStatus> set_dents(const std::map<Ids, double> &dents);
 
  private:
@@ -126,7 +128,21 @@ class PairGranHysteretic : public Pair {
   int evaluations = 0;
   static constexpr int RESTART_FORMAT = 11;
 
-  enum { OVERLAP, PEAK_OVERLAP, PEAK_FORCE, LOST, TIME_FIRST, TIME_PEAK, TIME_YIELD, N_SINGLE };    // of compute pair/local
+  /* Columns of compute pair/local. The first ten are those of LAMMPS's pair styles gran/..., which compute fabric reads. */
+  enum {
+    TANGENTIAL_FORCE,
+    TANGENTIAL_MAGNITUDE = TANGENTIAL_FORCE + 3,
+    NORMAL_VELOCITY,
+    TANGENTIAL_VELOCITY = NORMAL_VELOCITY + 3,
+    OVERLAP = TANGENTIAL_VELOCITY + 3,
+    PEAK_OVERLAP,
+    PEAK_FORCE,
+    LOST,
+    TIME_FIRST,
+    TIME_PEAK,
+    TIME_YIELD,
+    N_SINGLE
+  };
 
   struct PairParameters {    // parameters of a contact, from its two spheres
     double radius_i, radius_j, radsum, touch_sq, largest_overlap;
@@ -209,6 +225,7 @@ class PairGranHysteretic : public Pair {
   double distance(int i, int j, double rsq) const;
   double distance(int i, int j) const { return distance(i, j, distance_squared(i, j)); }
   void build_contacts();
+  void begin_evaluation();
   void check_displacements();
   void restore_history();
   void require_contacts();
@@ -222,6 +239,7 @@ class PairGranHysteretic : public Pair {
   void set_elastic(Batch &);
   void update_history(Batch &);
   double approach(const Batch &, int m) const;
+  double effective_mass(const Batch &, int m) const;
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
@@ -232,12 +250,15 @@ class PairGranHysteretic : public Pair {
   void release_contact(int k);
   void forget(int row, int k);
   void sum_up(int i, const granwave::ContactRecord &, const double *block);
+  double arrival(const granwave::ScaledLaw &, const granwave::Dent &, const granwave::BlockView &) const;
   double largest_force_of_run(const granwave::ScaledLaw &, const granwave::LawHistory &, const granwave::BlockView &,
                               double overlap, double at_peak) const;
   void fill_report(Report &, const granwave::ScaledLaw &, const granwave::BlockView &, double overlap) const;
   Report report_forgotten(int i, const granwave::ContactRecord &, const double *block);
   Report report_pair(int i, int j, int k, double side, double rsq);
   Report report_pair(std::size_t r, int k);
+  void unit_normal(int i, int j, double (&normal)[3]) const;
+  void write_lammps_columns(const Report &);
   [[noreturn]] void overlap_error(int i, int j, double overlap);
 
   double gap = 0.0;
@@ -255,10 +276,9 @@ class PairGranHysteretic : public Pair {
   bool uniform = false;
   granwave::ContactMemory has;    // each part is there from the first pair_coeff with it on, and from the first initial dent
   bool has_rate = false;          // true if a law depends on the rate
+  bool has_dashpot = false;       // true if a pair of types has one
+  granwave::MovedMass masses;     // with a dashpot
   bool flows = false;             // true if velocities jump across periodic boundaries, as those of the box do
-  int frozen = 0;                 // with a loss: bit of the group of fix freeze
-  class Fix *rigid = nullptr;     // with a loss: fix of rigid bodies
-  std::vector<double> moved_mass;    // with rigid bodies: of spheres and ghosts
   granwave::ContactList contacts{has};
   Batch batch;                         // of the pairs found last
   granwave::LoadingBatch loading{};    // those beyond their elastic limit

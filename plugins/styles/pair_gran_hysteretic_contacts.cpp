@@ -196,7 +196,7 @@ void PairGranHysteretic::prepare_initial_dents()
   build_contacts();
 }
 
-void PairGranHysteretic::begin_initial_dents()
+void PairGranHysteretic::begin_initial_dents(bool keeps)
 {
   contacts.each_dent([&](int, int k, int i, int j) {
     const double peak = contacts.peak[k];
@@ -205,7 +205,8 @@ void PairGranHysteretic::begin_initial_dents()
     double overlap = apart * apart < p.touch_sq ? p.radsum - apart : 0.0;
     if (has.cohesion && has.cohesion_of(contacts.block(k)).active())
       overlap = std::max(overlap, rounding);    // so that its record is kept
-    const bool dented = p.contact.yielded(peak);
+    if (!keeps) overlap = std::min(overlap, rounding);
+    const bool dented = keeps && p.contact.yielded(peak);
     contacts.reset(k, dented ? peak : overlap, dented);
   });
   for (int i = 0; i < atom->nlocal; i++) fix_history->history.forget_sphere(i);

@@ -48,7 +48,7 @@ void PairGranHysteretic::update_history(Batch &batch)
   for (std::uint64_t rest = raised; rest != 0; rest &= rest - 1) {
     const int m = __builtin_ctzll(rest), k = batch.k[m];
     const double before = batch.peak[m];
-    if (before == 0.0) c.time_first[k] = now;
+    if (!has.dents && Front::crosses(before, batch.overlap[m])) c.front[k].rise(before, batch.overlap[m], now, step.dt);
     if ((before <= batch.elastic_limit[m] || has.dents) && batch.overlap[m] > batch.elastic_limit[m] &&
         c.time_yield[k] < 0.0)
       c.time_yield[k] = now;
@@ -57,7 +57,7 @@ void PairGranHysteretic::update_history(Batch &batch)
   }
   if (has.dents)
     for (int m = 0; m < batch.size; m++)
-      if (batch.overlap[m] > c.reached[batch.k[m]]) c.raise_reached(batch.k[m], batch.overlap[m], now);
+      if (batch.overlap[m] > c.reached[batch.k[m]]) c.raise_reached(batch.k[m], batch.overlap[m], now, step.dt);
   if (yielded != 0) compute_plastic(batch, yielded, raised);
 }
 
@@ -132,25 +132,31 @@ void PairGranHysteretic::release_contact(int k)
 
 int PairGranHysteretic::pack_forward_comm(int n, int *list, double *buf, int, int *)
 {
-  for (int k = 0; k < n; k++) buf[k] = moved_mass[list[k]];
-  return n;
+  for (int k = 0; k < n; k++) masses.pack(list[k], buf + k * MovedMass::SIZE);
+  return n * MovedMass::SIZE;
 }
 
 void PairGranHysteretic::unpack_forward_comm(int n, int first, double *buf)
 {
-  std::copy_n(buf, n, moved_mass.begin() + first);
+  for (int k = 0; k < n; k++) masses.unpack(first + k, buf + k * MovedMass::SIZE);
+}
+
+/* Effective mass of a pair along its normal. The body of a flat face is taken as much heavier than the sphere. */
+double PairGranHysteretic::effective_mass(const Batch &batch, int m) const
+{
+  const int i = batch.i[m], j = batch.j[m];
+  const double normal[3] = {batch.del[0][m] / batch.r[m], batch.del[1][m] / batch.r[m], batch.del[2][m] / batch.r[m]};
+  return masses.effective(atom->radius[i] > 0.0 ? i : MovedMass::BODY, atom->radius[j] > 0.0 ? j : MovedMass::BODY, normal);
 }
 
 /* Add the viscous forces of touching pairs to the normal forces; there are none in a minimization. */
 void PairGranHysteretic::compute_viscous(Batch &batch)
 {
   ContactList &c = contacts;
-  const double *const mass = rigid ? moved_mass.data() : atom->rmass;
-  const int *const mask = atom->mask;
   for (int m = 0; m < batch.size; m++) {
     const PairParameters &p = *batch.pair[m];
     if (!p.loss) continue;
-    const int k = batch.k[m], i = batch.i[m], j = batch.j[m];
+    const int k = batch.k[m];
     ViscousHistory &history = has.loss_of(c.block(k));
     const double overlap = batch.overlap[m], force = batch.force[m];
     const bool sticks = p.contact.cohesive();
@@ -171,11 +177,8 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
             stiffness = overlap >= c.peak[k]
                             ? p.contact.tangent_stiffness(overlap, c.law_history(k))
                             : p.contact.tangent_stiffness(overlap, c.turnings[c.cached_turning(k, p.contact)]);
-          // the body of a flat face is much heavier than the sphere, and a frozen one does not move
-          const double effective_mass = p.radius_i == 0.0 || (mask[i] & frozen)   ? mass[j]
-                                        : p.radius_j == 0.0 || (mask[j] & frozen) ? mass[i]
-                                                                                  : mass[i] * mass[j] / (mass[i] + mass[j]);
-          return p.loss.coefficient(stiffness, effective_mass);
+          const double mass = p.loss.kind == LossKind::DASHPOT ? effective_mass(batch, m) : 0.0;
+          return p.loss.coefficient(stiffness, mass);
         });
   }
 }
@@ -380,6 +383,14 @@ void PairGranHysteretic::compute_forces(Tally what)
   compute_special(what);
 }
 
+/* In a minimization, begin with the histories at its start: of the positions it tries only the last ones leave dents. */
+void PairGranHysteretic::begin_evaluation()
+{
+  if (update->whichflag != 2) contacts.start.kept = false;
+  else if (contacts.start.kept) contacts.return_to_start();
+  else contacts.keep_start();
+}
+
 void PairGranHysteretic::compute(int eflag, int vflag)
 {
   ev_init(eflag, vflag);
@@ -392,11 +403,11 @@ void PairGranHysteretic::compute(int eflag, int vflag)
   if (neighbor->ago == 0) renew_ghosts();
   if (!contacts.valid) build_contacts();
   flows = domain->deform_vremap != 0;
-  if (rigid && neighbor->ago == 0) {    // the masses that spheres and ghosts move with
-    moved_mass.resize(atom->nmax);
-    set_moved_masses(lmp, rigid, moved_mass);
+  if (has_dashpot && masses.differ() && neighbor->ago == 0 && update->whichflag == 1) {
+    masses.update();
     comm->forward_comm(this);
   }
+  begin_evaluation();
   contacts.published = false;
   now = simulated_time(*update);
   step = {update->dt, update->whichflag == 1 && !update->setupflag};

@@ -22,6 +22,16 @@ double PairGranHysteretic::largest_force_of_run(const ScaledLaw &contact, const 
   return reached >= h.peak ? contact.loading_beyond_yield(reached, h.extra) : contact.unloading(reached, contact.turning(h));
 }
 
+/* Time at which the force of a contact first passed a part of its largest one of this run, without viscous forces and the pull
+   of cohesion; -1 = never. */
+double PairGranHysteretic::arrival(const ScaledLaw &contact, const Dent &dent, const BlockView &view) const
+{
+  const double largest = has.dents ? view.reached : dent.peak;
+  if (!(largest > 0.0)) return -1.0;
+  const double there = contact.overlap_at_part(largest, ARRIVED, view.extra, {view.initial, view.initial_extra});
+  return dent.front.passed(largest, there / largest);
+}
+
 namespace {
 
 /* Return 1 if the peak of a contact is beyond half of the range of its law, 2 if beyond all of it, else 0. */
@@ -159,6 +169,7 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
     report.elastic = contact.is_hertzian() ? 0.4 * report.force * overlap : contact.elastic_energy(overlap);
   }
   report.peak_force = largest_force_of_run(contact, h, view, overlap, report.peak_force);
+  report.time_first = report.peak_force > 0.0 ? arrival(contact, report.dent, view) : -1.0;
   report.touches = report.force > 0.0;
   if (contact.cohesive()) {
     const CohesionHistory history = has.cohesion_of(view.extra);
@@ -197,18 +208,27 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   return report;
 }
 
+/* Unit vector along which the surface of sphere j presses sphere i. */
+void PairGranHysteretic::unit_normal(int i, int j, double (&normal)[3]) const
+{
+  if (is_special(atom->type[i], atom->type[j])) {
+    std::copy_n(separation(i, j).normal, 3, normal);
+    return;
+  }
+  const Vector del = vector_between(i, j);
+  const double apart = std::sqrt(distance_squared(i, j));
+  for (int d = 0; d < 3; d++) normal[d] = del[d] / apart;
+}
+
 /* Report on pair k of row r. The first sphere is that of the row unless that is a ghost. */
 PairGranHysteretic::Report PairGranHysteretic::report_pair(std::size_t r, int k)
 {
   int i = contacts.row[r], j = contacts.partner[k];
   const bool ghost = i >= atom->nlocal;
   if (ghost) std::swap(i, j);
-  const double rsq = distance_squared(i, j), apart = std::sqrt(rsq);
-  Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, rsq);
+  Report report = report_pair(i, j, k, ghost ? -1.0 : 1.0, distance_squared(i, j));
   double normal[3];
-  const Vector del = vector_between(i, j);
-  for (int d = 0; d < 3; d++) normal[d] = del[d] / apart;
-  if (is_special(atom->type[i], atom->type[j])) std::copy_n(separation(i, j).normal, 3, normal);
+  unit_normal(i, j, normal);
   for (int d = 0; d < 3; d++) report.on_first[d] = report.force * normal[d] + report.tangential[d];
   return report;
 }
@@ -259,7 +279,7 @@ void PairGranHysteretic::sum_up(int i, const ContactRecord &record, const double
     sums.time_peak = record.dent.time_peak;
   }
   sums.peak_overlap = std::max(sums.peak_overlap, record.dent.peak);
-  earliest(sums.time_first, record.dent.time_first);
+  earliest(sums.time_first, report.time_first);
   earliest(sums.time_yield, record.dent.time_yield);
 }
 
@@ -270,6 +290,26 @@ void PairGranHysteretic::visit_pair(tagint one, tagint other, const std::functio
   if (const auto [r, k] = contacts.find(lower, higher); k >= 0) visit(report_pair(r, k));
 }
 
+/* Columns of LAMMPS's pair styles gran/...: force on the first sphere by friction, velocity of its centre relative to that of the
+   second, along the normal and across it. All zero where the spheres do not touch. */
+void PairGranHysteretic::write_lammps_columns(const Report &report)
+{
+  std::fill_n(svector, static_cast<int>(OVERLAP), 0.0);
+  if (!report.touches) return;
+  std::copy_n(report.tangential, 3, svector + TANGENTIAL_FORCE);
+  svector[TANGENTIAL_MAGNITUDE] = report.tangential_force;
+  double normal[3];
+  unit_normal(report.i, report.j, normal);
+  const double *const vi = atom->v[report.i];
+  const double *const vj = atom->v[report.j];
+  const double velocity[3] = {vi[0] - vj[0], vi[1] - vj[1], vi[2] - vj[2]};
+  const double approach = dot(velocity, normal);
+  for (int d = 0; d < 3; d++) {
+    svector[NORMAL_VELOCITY + d] = approach * normal[d];
+    svector[TANGENTIAL_VELOCITY + d] = velocity[d] - approach * normal[d];
+  }
+}
+
 double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, double, double &fforce)
 {
   require_contacts();
@@ -277,12 +317,15 @@ double PairGranHysteretic::single(int i, int j, int, int, double rsq, double, do
   if (std::fabs(rsq - square) > 1e-9 * rsq)
     error->one(FLERR, "Pair style gran/hysteretic has forces of present contacts only: pair_write is not supported");
   const auto [lower, higher] = std::minmax(atom->tag[i], atom->tag[j]);
-  const Report report = report_pair(i, j, contacts.find(lower, higher).second, 1.0, square);
+  const auto [r, k] = contacts.find(lower, higher);
+  const double side = k >= 0 && atom->tag[contacts.row[r]] != atom->tag[i] ? -1.0 : 1.0;
+  const Report report = report_pair(i, j, k, side, square);
+  write_lammps_columns(report);
   svector[OVERLAP] = report.overlap;
   svector[PEAK_OVERLAP] = report.dent.peak;
   svector[PEAK_FORCE] = report.peak_force;
   svector[LOST] = report.dissipated;
-  svector[TIME_FIRST] = report.dent.time_first;
+  svector[TIME_FIRST] = report.time_first;
   svector[TIME_PEAK] = report.dent.time_peak;
   svector[TIME_YIELD] = report.dent.time_yield;
   fforce = report.force / std::sqrt(rsq);

@@ -21,7 +21,7 @@ constexpr int FORMAT = 3;    // of global states
 constexpr int HEAD = 3;      // format, number of values, checksum
 
 // Mark of the format of states with atoms; no byte of it can be changed so that it becomes the whole number of earlier ones.
-constexpr double ATOM_STATE = 0.5773502691896257;
+constexpr double ATOM_STATE = 0.8660254037844386;
 constexpr int UNCHECKED = 3;                // numbers before those that the checksum is of
 constexpr double ROUNDING_OF_BOX = 1e-9;    // of positions, relative to the length of the box
 

@@ -17,8 +17,6 @@ from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.inference.case import read_infer_case
 from granwave.analysis.quantities import ENTRIES
 from granwave.lammps_inputs import load_case, load_materials
-from granwave.lammps_inputs.case.contact import LAWS
-from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan
 from granwave.workflows.cli.keys import tables
@@ -194,21 +192,6 @@ def test_targets_of_make_exist():
         )
     }
     assert {"demo", "test"} <= named <= targets
-
-
-@pytest.mark.parametrize("name", ["docs/howto/case-files.md", "docs/tutorials/first-impact.md"])
-def test_kinds_of_packings_and_laws(name):
-    case = next(block.text for block in blocks(ROOT / name) if block.language == "toml")
-    for key, names in (("kind", KINDS), ("law", LAWS)):
-        (comment,) = re.findall(rf"^{key} = .*# (.*)$", case, re.MULTILINE)
-        assert set(comment.split(" | ")) == set(names)
-
-
-def test_every_packing_and_law_has_a_line():
-    packings = (ROOT / "docs/reference/materials.md").read_text(encoding="utf-8")
-    laws = (ROOT / "docs/howto/fit-a-law.md").read_text(encoding="utf-8")
-    assert all(f"| `{kind}` |" in packings for kind in KINDS)
-    assert all(f"| `{law}` |" in laws for law in LAWS)
 
 
 def test_values_of_a_summary_that_tables_name_exist():

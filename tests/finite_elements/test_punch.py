@@ -34,6 +34,22 @@ def values_of(changes=None, **run):
     return run.summarise(1.0)
 
 
+@pytest.mark.parametrize(
+    ("mass", "taper", "elements"), [(0.1, 1e-4, 4000), (0.00445, 1e-4, 4000), (0.1, 5e-4, 8000)]
+)
+def test_velocity_of_first_yield(mass, taper, elements):
+    """Nothing yields at 0.75 of the estimate, and something at 1.3 times it."""
+    tables = {"punch": {"mass": mass, "taper": taper, "velocity": 1.0}}
+    tables["run"] = {"elements": elements, "end_time": 1.1e-3 * math.sqrt(mass)}
+    first = ContinuumCase.from_dict({"name": "case", "material": "brass"} | tables).yield_velocity
+    volumes = []
+    for factor in (0.75, 1.3):
+        tables["punch"]["velocity"] = factor * first
+        volumes.append(values_of(tables)["plastic_zone_volume_ever_m3"])
+    assert volumes[0] == 0
+    assert volumes[1] > 0
+
+
 def graded(n_r=7, n_z=9):
     rng = np.random.default_rng(5)
     lines = [

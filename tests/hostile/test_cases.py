@@ -29,7 +29,10 @@ ROWS = [
 @pytest.mark.parametrize("name", TABLES)
 def test_bases_are_right(name: str) -> None:
     base = TABLES[name]["base"]
-    assemble(case_from_dict(read_toml(library.find(base)) if isinstance(base, str) else base))
+    tables = read_toml(library.find(base)) if isinstance(base, str) else base
+    assembly = assemble(case_from_dict(tables))
+    assert assembly.n_spheres > 0
+    assert set(tables) <= set(assembly.case.to_dict())
 
 
 @pytest.mark.parametrize(("base", "row"), ROWS)

@@ -72,9 +72,9 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     places.release(folder)
 
 
-def test_the_table_is_long_enough_and_every_row_has_a_name_of_its_own() -> None:
+def test_every_row_has_a_name_of_its_own() -> None:
     names = [(row.kind, row.what) for row in ROWS]
-    assert len(names) == len(set(names)) >= 221
+    assert len(names) == len(set(names))
     kinds = {row.kind for row in ROWS}
     assert kinds >= {"files", "numbers", "names", "injection", "places", "damaged", "environment"}
 

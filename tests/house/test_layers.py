@@ -53,7 +53,7 @@ lammps_inputs/case
 lammps_inputs/directories
 lammps_inputs/ownership
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/files lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes
+lammps_inputs/files lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
 lammps_inputs/errors
 plugins plugins/package
 """
@@ -74,6 +74,7 @@ def modules() -> dict[str, Path]:
 
 
 MODULES = modules()
+MADE_BY_THE_BUILD = {"granwave._contact_laws", "granwave._number_reader", "granwave._version"}
 
 
 def imports(path: Path) -> Iterator[str]:
@@ -153,7 +154,7 @@ def test_what_is_imported_exists(module: str) -> None:
         if not isinstance(node, ast.ImportFrom) or not (node.module or "").startswith("granwave."):
             continue
         source = str(node.module)
-        if source in ("granwave._contact_laws", "granwave._number_reader"):
+        if source in MADE_BY_THE_BUILD:
             continue
         assert source in MODULES, source
         for alias in node.names:
@@ -213,7 +214,7 @@ def test_no_circle_of_includes():
             r'^#include "(?:[^"]*/)?([^"/]+)\.h"', path.read_text(encoding="utf-8"), re.MULTILINE
         )
         graph.setdefault(unit(path), set()).update(set(found) & headers - {unit(path)})
-    assert len(graph) > 30
+    assert set(graph) >= headers
     list(TopologicalSorter(graph).static_order())  # CycleError names a circle
 
 

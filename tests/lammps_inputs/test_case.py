@@ -161,8 +161,9 @@ def test_figures() -> None:
 
 
 def test_a_film_has_enough_frames_unless_they_are_given() -> None:
-    assert case_from_dict(changed(figures={"film": "mp4"})).run.frames == FRAMES_OF_A_FILM
-    assert case_from_dict(changed(figures={"film": "gif"}, run__frames=5)).run.frames == 5
-    assert case_from_dict(changed(figures={"view": True})).run.frames == 20
+    assert case_from_dict(changed(figures={"film": "mp4"})).n_frames == FRAMES_OF_A_FILM
+    assert case_from_dict(changed(figures={"film": "gif"}, run__frames=5)).n_frames == 5
+    assert case_from_dict(changed(figures={"view": True})).n_frames == 20
+    assert case_from_dict(changed(run__frames=["10 %", "50 %"])).n_frames == 2
     short = make_case(run={"end_time": 3e-6, "timestep": 1e-7}, figures={"film": "gif"})
     assert make_schedule(short).n_frames == 31  # one a step, at most

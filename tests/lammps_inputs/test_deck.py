@@ -18,6 +18,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import build_packing
+from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.schedule import make_schedule
 from granwave.lammps_inputs.planning.timestep import (
     auto_timestep,
@@ -163,12 +164,49 @@ class TestSchedule:
         assert listed.frame_steps == (1230, 9990, 10000)
 
     def test_blocks(self) -> None:
-        schedule = make_schedule(make(run={"end_time": "auto"}))
+        schedule = make_schedule(make(run={"end_time": "auto", "frames": 20}))
         assert schedule.block_steps * schedule.timestep == pytest.approx(50e-6, rel=1e-12)
         assert schedule.n_steps == 100 * schedule.block_steps
         assert 250 <= schedule.block_steps // schedule.ledger_every <= 500
         assert schedule.block_steps % schedule.probe_every == 0
         assert schedule.frame_every * schedule.timestep == pytest.approx(50e-6)
+
+    @pytest.mark.parametrize(("film", "n", "dense"), [("none", 20, 13), ("mp4", 60, 39)])
+    @pytest.mark.parametrize("end_time", [1e-3, "auto"])
+    def test_two_thirds_of_the_snapshots_follow_the_wave(
+        self, film: str, n: int, dense: int, end_time: float | str
+    ) -> None:
+        """By default: evenly until the wave is at the bottom, and evenly to the end; of a run whose
+        end is not known as if that were at 1 ms, until the last time that it can have.
+        """
+        case = make(run={"end_time": end_time}, figures={"film": film})
+        schedule = make_schedule(case)
+        steps = np.array([0, *schedule.frame_steps])
+        times = steps * schedule.timestep
+        arrival = expected_arrival(assemble(case))
+        assert arrival is not None and not schedule.frame_every
+        unit = schedule.longest_step * schedule.timestep
+        assert times[dense] == pytest.approx(1.1 * arrival, abs=unit)
+        assert times[n - 1] == pytest.approx(1e-3, abs=unit)
+        apart = np.diff(times[:-1])
+        assert apart[:dense] == pytest.approx(1.1 * arrival / dense, abs=1.01 * unit)
+        assert apart[dense:] == pytest.approx(
+            (1e-3 - 1.1 * arrival) / (n - 1 - dense), abs=1.01 * unit
+        )
+        assert len(times) == n if end_time == 1e-3 else steps[-1] == schedule.n_steps
+
+    def test_a_number_of_snapshots_and_times_are_as_asked_for(self) -> None:
+        even = make_schedule(make(run={"frames": 21, "end_time": 1e-3, "timestep": 1e-7}))
+        assert (even.frame_every, even.n_frames) == (500, 21)
+        listed = make_schedule(make(run={"frames": [1e-4, 3e-4], "timestep": 1e-7}))
+        assert listed.frame_steps == (1000, 3000, 10_000)
+
+    def test_snapshots_are_evenly_spread_where_no_wave_comes_first(self) -> None:
+        """The wave takes most of the run, or its arrival is not known."""
+        short = make_schedule(make(run={"end_time": 6e-5, "timestep": 1e-7}))
+        assert np.ptp(np.diff([0, *short.frame_steps])) <= 1
+        square = make_schedule(make((6, 6), "square", run={"timestep": 1e-7}))
+        assert square.frame_every or np.ptp(np.diff([0, *square.frame_steps])) <= 1
 
     def test_probe_interval(self) -> None:
         assert (

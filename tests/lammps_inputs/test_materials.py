@@ -18,6 +18,7 @@ from granwave.analysis.figures.style import write_csv
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import load_materials, material, presets
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
 from granwave.lammps_inputs.contact.law import (
     contact_of,
     flat_contact,
@@ -29,7 +30,6 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.roots import brentq
 from granwave.workflows.cli.contacts import fit
-from granwave.workflows.run.checks import TOLERANCE
 from granwave.workflows.run.driver import run_case
 from tests.helpers.twins.twin import OTHER
 

@@ -252,6 +252,27 @@ def test_memory_of_each_rank() -> None:
     assert "first rank" not in plan_table(case, one)
 
 
+def test_ranks_that_analyse_fit_into_the_memory_of_the_run() -> None:
+    """A part of the packing does not shrink with the number of ranks, so that fewer take one."""
+    case = make(packing={"size": [220, 220, 207]})
+    few = plan(case, n_ranks=8)
+    many = plan(case, n_ranks=128)
+    assert few.n_analysing == 8
+    assert 8 < many.n_analysing < 128
+    others = (many.n_analysing - 1) * many.other_rank + (128 - many.n_analysing) * many.idle_rank
+    assert many.memory == many.first_rank + others
+    assert many.memory < 128 * 1e9
+    assert "takes no part in the analysis" in plan_table(case, many)
+
+
+def test_one_timestep_of_a_contact_in_packings_of_any_height() -> None:
+    """The pulse that reaches the wall is weaker in a higher packing; the spheres are the same."""
+    steps = [plan(make(packing={"size": [8, 8, layers]})).allowed for layers in (3, 10, 40, 120)]
+    assert steps == pytest.approx([steps[0]] * 4, rel=1e-12)
+    alone = plan(make(packing={"size": [8, 8, 3]})).schedule.first_timestep
+    assert 0.8 < alone / steps[0] <= 1.0
+
+
 def test_loads_far_above_the_cut_off(caplog: pytest.LogCaptureFixture) -> None:
     """A steel row under 20 N passes waves up to 2 sqrt(k/m)/(2 pi) = 19.8 kHz; the estimate is
     within 15 % of it.

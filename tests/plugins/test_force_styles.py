@@ -48,7 +48,7 @@ def check_sums(one: StyleTester) -> None:
 
 
 SINGLES = """compute ids all property/local patom1 patom2
-compute singles all pair/local eng force p1 p2 p4
+compute singles all pair/local eng force p11 p12 p14
 compute dents all gran/hysteretic/local
 group few id 1:5
 group rest subtract all few

@@ -165,6 +165,34 @@ def test_restart_of_ranks_with_unlike_histories(log_of, lammps, tmp_path, name):
     same(*(state(lmp, "x", "v") for lmp in (whole, again)))
 
 
+LAWS = {
+    "cohesion, then loss": (f"{HERTZ} cohesion dmt 10", f"{HERTZ} loss time 0.3", False),
+    "cohesion, then both": (f"{HERTZ} cohesion dmt 10", f"{HERTZ} cohesion dmt 10 loss time 1e-7", False),
+    "loss, then rolling": (f"{HERTZ} friction 0.3 loss dashpot 0.1", f"{HERTZ} friction 0.3 rolling sds 1e3 0.1 0.1", False),
+    "the same laws": (f"{HERTZ} friction 0.3 loss time 1e-7", f"{HERTZ} friction 0.3 loss time 1e-7", True),
+}  # fmt: skip
+
+
+@pytest.mark.parametrize("name", LAWS)
+def test_other_laws_after_a_restart_beside_a_processor_without_spheres(lmp, log_of, tmp_path, name):
+    """Both processors stop, or both go on: what the file holds is known to one of them only."""
+    before, after, allowed = LAWS[name]
+    places = [(-0.05, 0, 0), (-0.05, 0, 1.999 * R)]
+    script = rubbing(places, before, box=[-0.1, 0.1, -0.02, 0.02, -0.02, 0.03])
+    log_of(f"processors 2 1 1\n{script}run 10\nwrite_restart {tmp_path}/r\n", ranks=2)
+    again = resumed(script, tmp_path / "r").replace(
+        f"read_restart {tmp_path}/r", f"read_restart {tmp_path}/r\npair_coeff * * {after}"
+    )
+    text = f"processors 2 1 1\n{again}run 10\n"
+    if allowed:
+        log_of(text, ranks=2)
+        return
+    (tmp_path / "in.again").write_text(text, encoding="utf-8")
+    done = lmp(tmp_path / "in.again", ranks=2, timeout=60)
+    assert done.returncode != 0
+    assert "Restart file holds pair style gran/hysteretic" in (tmp_path / "log.lammps").read_text()
+
+
 def test_a_wall_without_friction_ignores_springs_of_a_restart(lammps, tmp_path):
     script, *_ = RUNS["friction of a wall"]
     lmp = lammps(f"{script}run 800\nwrite_restart {tmp_path}/r\nrun 1000")
@@ -175,7 +203,7 @@ def test_a_wall_without_friction_ignores_springs_of_a_restart(lammps, tmp_path):
 
 WALL = f"fix wall all wall/gran/hysteretic zplane {-R:.17g} NULL hertz 115e9 0.3 support 1e-3 1e6 0"
 PUSH = "fix push all gran/load z force half-sine 10 1e-3"
-ATOM_STATE = struct.pack("<d", 0.5773502691896257)
+ATOM_STATE = struct.pack("<d", 0.8660254037844386)
 
 
 def resume(lmp, path, *fixes: str) -> None:

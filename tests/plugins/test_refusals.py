@@ -25,7 +25,6 @@ SOME = "group one id 1\n" + TOP.replace("top all", "some one")
 POINTS = BARE.replace("sphere", "atomic") + "mass 1 1\npair_style zero 1.0\npair_coeff * *\n"
 GIVEN = "variable given equal 1.0\n"
 LOSSY = rubbing(PAIR, "hertz 1e9 0.3 loss time 1e-6")
-LOSSY_ROW = rubbing([(0, 0, 2 * R * k) for k in range(4)], "hertz 1e9 0.3 loss time 1e-6")
 AT_A_FACE = script_of(
     [(0, 0, 0), (0, 0, R)], radius=[R, 0.0], style="hertz 1e9 0.3", extra="set atom 1 vz {}"
 )
@@ -69,8 +68,8 @@ REFUSED = {
         ("1 2e-3 0 1 0\nfix w all wall/gran/hysteretic zplane -0.003 NULL hertz 1e9 0.3\nrun 0", "the law of a line contact ends: it is too short"),
     ]),
     "dents": (ONE, "gran/dents {}", [
-        ("", "expected 'read FILE' or 'begin'"),
-        ("begin now", "expected 'read FILE' or 'begin'"),
+        ("", "expected 'read FILE', 'begin' or 'clear'"),
+        ("begin now", "expected 'read FILE', 'begin' or 'clear'"),
         ("read /nowhere/dents", "cannot read file /nowhere/dents"),
     ]),
     "dents without the pair style": (BARE + "pair_style zero 1.0\npair_coeff * *\n", "{}", [
@@ -162,10 +161,6 @@ REFUSED = {
     ]),
     "laws to come": (LOSSY + "run 1\n", "pair_coeff * * elastoplastic 115e9 0.3 550e6 {}\nrun 0", [
         ("loss time 1e-6 rate 0.01 1", "cannot be added once there is a loss: give all laws before the first run"),
-    ]),
-    "bodies with a loss": (LOSSY_ROW + "group one id 1 2\ngroup two id 3 4\n", "{}\nrun 0", [
-        ("fix a one freeze\nfix b two freeze", "only one fix freeze can be in use, found 2"),
-        ("unfix motion\nfix a one rigid single\nfix b two rigid single", "only one fix rigid can be in use, found a and b"),
     ]),
     "computes": (ONE, "compute c all gran/hysteretic/{}", [
         *((f"{kind} 1", f"Illegal compute gran/hysteretic/{kind}") for kind in ("atom", "local", "sums", "energy", "contact")),

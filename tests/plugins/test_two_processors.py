@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import re
+
 import numpy as np
 import pytest
 
@@ -106,15 +108,26 @@ RUNS = {
 }  # fmt: skip
 
 
+def beside_an_empty_one(script: str) -> str:
+    """Divide the box near its top, above all spheres: the second of two processors has none."""
+    divided, number = re.subn("\nfix ", "\nbalance 1.0 z 0.95\nfix ", script, count=1)
+    assert number == 1
+    return f"processors 1 1 2\n{divided}"
+
+
+@pytest.mark.parametrize("divide", [None, beside_an_empty_one], ids=["both", "one is empty"])
 @pytest.mark.parametrize("name", RUNS)
-def test_the_same_bits(log_of, tmp_path, name):
+def test_the_same_bits(log_of, tmp_path, name, divide):
     script, steps, values, further = RUNS[name]
     columns = f"id x y z vx vy vz omegax omegay omegaz tqx {further}"
     end = f"run {steps}\nwrite_dump all custom out {columns} modify sort id format float %.17g\n"
     end += f'print "result {" ".join(f"$({value}:%.15g)" for value in values)}"\n'
     found = []
     for ranks in (1, 2):
-        result = np.array(printed(log_of(script(tmp_path) + end, ranks), "result"), float)
+        text = script(tmp_path) + end
+        if divide and ranks == 2:
+            text = divide(text)
+        result = np.array(printed(log_of(text, ranks), "result"), float)
         found.append((result, (tmp_path / "out").read_text()))
     assert found[0][1] == found[1][1]
     assert found[0][0] == pytest.approx(found[1][0], rel=1e-12) and found[0][0].all()

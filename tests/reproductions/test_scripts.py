@@ -7,7 +7,6 @@ from __future__ import annotations
 import ast
 import tomllib
 from pathlib import Path
-from statistics import median
 
 import pytest
 
@@ -39,10 +38,6 @@ def test_imports(path: Path) -> None:
             assert name in DOORS if name.startswith("granwave") else True, (
                 f"{path.name} imports {name}"
             )
-
-
-def test_length() -> None:
-    assert median(len(path.read_text(encoding="utf-8").splitlines()) for path in SCRIPTS) <= 90
 
 
 @pytest.mark.parametrize("path", STUDIES, ids=name_of)

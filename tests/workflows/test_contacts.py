@@ -12,6 +12,7 @@ from scipy.special import ellipe, ellipk
 import granwave as gw
 from granwave.lammps_inputs import material
 from granwave.lammps_inputs.contact.law import contact_of, pair_contact
+from granwave.workflows.python import contacts
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30}
 MODULUS = 115e9 / (1 - 0.3**2)  # one brass body on a rigid one, Pa
@@ -23,6 +24,29 @@ SOFT = {
     "length": 1.0,
     "material": {"youngs_modulus": 90e6, "poisson_ratio": 0},
 }
+
+
+@pytest.fixture(autouse=True)
+def nothing_warned_about(monkeypatch):
+    """Let each test see the warnings of its contacts."""
+    monkeypatch.setattr(contacts, "_warned", set())
+
+
+def test_error_bars_come_with_the_force():
+    """Of law elastoplastic-fe within the range of its fit; NaN for other laws."""
+    bodies = [BALL, {"shape": "plane"}]
+    overlap = np.array([[1e-6, 1e-5], [1e-4, 1e-3]])
+    force, bar = gw.contact_force("elastoplastic-fe", bodies, overlap, error=True)
+    np.testing.assert_array_equal(force, gw.contact_force("elastoplastic-fe", bodies, overlap))
+    assert bar.shape == overlap.shape and np.isnan(bar[1, 1])  # beyond 0.2 R*
+    within = bar.ravel()[:3] / force.ravel()[:3]
+    assert within[0] == 0 and np.all((within[1:] > 0.01) & (within[1:] < 0.1))
+    unloaded, bar = gw.contact_force(
+        "elastoplastic-fe", bodies, 0.9e-4, peak_overlap=1e-4, error=True
+    )
+    assert isinstance(bar, float) and bar > 0.02 * unloaded
+    for law in ("elastoplastic", "hertz"):
+        assert math.isnan(gw.contact_force(law, bodies, 1e-5, error=True)[1])
 
 
 def test_a_sphere_on_a_cylinder_of_the_thesis():
@@ -190,6 +214,18 @@ def test_overlaps_beyond_the_law_and_lines_of_laws_that_yield_warn(caplog):
         gw.contact_force("thornton", [{**ROD, "material": "brass"}, "plane"], 1e-6)
     beyond, elastic = (record.getMessage() for record in caplog.records)
     assert "beyond 0.000635 m" in beyond and "stay elastic" in elastic
+
+
+def test_a_contact_is_warned_about_once_and_not_for_rounding(caplog):
+    ball = {"shape": "sphere", "diameter": 0.0119, "material": "brass"}
+    with caplog.at_level(logging.WARNING):
+        gw.contact_force("elastoplastic", [ball, ball], 0.2 * 0.00595 / 2)
+        gw.contact_force("elastoplastic", [ball, ball], 0.2 * 0.00595 / 2 * (1 + 1e-12))
+    assert not caplog.records
+    with caplog.at_level(logging.WARNING):
+        for overlap in (0.0006, 0.0007):
+            gw.contact_force("elastoplastic", [ball, ball], overlap)
+    assert ["beyond 0.000595 m" in record.getMessage() for record in caplog.records] == [True]
 
 
 @pytest.mark.parametrize(

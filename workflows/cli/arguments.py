@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import argparse
 import math
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
@@ -11,6 +12,7 @@ from typing import TYPE_CHECKING, Any
 from granwave.lammps_inputs.case.hints import POSSIBLE
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_number, read_whole
 
 if TYPE_CHECKING:
     import numpy
@@ -28,6 +30,7 @@ FILE_KINDS = (
     "design",
 )
 BENCH_PARTS = ("styles", "sizes", "ranks", "study")
+_ID = re.compile("[0-9]+")
 _MOST_FREQUENCIES = 1_000_000  # of START:END:COUNT
 _LARGEST_OVERLAP = 1e6  # over the overlap at first yield; the size of spheres limits it to some 1e4
 _SHORTEST, _LONGEST = POSSIBLE["m"]
@@ -51,7 +54,7 @@ def input_name(text: str) -> Path:
 def number(text: str) -> float:
     """Read a number."""
     try:
-        return float(text)
+        return read_number(text)
     except ValueError:
         raise argparse.ArgumentTypeError(f"found {text or 'nothing'}, expected a number") from None
 
@@ -121,7 +124,7 @@ def shares(text: str) -> tuple[float, ...]:
 def ids(text: str) -> list[int]:
     """Read ids with commas between them."""
     found = text.split(",")
-    if not all(one.strip().isdigit() and int(one) > 0 for one in found):
+    if not all(_ID.fullmatch(one.strip()) and int(one) > 0 for one in found):
         raise argparse.ArgumentTypeError(
             f"found {text or 'nothing'}, expected ids from 1 up with commas between them"
         )
@@ -135,11 +138,12 @@ def frequencies(text: str) -> NDArray[numpy.float64]:
     try:
         if ":" in text:
             start, end, count = text.split(":")
-            if not 1 <= int(count) <= _MOST_FREQUENCIES:
+            points = read_whole(count)
+            if not 1 <= points <= _MOST_FREQUENCIES:
                 raise ValueError
-            values = numpy.linspace(float(start), float(end), int(count))
+            values = numpy.linspace(read_number(start), read_number(end), points)
         else:
-            values = numpy.array([float(one) for one in text.split(",")])
+            values = numpy.array([read_number(one) for one in text.split(",")])
     except ValueError:
         values = numpy.empty(0)
     if not len(values) or not numpy.isfinite(values).all() or (values < 0).any():

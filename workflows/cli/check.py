@@ -20,7 +20,7 @@ from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves
-from granwave.workflows.cli.terminal import print_json, warn
+from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.counterpart import (
     Inputs,
     continuum_of,
@@ -28,6 +28,7 @@ from granwave.workflows.counterpart import (
     inputs_of_packing,
     packing_of,
 )
+from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 Rows = Iterable[tuple[str, str]]
@@ -70,8 +71,13 @@ def check(options: argparse.Namespace) -> int:
             else ""
         )
         warnings = [one for one in (slow, expected_cut(expected.zone)) if one]
+    kind.check(case)
+
+    def afford() -> None:
+        kind.afford(case, expected, Path(case.name).absolute())
+
     if options.json:
-        kind.check(case, expected, Path(case.name).absolute())
+        warnings += warn_of_lacks(case.name, afford)
         found: dict[str, Any] = {
             "name": case.name,
             "command": kind.verb,
@@ -98,7 +104,11 @@ def check(options: argparse.Namespace) -> int:
             found["counterpart"] = {
                 "command": counterpart.command or None,
                 "reason": counterpart.reason or None,
+                "yield_velocity_m_s": counterpart.yield_velocity,
+                "stays_elastic": counterpart.stays_elastic,
             }
+        if kind is CONTINUUM:
+            found["yield_velocity_m_s"] = case.yield_velocity
         print_json(found | {"warnings": warnings})
         return 0
     if kind is GRANULAR:
@@ -108,6 +118,7 @@ def check(options: argparse.Namespace) -> int:
             ("case", case.name),
             ("elements", f"about {kind.size(case)}"),
             *_inputs(inputs),
+            ("first yield", _first_yield(case) if kind is CONTINUUM else ""),
             ("memory", f"about {expected.memory / _GIB:.2f} GiB"),
             ("disk", f"about {expected.disk / 1e9:.3g} GB"),
             ("expected time", f"about {duration(expected.wall_time)}"),
@@ -115,11 +126,22 @@ def check(options: argparse.Namespace) -> int:
     if counterpart is not None:
         what = "continuum" if kind is GRANULAR else "packing"
         print(f"\n{what} of equal input: {counterpart.command or f'none, {counterpart.reason}'}")
+        if counterpart.stays_elastic:
+            print(f"It stays elastic: it yields from about {counterpart.yield_velocity:.2g} m/s.")
     sys.stdout.flush()
-    kind.check(case, expected, Path(case.name).absolute())
+    warn_of_lacks(case.name, afford)
     for warning in warnings:
         warn(f"{case.name}: {warning}")
     return 0
+
+
+def _first_yield(case: ContinuumCase) -> str:
+    """Return the velocity from which the block of a continuum case yields."""
+    velocity = case.yield_velocity
+    if velocity is None:
+        return ""
+    elastic = ": this impact is elastic" if case.punch.velocity < velocity else ""
+    return f"from about {velocity:.2g} m/s, at the edge of the punch{elastic}"
 
 
 def table(rows: Rows) -> str:
@@ -165,14 +187,7 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
     yield "precompression", _static(case)
     yield from waves
     yield from _inputs(inputs, at_most="at most " * _is_bound(case))
-    memory = f"about {plan.memory / _GIB:.2f} GiB"
-    if plan.n_ranks > 1:
-        first = plan.first_rank / _GIB
-        other = plan.other_rank / _GIB
-        memory += (
-            f": first rank, which puts the results together, {first:.2f}, each other {other:.2f}"
-        )
-    yield "memory", memory
+    yield "memory", f"about {plan.memory / _GIB:.2f} GiB{_memory_of_ranks(plan)}"
     yield "disk", f"about {plan.disk / 1e9:.3g} GB"
     timestep = f"{schedule.timestep:.4g} s"
     steps = f"{schedule.n_steps}"
@@ -192,6 +207,10 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
     )
     yield "steps", f"{at_most}{steps}, to {schedule.end_time:.4g} s"
     yield "snapshots", f"{at_most}{schedule.n_frames}"
+    if (arrival := values["expected_arrival_s"]) is not None:
+        before = values["n_frames_before_arrival"]
+        some = f", with {before} of the snapshots before" if arrival < schedule.end_time else ""
+        yield "wave at the bottom", f"after about {arrival:.3g} s{some}"
     parts = {name: getattr(times, part) for name, part in _TIMES.items()}
     longer = ", ".join(
         f"{name} {duration(seconds)}" for name, seconds in parts.items() if seconds >= 0.5
@@ -219,6 +238,21 @@ def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Ro
         yield "loss", f"time {loss:.4g} s" if name == "time_s" else f"dashpot {loss:.4g}"
     yield "outermost yield", _outermost_yield(plan.zone)
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
+
+
+def _memory_of_ranks(plan: Plan) -> str:
+    """Return the memory of each rank; empty for a single one."""
+    if plan.n_ranks == 1:
+        return ""
+    first = f": first rank, which puts the results together, {plan.first_rank / _GIB:.2f}"
+    other = f"{plan.other_rank / _GIB:.2f}"
+    if plan.n_analysing == plan.n_ranks:
+        return f"{first}, each other {other}"
+    n_others = plan.n_analysing - 1
+    idle = f"each rank that takes no part in the analysis {plan.idle_rank / _GIB:.2f}"
+    if not n_others:
+        return f"{first}, {idle}"
+    return f"{first}, each of {n_others} others that analyse with it {other}, {idle}"
 
 
 def _is_bound(case: Case) -> bool:

@@ -7,6 +7,7 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import math
+from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -51,10 +52,7 @@ def law(options: argparse.Namespace) -> int:
             not output.absolute().parent.is_dir(),
             f"-o {output}: there is no directory {output.absolute().parent}",
         ),
-        (
-            not all(math.isfinite(radius) for radius in options.radius),
-            "--radius: expected positive lengths in m",
-        ),
+        (not _are_radii(options.radius), _RADII),
         (
             options.restitution and not contact_law.yields,
             f"--restitution: a contact of law {options.law} gives all back; choose another --law",
@@ -75,27 +73,26 @@ def law(options: argparse.Namespace) -> int:
         if wrong:
             raise InputError(fault)
     materials = [
-        dataclasses.replace(material(name), rate_sensitivity=rate or None)
+        dataclasses.replace(_material(name), rate_sensitivity=rate or None)
         for name in options.material
     ]
     cohesion = _cohesion(options)
     spheres = contact_of(materials, options.radius, options.law, options.variant, cohesion=cohesion)
-    names = " on ".join(options.material)
+    names = " on ".join(text.rpartition(":")[2] for text in options.material)
     if not options.restitution:
         title = f"{names}, {speed:g} m/s" if speed else names
         curves.write_law(spheres, output, options.max_overlap, title, speed)
     else:
-        pair = zip(
-            (materials[0], materials[-1]), (options.radius[0], options.radius[-1]), strict=True
-        )
-        first, second = (sphere_mass(m, r) for m, r in pair)
+        first = sphere_mass(materials[0], options.radius[0])
         wall = contact_of(
             (materials[0], None), (options.radius[0], math.inf), options.law, options.variant
         )
-        contacts = {
-            "two spheres": (spheres, first * second / (first + second)),
-            "sphere and rigid wall": (wall, first),
-        }
+        if math.isinf(options.radius[-1]):
+            contacts = {"sphere and plane": (spheres, first)}
+        else:
+            second = sphere_mass(materials[-1], options.radius[-1])
+            contacts = {"two spheres": (spheres, first * second / (first + second))}
+        contacts["sphere and rigid wall"] = (wall, first)
         title = f"{names}, {options.law}"
         curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
     print(output)
@@ -122,6 +119,14 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
     return found
 
 
+_RADII = "--radius: expected positive lengths in m (the second may be inf, a plane)"
+
+
+def _are_radii(radii: Sequence[float]) -> bool:
+    """Return True for one finite radius, and a second one that may be infinite."""
+    return math.isfinite(radii[0]) and all(radius > 0 for radius in radii)
+
+
 def _at_most_two(options: argparse.Namespace) -> None:
     for name, values in (("--material", options.material), ("--radius", options.radius)):
         if len(values) > 2:
@@ -135,10 +140,8 @@ def fit(options: argparse.Namespace) -> int:
     from granwave.analysis.contact_law.fit_output import WRITTEN, pair_toml, write_fit
 
     _at_most_two(options)
-    if not all(radius > 0 for radius in options.radius) or not math.isfinite(options.radius[0]):
-        raise InputError(
-            "--radius: expected positive lengths in m (the second may be inf, a plane)"
-        )
+    if not _are_radii(options.radius):
+        raise InputError(_RADII)
     pair: list[str] | None = options.pair
     directory: Path = options.directory or Path("fit")
     if not results_directory(directory, force=options.force).parent.is_dir():

@@ -9,7 +9,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
-from collections.abc import Callable
+from collections.abc import Sequence
 from pathlib import Path
 
 from granwave import plugins
@@ -17,6 +17,12 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.terminal import GREEN, RED, SWITCH_ON, coloured, print_json
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
+from granwave.workflows.run.launchers import (
+    environment_settings,
+    kill_session,
+    of_this_machine,
+    start_fault,
+)
 from granwave.workflows.run.record import versions
 from granwave.workflows.scanning.slurm import load_profile
 
@@ -35,6 +41,10 @@ pair_coeff * * hertz 1e5 0.3
 fix 1 all nve
 run 0
 """
+
+
+_NOT_STARTED = "MPI_Init"  # in the messages of MPI libraries that cannot start
+_LONGEST = 60.0  # s that a check may take
 
 
 @dataclasses.dataclass(frozen=True)
@@ -78,8 +88,9 @@ def examine(profile: Path | None = None) -> list[Finding]:
         "mpich"
     }  # or a site's MPI
     script = (
-        "from granwave.workflows.run.lammps_engine import open_engine\nfrom mpi4py import MPI\n"
-        f"with open_engine(MPI.COMM_WORLD, log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
+        "from granwave.workflows.run.lammps_engine import open_engine\n"
+        "from granwave.workflows.run.mpi import world\n"
+        f"with open_engine(world(), log='none') as e: e.commands('''{_DECK}''')\nprint('ok')"
     )
     to_switch_on = "; ".join(
         f"{line} in {file}" for line, file in SWITCH_ON.values()
@@ -124,9 +135,14 @@ def _ranks() -> Finding:
             missing,
             "pip install mpich into this environment, or load the site's MPI",
         )
-    script = "import sys; from mpi4py import MPI; n = MPI.COMM_WORLD.size; sys.exit(n != 2 and f'found {n} rank(s)')"
+    script = (
+        "import sys; from granwave.workflows.run.mpi import world; n = world().size; "
+        "sys.exit(n != 2 and f'found {n} rank(s)')"
+    )
     command = [launcher, "-n", "2", *mpi.PYTHON, "-m", "mpi4py", "-c", script]
-    remedy = "mpi4py and mpiexec belong to different MPI libraries"
+    remedy = (
+        "take mpiexec and mpi4py of one MPI library, and unset variables that the line above names"
+    )
     return _attempt("MPI ranks", command, f"two ranks by {launcher}", remedy)
 
 
@@ -167,21 +183,37 @@ def _cluster(path: Path) -> list[Finding]:
 
 
 def _attempt(part: str, command: list[str], success: str, remedy: str) -> Finding:
-    run: Callable[..., subprocess.CompletedProcess[str]] = subprocess.run
-    try:
-        done = run(
-            command,
-            capture_output=True,
-            text=True,
-            timeout=120,
-            env=mpi.alone(),
-            cwd=tempfile.gettempdir(),
+    with tempfile.TemporaryFile() as output:
+        try:
+            process = subprocess.Popen(
+                command,
+                stdin=subprocess.DEVNULL,
+                stdout=output,
+                stderr=output,
+                env=of_this_machine(mpi.alone()),
+                cwd=tempfile.gettempdir(),
+                start_new_session=True,
+            )
+        except OSError as error:
+            return Finding(part, False, str(error), remedy)
+        try:
+            status = process.wait(_LONGEST)
+        except subprocess.TimeoutExpired:
+            kill_session(process)
+            found = f"{command[0]} did not answer within {_LONGEST:.0f} s"
+            return Finding(part, False, f"{found}{environment_settings()}", remedy)
+        if status == 0:
+            return Finding(part, True, success)
+        output.seek(0)
+        lines = output.read().decode("utf-8", "replace").splitlines()
+    if any(_NOT_STARTED in line for line in lines):
+        return Finding(
+            part, False, start_fault(mpi.alone()), "let MPI start, as the line above says"
         )
-    except (OSError, subprocess.TimeoutExpired) as error:
-        return Finding(part, False, str(error), remedy)
-    if done.returncode == 0:
-        return Finding(part, True, success)
-    last = [line for line in (done.stderr + done.stdout).splitlines() if line.strip()][-1:]
-    return Finding(
-        part, False, last[0].strip() if last else f"exit status {done.returncode}", remedy
-    )
+    return Finding(part, False, _fault_in(lines) or f"exit status {status}", remedy)
+
+
+def _fault_in(lines: Sequence[str]) -> str:
+    """Return the last error of granwave among the lines of a program, or else its last line."""
+    errors = mpi.errors_in(lines) or [line.strip() for line in lines if line.strip()]
+    return errors[-1] if errors else ""

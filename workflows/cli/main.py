@@ -19,6 +19,7 @@ from collections.abc import Sequence
 from granwave.lammps_inputs.case.schema import printable
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
+from granwave.lammps_inputs.interrupts import stop_signals
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
 from granwave.workflows.cli.terminal import RED, YELLOW, coloured
 from granwave.workflows.run import mpi
@@ -53,9 +54,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
             import matplotlib  # noqa: F401
     sys.unraisablehook = _interrupt_again
     with contextlib.suppress(ValueError):  # only the main thread can handle signals
-        signal.signal(
-            signal.SIGTERM, signal.default_int_handler
-        )  # as Ctrl-C: scratch files are removed
+        for number in stop_signals():  # as Ctrl-C: scratch files are removed
+            signal.signal(number, signal.default_int_handler)
     try:
         options.given = words
         status = options.command.run(options)

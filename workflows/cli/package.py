@@ -12,6 +12,7 @@ import textwrap
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
+from granwave.lammps_inputs.streams import is_terminal
 from granwave.workflows import library
 from granwave.workflows.cli.terminal import BOLD, coloured, print_json
 
@@ -34,7 +35,7 @@ def cases(options: argparse.Namespace) -> int:
         print_json([entry._asdict() for entry in found])
         return 0
     name_width = max(len(entry.name) for entry in found)
-    on_terminal = sys.stdout.isatty()
+    on_terminal = is_terminal(sys.stdout)
     most = shutil.get_terminal_size().columns if on_terminal else sys.maxsize
     width = (most if on_terminal else _USUAL_WIDTH) - 2
     briefly = not (options.all or wanted)

@@ -293,7 +293,8 @@ COMMANDS = (
         *_SMALL_WAVES,
     )),
     Command("law", _CONTACTS, "force-overlap curves of a contact: a plot or a table", "contacts.law", (
-        _materials("one material or two (default: brass)"), _radii("one radius or two, m (default: 0.005)"),
+        _materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
+        _radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
         _option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
         _option("--variant", default="continuous", choices=["continuous", "published"],
                 help="constants of the elasto-plastic law, as contact.variant (default: continuous)"),
@@ -413,6 +414,12 @@ class _Parser(argparse.ArgumentParser):
             lambda title: coloured(title[0], BOLD, sys.stdout),
             super().format_help(),
         )
+
+    def _get_values(self, action: argparse.Action, arg_strings: list[str]) -> Any:
+        """Return the value of an option; "--" behind its "=" is a value as any other."""
+        if action.option_strings and action.nargs is None and arg_strings == ["--"]:
+            return self._get_value(action, "--")
+        return super()._get_values(action, arg_strings)
 
     def error(self, message: str) -> NoReturn:
         choice = re.fullmatch(

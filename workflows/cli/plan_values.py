@@ -17,6 +17,7 @@ from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
+from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
@@ -92,6 +93,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     assembly = assemble(case)
     schedule = plan.schedule
+    arrival = expected_arrival(assembly)
     zone = plan.zone
     stage = case.precompression
     no_reduction = no_bare_target(case)
@@ -155,6 +157,8 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
         "end_time_s": schedule.end_time,
         "ends_by_itself": bool(schedule.block_steps),
         "n_frames": schedule.n_frames,
+        "expected_arrival_s": arrival,
+        "n_frames_before_arrival": None if arrival is None else schedule.n_frames_until(arrival),
         "output_in_parts": written_in_parts(assembly),
         # causes why it holds all sites of a large packing at once
         "held_by_first_rank": [

@@ -8,11 +8,13 @@ import argparse
 import contextlib
 import dataclasses
 import sys
+import time
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
+from granwave.analysis.formatting.numbers import duration
 from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
 from granwave.lammps_inputs.case.schema import ValidationError, did_you_mean
 from granwave.lammps_inputs.directories import results_directory
@@ -20,6 +22,9 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
 from granwave.workflows.cli.parser import FIGURE_KEYS, FILM_KEYS
 from granwave.workflows.run.directory import held
+
+_MEASURED = 10  # pictures of a film after which the time of the rest is known
+_WORTH_SAYING = 5.0  # s
 
 
 @contextlib.contextmanager
@@ -111,10 +116,17 @@ def film(options: argparse.Namespace) -> int:
     from granwave.analysis.result.reader import Result
 
     with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
+        started = list[float]()
 
         def report(done: int, of: int) -> None:
             bar.total = of
             bar.update(done - bar.n)
+            if done == 1:  # after which they take as long as each other
+                started.append(time.monotonic())
+            elif done == _MEASURED:
+                rest = (of - done) * (time.monotonic() - started[0]) / (done - 1)
+                if rest > _WORTH_SAYING:
+                    bar.write(f"film: {of} pictures, about {duration(rest)} to go", sys.stderr)
 
         chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
         size = None if options.size is None else size_of(options.size)

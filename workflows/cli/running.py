@@ -8,22 +8,24 @@ import argparse
 import logging
 import sys
 from collections.abc import Mapping, Sequence
+from pathlib import Path
 from typing import Any
 
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs import ownership
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
-from granwave.lammps_inputs.deck.deck import deck_files, write_deck
+from granwave.lammps_inputs.deck.deck import deck_files, read_deck, write_deck
 from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.planning.cost import analysing_ranks
+from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
 from granwave.workflows import library
 from granwave.workflows.cli.results import as_wrong_input, existing
-from granwave.workflows.cli.terminal import print_json, warn
+from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import decide, held, run_files
 from granwave.workflows.solvers import CONTINUUM, solver_of
@@ -80,8 +82,8 @@ def run(options: argparse.Namespace) -> int:
                 else "leave out run.timestep"
             )
             print(
-                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most 1e-5 "
-                f"or run.energy_tolerance, whichever is larger: {mend}, and run it again with --force",
+                f"granwave: the energy balance was refused: {misses}; what was computed is kept. Expected at most "
+                f"{case.run.accepted_balance_error:g}: {mend}, and run it again with --force",
                 file=sys.stderr,
             )
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
@@ -109,7 +111,7 @@ def continuum(options: argparse.Namespace) -> int:
     case = kind.load(path, options.overrides)
     directory = results_directory(options.directory or case.name)
     if not options.resume:  # a finished run needs no resources
-        kind.check(case, kind.cost(case, 1, options.figures), directory)
+        kind.afford(case, kind.cost(case, 1, options.figures), directory)
     assert kind.run is not None  # of continuum cases
     with held(directory):
         summary = kind.run(case, directory, progress=True, **_how(options))
@@ -124,7 +126,8 @@ def write(options: argparse.Namespace) -> int:
     """Execute ``granwave write``."""
     case = library.load_case(options.case, options.overrides)
     expected = plan(case)
-    check_run(case, expected)
+    check_files(case)
+    warn_of_lacks(case.name, lambda: afford(expected))
     directory = results_directory(options.directory, force=options.force)
     with held(directory, mpi.world()):
         ownership.refuse_other_kind(directory, RUN)
@@ -180,11 +183,18 @@ def analyse(options: argparse.Namespace) -> int:
             from granwave.workflows.run.ranks import shared
 
             with mpi.StopRequest(comm) as stop:
-                summary = shared(comm, work, stop.noticed)
+                most = mpi.on_first(comm, lambda: _analysing_ranks(directory, comm.size))
+                summary = shared(comm, work, stop.noticed, most)
     if mpi.is_first():
         print_json(summary) if options.json else print(summary_table(summary))
         _warn_of_zone(summary)
     return 0
+
+
+def _analysing_ranks(directory: Path, n_ranks: int) -> int:
+    """Return the number of ranks that share the analysis of a directory."""
+    with as_wrong_input():
+        return analysing_ranks(assemble(read_deck(directory).case), n_ranks)
 
 
 def _warn_of_zone(summary: Mapping[str, Any]) -> None:

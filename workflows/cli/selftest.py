@@ -19,7 +19,6 @@ import math
 import os
 import shlex
 import sys
-import tempfile
 import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
@@ -42,6 +41,7 @@ from granwave.workflows.cli.terminal import BOLD, GREEN, RED, coloured, print_js
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.run.lammps_engine import check_release
+from granwave.workflows.run.leftovers import scratch_directory
 from granwave.workflows.scanning.slurm import load_profile
 
 _BRASS = {
@@ -108,8 +108,8 @@ def selftest(options: argparse.Namespace) -> int:
     checks = []
     if not options.json:
         print(coloured(_line("what", "expected", "found", "ok"), BOLD, sys.stdout), flush=True)
-    with tempfile.TemporaryDirectory(prefix="granwave-selftest-") as scratch:
-        for check in _all(Path(scratch), options.ranks, launcher):
+    with scratch_directory("granwave-selftest-") as scratch:
+        for check in _all(scratch, options.ranks, launcher):
             checks.append(check)
             if not options.json:
                 state = (

@@ -7,10 +7,12 @@ from __future__ import annotations
 import json
 import os
 import sys
-from collections.abc import Container, Sequence
+from collections.abc import Callable, Container, Sequence
 from typing import Any
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain
+from granwave.lammps_inputs.streams import is_terminal
 
 # ANSI codes
 BOLD = "1"
@@ -31,7 +33,9 @@ def coloured(text: str, code: str, stream: Any) -> str:
     """Return a text with a colour, if the stream is a terminal that shows it and NO_COLOR is not
     set.
     """
-    shows = stream.isatty() and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    shows = (
+        is_terminal(stream) and not os.environ.get("NO_COLOR") and os.environ.get("TERM") != "dumb"
+    )
     return f"\033[{code}m{text}\033[0m" if shows else text
 
 
@@ -51,6 +55,25 @@ def columns(rows: Sequence[Sequence[str]], left: Container[int] = ()) -> str:
 def warn(text: str) -> None:
     """Print a warning on standard error."""
     print(f"granwave: warning: {text}", file=sys.stderr)
+
+
+def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
+    """Return and print what this machine lacks for a run, as warnings: another may have it.
+
+    Parameters
+    ----------
+    afford
+        Function that raises InputError if this machine cannot run the case.
+    """
+    try:
+        afford()
+    except InputError as error:
+        lacks = [f"{fault} (on this machine; granwave run would refuse)" for fault in error.errors]
+    else:
+        lacks = []
+    for lack in lacks:
+        warn(lack if lack.startswith(name) else f"{name}: {lack}")
+    return lacks
 
 
 def print_json(values: Any) -> None:

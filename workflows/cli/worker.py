@@ -216,7 +216,8 @@ class _Worker:
         stop.unlink(missing_ok=True)
         self.rank_stop = stop
         command = mpi.command(self.batch["ranks"], words, self.batch["launcher"])
-        ranks = mpi.start(command, self.batch["ranks"], stop, log, log)
+        launcher = self.batch["launcher"]
+        ranks = mpi.start(command, self.batch["ranks"], stop, log, log, launcher=launcher)
         if self.stopping.is_set():
             self.stop()
         status = ranks.wait()
@@ -242,7 +243,7 @@ def _name(point: dict[str, Any], place: Path) -> str:
     tables = tables_as_run(place) or read_tables(place / CASE_FILE)
     try:
         if tables is not None:
-            return str(solver_of(tables).read(tables, place / CASE_FILE).name)
+            return str(solver_of(tables).stored(tables, place / CASE_FILE).name)
     except InputError:
         tables = None
     if (

@@ -21,7 +21,7 @@ from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.packing.disorder import is_random
@@ -257,7 +257,7 @@ def findings_without_runs(
 def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
     """Return times, s, and force on the bottom, N, of a run; None without a bottom."""
     try:
-        with h5py.File(place / RESULT_FILE) as file:
+        with h5py.File(regular(place / RESULT_FILE), "r") as file:
             group = file.get("walls/bottom")
             return None if group is None else (group["time"][:], group["force"][:])
     except (OSError, KeyError):

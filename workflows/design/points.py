@@ -28,6 +28,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.ownership import claim
 from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_LOG, POINT_STOP
 from granwave.workflows.run import forks, mpi, record
+from granwave.workflows.run.launchers import of_this_machine
 
 _POLL = 0.05  # s
 _STEP = (
@@ -111,7 +112,7 @@ class Points:
                 stop = {mpi.STOP_FILE: str(place / POINT_STOP), mpi.EXPECTED_RANKS: str(self.ranks)}
                 self._processes[name] = subprocess.Popen(
                     command,
-                    env={**mpi.alone(), **stop},
+                    env={**(mpi.alone() if steps else of_this_machine(mpi.alone())), **stop},
                     stdin=subprocess.DEVNULL,
                     stdout=log,
                     stderr=log,

@@ -37,7 +37,7 @@ from granwave.lammps_inputs.directories import (
     results_directory,
 )
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.files import plain, replace_text
+from granwave.lammps_inputs.files import plain, regular, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
@@ -77,7 +77,7 @@ class ElementResult:
         if changed := changed_result(path.parent):
             raise OutputFormatError(changed)
         try:
-            with h5py.File(path, "r") as file:
+            with h5py.File(regular(path), "r") as file:
                 self._read(file)
         except (OSError, KeyError, ValueError) as error:
             raise OutputFormatError(

@@ -1,4 +1,21 @@
-"""Closed forms: Hertz's chain and its solitary wave, Hertz's impact."""
+"""Closed forms: elliptic contacts, Hertz's chain, precompressed lines, Hertz's impact."""
 
-from granwave.workflows.python.theory import *
-from granwave.workflows.python.theory import __all__ as __all__
+from granwave._contact_laws import elliptic_radius
+from granwave.analysis.measures.hertz_lattices import (
+    ChainScales,
+    crest_force,
+    crest_speed,
+    crest_times,
+    discrete_speed,
+    discrete_width,
+    lattice_speed,
+)
+from granwave.analysis.measures.hertz_lattices import line_of as precompressed_line
+from granwave.analysis.measures.line_waves import solitary_lengths
+from granwave.analysis.measures.target_theory import HertzImpact
+from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
+
+__all__ = [
+    "ChainScales", "HertzImpact", "crest_force", "crest_speed", "crest_times", "discrete_speed", "discrete_width",
+    "elliptic_radius", "hertz_von_mises_yield_factor", "lattice_speed", "precompressed_line", "solitary_lengths",
+]  # fmt: skip

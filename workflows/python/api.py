@@ -10,7 +10,6 @@ import contextlib
 import logging
 import os
 import subprocess
-import tempfile
 from collections.abc import Iterator, Mapping
 from pathlib import Path
 from typing import Any
@@ -44,6 +43,8 @@ from granwave.workflows.python.inputs import (
 from granwave.workflows.python.spectra import bands, modes, transmission
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import decide, held
+from granwave.workflows.run.leftovers import scratch_directory
+from granwave.workflows.run.turns import turn
 from granwave.workflows.solvers import GRANULAR
 
 __all__ = [
@@ -180,8 +181,8 @@ def run(
                     f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one"
                 )
             if not resume:
-                kind.check(found, kind.cost(found, 1, figures), place)
-            with held(place):
+                kind.afford(found, kind.cost(found, 1, figures), place)
+            with held(place), turn(place):
                 kind.run(found, place, **how)
         elif ranks > 1 and not mpi.launched():
             _run_on_ranks(found, place, ranks, checkpoint, **how)
@@ -316,8 +317,8 @@ def _run_on_ranks(
         "--resume": how["resume"],
         "--no-figures": not how["figures"],
     }
-    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
-        file = Path(scratch) / "case.toml"
+    with scratch_directory() as scratch:
+        file = scratch / "case.toml"
         file.write_text(found.to_toml(), encoding="utf-8")
         words = ["run", str(file), "-o", str(place), "--checkpoint", str(checkpoint)]
         words += [option for option, wanted in options.items() if wanted]

@@ -9,7 +9,7 @@ from __future__ import annotations
 import logging
 import math
 from collections.abc import Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Literal, overload
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -29,6 +29,32 @@ Values = float | NDArray[np.float64]
 Body = str | Mapping[str, Any]
 
 _LARGEST = 1e3  # m, below which the overlap of a force is sought
+_ROUNDING = 1e-9  # relative excess of an overlap that was computed from the limit itself
+_warned: set[tuple[str, float]] = set()  # law and limit of contacts that were warned about
+
+
+@overload
+def contact_force(
+    law: str,
+    bodies: Sequence[Body],
+    overlap: ArrayLike,
+    *,
+    peak_overlap: ArrayLike | None = None,
+    error: Literal[False] = False,
+    **options: Any,
+) -> Values: ...
+
+
+@overload
+def contact_force(
+    law: str,
+    bodies: Sequence[Body],
+    overlap: ArrayLike,
+    *,
+    peak_overlap: ArrayLike | None = None,
+    error: Literal[True],
+    **options: Any,
+) -> tuple[Values, Values]: ...
 
 
 def contact_force(
@@ -37,16 +63,17 @@ def contact_force(
     overlap: ArrayLike,
     *,
     peak_overlap: ArrayLike | None = None,
+    error: bool = False,
     **options: Any,
-) -> Values:
-    """Return the force of a contact.
+) -> Values | tuple[Values, Values]:
+    """Return the force of a contact, and on request the error bar of the law.
 
     Parameters
     ----------
     law
         ``hertz`` (in a point of any curvatures; along a line for half-spaces that give way over the
-        length), ``elastoplastic``, ``bilinear``, ``thornton``, ``line`` (along a line, plane
-        strain) or ``power``.
+        length), ``elastoplastic``, ``elastoplastic-fe``, ``bilinear``, ``thornton``, ``line``
+        (along a line, plane strain) or ``power``.
     bodies
         Two tables with ``shape``: ``sphere``, ``cylinder``, ``plane`` or ``tube``; ``diameter`` or
         ``radius`` (m); ``length`` (m) and ``axis`` of cylinders ("x", "y", "z" or a vector; y by
@@ -58,6 +85,10 @@ def contact_force(
     peak_overlap
         Largest overlap so far, m, for laws that leave a dent, and for necks; by default the overlap
         is reached for the first time.
+    error
+        True to return the error bar as well: the largest deviation from finite elements that law
+        ``elastoplastic-fe`` states for itself, N; NaN beyond the range of its fit, with a yield
+        strength that follows the rate or with cohesion, and for other laws.
     options
         Options of the law, called as the keys of ``[contact]``: ``constant`` and ``exponent`` of
         law power, ``variant``, ``yield_factor``, ``beta``, constants of the elasto-plastic law;
@@ -66,7 +97,8 @@ def contact_force(
     Returns
     -------
     float or numpy.ndarray
-        Force of the shape of the overlap, N; compression positive.
+        Force of the shape of the overlap, N; compression positive. With ``error`` a tuple of force
+        and error bar.
 
     Raises
     ------
@@ -74,7 +106,10 @@ def contact_force(
         A body, the law, an option or an overlap is wrong; the message has a line for each fault.
     """
     contact, now, peak = _at(law, bodies, overlap, peak_overlap, options)
-    return _given(np.where(now > -contact.neck_length, contact.force(now, peak), 0.0))
+    force = _given(np.where(now > -contact.neck_length, contact.force(now, peak), 0.0))
+    if not error:
+        return force
+    return force, _given(np.asarray(contact.force_error(now, peak)))
 
 
 def contact_stiffness(
@@ -251,10 +286,18 @@ def _numbers(name: str, values: ArrayLike, unit: str) -> NDArray[np.float64]:
 
 
 def _warn_beyond(contact: ContactLaw, law: str, overlap: NDArray[np.float64]) -> None:
-    largest = overlap.max(initial=0.0)
-    if largest > contact.valid_overlap:
-        logger.warning("law %s: an overlap of %.3g m is beyond %.3g m, up to which it describes this contact",
-                       law, largest, contact.valid_overlap)  # fmt: skip
+    """Warn about an overlap beyond the range of the law, once for each contact."""
+    largest = float(overlap.max(initial=0.0))
+    limit = float(contact.valid_overlap)
+    if largest <= limit * (1 + _ROUNDING) or (law, limit) in _warned:
+        return
+    _warned.add((law, limit))
+    logger.warning(
+        "law %s: an overlap of %.9g m is beyond %.9g m, up to which it describes this contact",
+        law,
+        largest,
+        limit,
+    )
 
 
 def _given(values: NDArray[np.float64]) -> Values:

@@ -8,13 +8,14 @@ from pathlib import Path
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.static_stage import largest_move
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
+from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.files import regular
+from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 from granwave.workflows.run.lammps_engine import Engine
-
-TOLERANCE = 1e-5  # largest accepted error at any row of the ledger over the energy input
 
 
 @dataclasses.dataclass
@@ -24,7 +25,7 @@ class Balance:
     Attributes
     ----------
     accepted
-        Largest error that is accepted: `TOLERANCE`, or ``run.energy_tolerance`` if that is larger.
+        Largest error that is accepted, see `granwave.lammps_inputs.case.run.Run`.
     error
         Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if
         any value is NaN.
@@ -35,7 +36,7 @@ class Balance:
     """
 
     path: Path
-    accepted: float = TOLERANCE
+    accepted: float = BALANCE_TOLERANCE
     moved: float = 0.0
     error: float = 0.0
     _missed: float = 0.0
@@ -51,6 +52,8 @@ class Balance:
                 stream.seek(self._offset)
                 block = stream.read()
         except FileNotFoundError:
+            if self.row:  # it was removed
+                raise
             return self
         whole = block[: block.rfind(b"\n") + 1]
         self._offset += len(whole)
@@ -75,13 +78,24 @@ class Balance:
 
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
 
-FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
-
-_ADVICE = (
-    'the packing is not confined: take boundary.sides = "periodic", or precompression.kind = "uniform" (without '
-    "friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
-)
+_NOT_CONFINED = "the packing is not confined: "
+_PERIODIC = 'take boundary.sides = "periodic"'
+_UNIFORM = ', or precompression.kind = "uniform"'
+_HELD = "hold the outer grains with [[hold]], or close the gaps to the side walls"
+_PILE = " (without friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
 _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
+
+
+def _advice(case: Case) -> str:
+    """Return what confines a packing of this kind, of the keys that it takes."""
+    if case.packing.grains is not None and case.packing.cell is None:
+        remedy = _HELD
+    elif case.packing.kind == "chain" or is_plane_crystal(case.packing.kind):
+        remedy = _PERIODIC
+    else:
+        remedy = _PERIODIC + _UNIFORM
+    support = _SUPPORT if case.boundary.bottom_support is not None else ""
+    return f"{_NOT_CONFINED}{remedy}{_PILE}{support}"
 
 
 def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
@@ -98,10 +112,10 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
         The packing is not in equilibrium, or has rearranged.
     """
     title, values = (
-        (directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
+        regular(directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     )
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
-    advice = _ADVICE + (_SUPPORT if case.boundary.bottom_support is not None else "")
+    advice = _advice(case)
     moved, limit = (
         length / case.packing.diameter
         for length in (found["displacement"], largest_move(assemble(case)))

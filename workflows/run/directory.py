@@ -19,9 +19,9 @@ from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
-from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.plan import check_run, plan
+from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows.run import record
@@ -69,7 +69,7 @@ def decide(
             names += [file for name in FIGURE_NAMES for file in ownership.figure_files(name)]
 
     def read(tables: Any) -> dict[str, Any]:
-        return _without_figures(case_from_dict(tables, directory / files.CASE_FILE))
+        return _without_figures(stored_case(tables, directory / files.CASE_FILE))
 
     asked = _without_figures(case)
     if directories.decide(
@@ -83,7 +83,8 @@ def decide(
             return found
     raise_all(
         [
-            lambda: check_run(case, expected, directory),
+            lambda: check_files(case),
+            lambda: afford(expected, directory),
             lambda: directories.refuse_source(directory, case.name, earlier_result(case)),
         ]
     )

@@ -25,9 +25,11 @@ from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
 from granwave.lammps_inputs.directories import free_space
-from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.errors import GranwaveError, RunError
+from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.processes import Processes
@@ -46,6 +48,7 @@ from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_e
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
 from granwave.workflows.run.ranks import shared
+from granwave.workflows.run.turns import refuse_threads_of_ranks, turn
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -135,7 +138,8 @@ def run_case(
             )
         return what
 
-    with held(directory, comm):
+    refuse_threads_of_ranks(comm)
+    with held(directory, comm), turn(directory):
         what = shared(comm, prepare)
         run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
         if what == ANALYSE:
@@ -155,9 +159,14 @@ def run_case(
             )
         if run.show:
             announce(plan(case, n_ranks=comm.size, figures=figures))
-        with StopRequest(comm) as stop, contextlib.chdir(directory):
-            run.integrate(stop, go_on=what == CONTINUE)
-        return run.analyse()
+        try:
+            with StopRequest(comm) as stop:
+                run.integrate(stop, go_on=what == CONTINUE)
+            return run.analyse()
+        except (OSError, GranwaveError) as error:
+            if gone := run.gone():
+                raise RunError(gone) from error
+            raise
 
 
 class _Run:
@@ -178,7 +187,7 @@ class _Run:
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
         self.record = record.Record(name=case.name, n_ranks=comm.size)
-        accepted = max(checks.TOLERANCE, case.run.energy_tolerance)
+        accepted = case.run.accepted_balance_error
         self.balance = checks.Balance(
             directory / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
@@ -188,6 +197,7 @@ class _Run:
         )  # disk space to keep free, bytes
         # dissipated energy at the start of the current block of end_time = "auto", J
         self.lost_before_block = 0.0
+        self.began = False  # LAMMPS has opened its output
 
     # ------------------------------------------------------------------ attempts
 
@@ -197,6 +207,7 @@ class _Run:
             self.record = on_first(
                 self.comm, lambda: record.read(self.directory) or record.Record()
             )
+        self.record.energy_balance_accepted = self.balance.accepted
         timestep = None
         chosen = self.case.run.timestep == "auto"
         while True:
@@ -232,20 +243,7 @@ class _Run:
         """Record the error that ends the run, and raise it; if the disk is full, with advice how to
         resume.
         """
-        saved = self.record.checkpoint
-        where = (
-            f"from the checkpoint at step {saved['step']}"
-            if saved
-            else "from the start, as there is no checkpoint"
-        )
-        advice = f"what was computed is kept; make room, then the same command with --resume goes on {where}"
-        failure = error
-        if isinstance(error, OSError):
-            failure = RunError(
-                f"{error.filename or self.directory}: {error.strerror or error}; {advice}"
-            )
-        elif free_space(self.directory) < self.reserve:
-            failure = type(error)(f"{self.directory}: the disk is full: {error}; {advice}")
+        failure = self._with_advice(error)
         if isinstance(failure, SingleRankError) and self.comm.size > 1:
             # the first rank may be waiting inside LAMMPS: this rank writes the record and ends all
             dataclasses.replace(self.record, state=record.FAILED, reason=str(failure)).write(
@@ -255,6 +253,39 @@ class _Run:
         with contextlib.suppress(OSError):  # on a full disk the last record remains
             self._note(state=record.FAILED, reason=str(failure))
         raise failure from error
+
+    def _with_advice(self, error: RunError | OSError) -> RunError:
+        """Return an error of the integration with advice that fits the state of the directory."""
+        saved = self.record.checkpoint
+        where = (
+            f"from the checkpoint at step {saved['step']}"
+            if saved
+            else "from the start, as there is no checkpoint"
+        )
+        kept = "what was computed is kept; {}, then the same command with --resume goes on " + where
+        if gone := self.gone():
+            return RunError(gone)
+        if isinstance(error, OSError):
+            what = f"{error.filename or self.directory}: {error.strerror or error}"
+            cure = "make room" if error.errno in DISK_IS_FULL else "put that right"
+            return RunError(f"{what}; {kept.format(cure)}")
+        if free_space(self.directory) < self.reserve:
+            advice = kept.format("make room")
+            return type(error)(f"{self.directory}: the disk is full: {error}; {advice}")
+        return error
+
+    def gone(self) -> str:
+        """Describe that the directory, or its output, was removed or moved meanwhile; empty if not."""
+        places = [self.directory]
+        if self.began:
+            places += [self.directory / DUMPS, self.balance.path]
+        missing = next((path for path in places if not path.exists()), None)
+        if missing is None:
+            return ""
+        return (
+            f"{missing}: was removed or moved while the run was at work, which nothing can resume; "
+            "leave the directory alone, and run the case again with --force"
+        )
 
     def analyse(self, *, take_up: bool = False) -> Outcome:
         """Analyse the output; ``take_up``: that of an earlier session."""
@@ -278,13 +309,15 @@ class _Run:
             )
 
         try:
-            summary = shared(self.comm, work)
+            most = analysing_ranks(assemble(self.case), self.comm.size)
+            summary = shared(self.comm, work, most=most)
         except MissingOutputError:
             raise
         except OSError as error:
+            cure = "make room" if error.errno in DISK_IS_FULL else "put that right"
             raise RunError(
-                f"{error.filename or self.directory}: {error.strerror or error}; what LAMMPS computed is kept; make "
-                "room, then the same command with --resume analyses it"
+                f"{error.filename or self.directory}: {error.strerror or error}; what LAMMPS computed is kept; {cure}, "
+                "then the same command with --resume analyses it"
             ) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
@@ -317,11 +350,13 @@ class _Run:
 
     def _attempt(self, deck: Deck, stop: StopRequest, go_on: bool) -> None:
         script = on_first(self.comm, lambda: deck.script.read_text(encoding="utf-8"))
+        self.began = False
         self.state = record.RUNNING
         self.lost_before_block = 0.0
         self._note(state=record.RUNNING, reason=None, end_reason=None)
         saved = self.record.checkpoint if go_on else None
-        with open_engine(self.comm, log="none" if go_on else LOG_FILE) as engine:
+        log = "none" if go_on else LOG_FILE
+        with open_engine(self.comm, log, self.directory) as engine:
             if saved:
                 # the snapshots that it will write, and what it will add to
                 added = f"{DUMPS}/{frames_file(self.assembly, saved['file'])}"
@@ -345,6 +380,7 @@ class _Run:
                 engine.commands(before)
                 make_spheres(engine, self.assembly)
             self._set_up(engine, setup, stop)
+            self.began = True
             if not saved and self.case.precompression:
                 found = on_first(
                     self.comm, lambda: checks.check_equilibrium(self.case, self.directory)
@@ -454,6 +490,8 @@ class _Run:
         def decide() -> tuple[checks.Balance, str, str | None]:
             balance = self.balance.read()
             row = balance.row
+            if not row:
+                raise RunError(f"{balance.path}: found no row of energies after {step} steps")
             ended = step >= schedule.n_steps
             given = step * schedule.timestep >= self.case.load.lasts  # the energy input is complete
             if (given or ended) and not balance.closed and self.case.contact.variant != "published":

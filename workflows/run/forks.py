@@ -7,11 +7,13 @@ from __future__ import annotations
 import contextlib
 import os
 import signal
-import sys
 import traceback
 from collections.abc import Callable
 
+from granwave.lammps_inputs.streams import flush
 from granwave.workflows.run import mpi
+from granwave.workflows.run.launchers import starting
+from granwave.workflows.run.leftovers import forget
 
 
 def load(*, figures: bool = False) -> None:
@@ -42,8 +44,7 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
     starts_mpi
         True if the work needs MPI.
     """
-    sys.stdout.flush()
-    sys.stderr.flush()
+    flush()
     ours = {signal.SIGTERM, signal.SIGINT}
     # block signals until the copy has replaced the handlers of this process
     signal.pthread_sigmask(signal.SIG_BLOCK, ours)
@@ -62,7 +63,8 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         if starts_mpi:
             from mpi4py import MPI
 
-            MPI.Init()
+            with starting():
+                MPI.Init()
         status = work()
         if starts_mpi:
             MPI.Finalize()
@@ -70,6 +72,6 @@ def fork(work: Callable[[], int], log: int, *, starts_mpi: bool = True) -> int:
         traceback.print_exc()
     finally:
         with contextlib.suppress(Exception):
-            sys.stdout.flush()
-            sys.stderr.flush()
+            flush()
+            forget()
         os._exit(status)

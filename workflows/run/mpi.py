@@ -24,6 +24,14 @@ from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.streams import flush
+from granwave.workflows.run.launchers import (
+    STARTED_FILE,
+    of_this_machine,
+    starting,
+    wait_for_end,
+)
+from granwave.workflows.run.leftovers import clear, note_segments, scratch_directory
 
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm
@@ -40,6 +48,7 @@ _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", 
 _IMPATIENT = 0.1
 _PAUSE = 0.01
 _LOOK = 0.5  # s between looks for a stop file
+_LAST_OUTPUT = 1.0  # s to wait for the output of ranks that were killed
 _MOST_RANKS = 8  # on a core, that are started here
 _C_LIBRARY = ctypes.CDLL(None) if sys.platform == "linux" else None
 _SET_PARENT_DEATH_SIGNAL = 1  # PR_SET_PDEATHSIG of <sys/prctl.h>
@@ -83,8 +92,14 @@ def world() -> Intracomm:
     RunError
         The ranks of the launcher are not connected, so that each would run alone.
     """
-    from mpi4py import MPI
+    clear()
+    with starting(first=is_first()):
+        from mpi4py import MPI
+    note_segments()
 
+    if STARTED_FILE in os.environ:
+        with contextlib.suppress(OSError):
+            Path(os.environ[STARTED_FILE]).touch()
     comm = MPI.COMM_WORLD
     expected = int(os.environ.get(EXPECTED_RANKS, comm.size))
     if comm.size != expected:
@@ -98,7 +113,7 @@ def world() -> Intracomm:
             kind: type[BaseException], error: BaseException, trace: TracebackType | None
         ) -> None:
             sys.__excepthook__(kind, error, trace)
-            sys.stderr.flush()
+            flush()
             comm.Abort(1)
 
         sys.excepthook = abort_all
@@ -201,12 +216,27 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
 
 
 def start(
-    words: Sequence[str], n_ranks: int, stop: Path, stdout: int, stderr: int
+    words: Sequence[str],
+    n_ranks: int,
+    stop: Path,
+    stdout: int,
+    stderr: int,
+    *,
+    launcher: Sequence[str] = (),
+    **variables: str,
 ) -> subprocess.Popen[bytes]:
     """Start a `command` in a session of its own; its ranks stop when the file ``stop`` exists, or
     this process ends.
+
+    Parameters
+    ----------
+    launcher
+        As in `command`; without one the ranks are forked on this machine.
+    variables
+        Further environment variables of the ranks.
     """
-    environment = {**os.environ, STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks)}
+    environment = dict(os.environ) if launcher else of_this_machine(os.environ)
+    environment |= {STOP_FILE: str(stop), EXPECTED_RANKS: str(n_ranks), **variables}
     return subprocess.Popen(
         words,
         env=environment,
@@ -258,22 +288,28 @@ def launch(
                     while found:
                         found = found[os.write(number, found) :]
 
-    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
-        stop = Path(scratch) / "stop"
+    with scratch_directory() as scratch:
+        stop = scratch / "stop"
+        started = scratch / "started"
         # its output goes through this process: mpiexec ends the ranks if nobody reads it
         ways = [subprocess.PIPE if given is None else given for given in (stdout, stderr)]
-        ranks = start(words, n_ranks, stop, *ways)
+        ranks = start(
+            words, n_ranks, stop, *ways, launcher=launcher, **{STARTED_FILE: str(started)}
+        )
         readers = [
             threading.Thread(target=pass_on, args=(stream, number), daemon=True)
             for number, stream in ((1, ranks.stdout), (2, ranks.stderr))
             if stream is not None
         ]
-        with Interrupts(stop.touch):
+        with Interrupts(stop.touch) as requests:
             for reader in readers:
                 reader.start()
-            status = ranks.wait()
+            status = wait_for_end(ranks, lambda: requests.count, started)
             for reader in readers:
-                reader.join()
+                reader.join(None if status is not None else _LAST_OUTPUT)
+    if status is None:
+        print(f"granwave: stopped; the launcher {words[0]} was ended", file=sys.stderr)
+        return 130
     if status not in (0, 1, 2, 130, 141):
         print(f"granwave: the ranks were killed (status {status}); {remedy}", file=sys.stderr)
         return 1

@@ -12,6 +12,7 @@ from collections.abc import Callable
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.progress_bar import in_notebook, progress_bar
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.lammps_inputs.streams import is_terminal
 
 _LOG = logging.getLogger("granwave")
 _LONG = 60.0  # s of wall time that a run tells before it starts
@@ -68,7 +69,7 @@ class Progress:
     def __init__(
         self, total: int, label: str, *, enabled: bool, done: int = 0, at_most: bool = False
     ) -> None:
-        shows_bar = enabled and (sys.stderr.isatty() or in_notebook())
+        shows_bar = enabled and (is_terminal(sys.stderr) or in_notebook())
         self._lines = enabled and not shows_bar
         self._total = total
         self._label = label

@@ -26,6 +26,7 @@ def shared(
     comm: Intracomm,
     work: Callable[[Processes], Result],
     stopped: Callable[[], bool] = lambda: False,
+    most: int | None = None,
 ) -> Result:
     """Do ``work`` on the first rank with the help of the others; return its result, or raise its
     error, on all.
@@ -35,10 +36,12 @@ def shared(
     stopped
         Function that tells if a stop was requested; then KeyboardInterrupt is raised before the
         next task.
+    most
+        Largest number of ranks that work; None: all.
     """
 
     def led() -> Result:
-        ranks = _Ranks(comm, stopped)
+        ranks = _Ranks(comm, stopped, most)
         try:
             return work(ranks)
         finally:
@@ -53,11 +56,12 @@ def shared(
 class _Ranks(Processes):
     """Ranks that serve the first one."""
 
-    def __init__(self, comm: Intracomm, stopped: Callable[[], bool]) -> None:
+    def __init__(self, comm: Intracomm, stopped: Callable[[], bool], most: int | None) -> None:
+        working = comm.size if most is None else min(most, comm.size)
         self._comm = comm
         self._stopped = stopped
-        self._first = int(comm.size > _MOST_WORKING)
-        self.number = comm.size - self._first
+        self._first = int(working > _MOST_WORKING)
+        self.number = working - self._first
         self._given: deque[tuple[int, Any, Request | None]] = (
             deque()
         )  # rank, task of the first, what was sent

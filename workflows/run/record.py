@@ -89,6 +89,8 @@ class Record:
         Wall time of the time integration, over all sessions of a resumed run.
     nodes
         Names of the nodes of the ranks, each once.
+    energy_balance_accepted
+        Largest error of the energy balance, over the input, with which the run is accepted.
     attempts
         Rejected timesteps with their errors of the energy balance.
     checkpoint
@@ -106,6 +108,7 @@ class Record:
     n_ranks: int = 1
     nodes: list[str] = dataclasses.field(default_factory=list)
     versions: dict[str, str] = dataclasses.field(default_factory=dict)
+    energy_balance_accepted: float | None = None
     attempts: list[dict[str, float]] = dataclasses.field(default_factory=list)
     checkpoint: dict[str, Any] | None = None
 

@@ -4,14 +4,12 @@ is left.
 
 from __future__ import annotations
 
-import contextlib
 import dataclasses
 import json
 import math
 import statistics
 import subprocess
 import sys
-import tempfile
 import time
 from collections.abc import Iterable, Mapping, Sequence
 from concurrent.futures import ThreadPoolExecutor
@@ -28,6 +26,7 @@ from granwave.lammps_inputs.planning.cost import seconds_per_step
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import open_engine
+from granwave.workflows.run.leftovers import scratch_directory
 from granwave.workflows.scanning.scan_file import Point
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.solvers import GRANULAR
@@ -257,11 +256,11 @@ def _measure(document: str) -> float:
     from granwave.lammps_inputs.deck.script import part
     from granwave.lammps_inputs.load_case import load_case
 
-    with tempfile.TemporaryDirectory(prefix="granwave-") as scratch:
-        path = Path(scratch) / "case.toml"
+    with scratch_directory() as scratch:
+        path = scratch / "case.toml"
         path.write_text(document, encoding="utf-8")
-        deck = write_deck(load_case(path), Path(scratch) / "deck")
-        with contextlib.chdir(deck.directory), open_engine(mpi.world(), log="none") as engine:
+        deck = write_deck(load_case(path), scratch / "deck")
+        with open_engine(mpi.world(), "none", deck.directory) as engine:
             engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
             engine.commands("run 20 post no")
             for span in (_WARM, _SPAN):

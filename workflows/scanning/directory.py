@@ -76,7 +76,7 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
         found: dict[str, list[str]] = {}
         for point in points:
             try:
-                point.kind.check(point.case, point.plan, memory=False)
+                point.kind.check(point.case)
             except InputError as error:
                 labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
                 for fault in error.errors:

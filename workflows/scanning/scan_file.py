@@ -313,7 +313,8 @@ def _build(
                 for replicate in replicates:
                     case = read(replicate)
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
-                    kind.check(case, points[-1].plan, files=False, memory=here)
+                    if here:
+                        kind.afford(case, points[-1].plan, None)
             except InputError as error:
                 errors.append((n, values, error.errors))
             progress.update(n, "checked")

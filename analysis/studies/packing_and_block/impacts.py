@@ -49,9 +49,10 @@ _KEYS = (
     "held",
     "but_for_mass",
     "but_for_taper",
+    "but_for_block",
 )  # equal numbers for equal content
 _MEASURED = (  # columns that a table without rows has, too
-    "run", "label", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
+    "run", "label", "packing", "energy_J", "energy_normalised", "velocity_normalised", "dissipated_fraction", "struck_spheres",
     "diameter", "mass_kg", "taper", "fine",
 )  # fmt: skip
 
@@ -94,11 +95,9 @@ class Impacts:
 
     @property
     def other_packings(self) -> DataFrame:
-        """Granular runs on packings that no figure or table of the reference shows."""
+        """Granular runs on packings of another kind, size or boundary than the reference's."""
         runs = self.granular
-        return runs[
-            ~runs["shape"].isin(self.reference["shape"]) & ~runs.held.isin(self.reference.held)
-        ]
+        return runs[~runs["shape"].isin(self.reference["shape"])]
 
     @cached_property
     def continuum_reference(self) -> DataFrame:
@@ -287,6 +286,7 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "dissipated_fraction": run.value("dissipated_fraction"), "struck_spheres": int(case.load.spheres),
         "yield_force": law.yield_force, "solid_fraction": kind_of(packing.kind).solid_fraction,
         "n_spheres": run.assembly.lattice.n_spheres,
+        "packing": f"{packing.kind} {' x '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),
         "shape": (packing.kind, packing.size, boundary.bottom, boundary.sides), "held": (packing.kind, boundary),
     }  # fmt: skip
@@ -297,10 +297,12 @@ def _continuum(run: ContinuumRun) -> dict[str, Any]:
     material, punch, mesh = (run.case[table] for table in ("material", "punch", "run"))
     constants = {name: material.get(name) for name in _CONSTANTS}
     block = (run.case["block"]["diameter"], run.case["block"]["height"])
+    block_volume = math.pi * block[0] ** 2 * block[1] / 4
     volume = math.pi * punch["diameter"] ** 3 / 6
     rest = (block, mesh["elements"], *constants.values())
     return {
         **constants, "what": "continuum", "run": run, "label": run.label, "material": material.get("name"),
+        "packing": "",
         "diameter": punch["diameter"], "energy_J": run.value("energy_input_J"),
         "energy_normalised": run.value("energy_input_normalised"),
         "dissipated_fraction": run.value("dissipated_fraction"), "mass_kg": punch["mass"], "taper": punch["taper"],
@@ -310,4 +312,6 @@ def _continuum(run: ContinuumRun) -> dict[str, Any]:
         "shape": (punch["diameter"], punch["mass"], punch["taper"], block, mesh["elements"], mesh["edge_size"]),
         "but_for_mass": (punch["diameter"], punch["taper"], *rest),
         "but_for_taper": (punch["diameter"], punch["mass"], punch["velocity"], *rest),
+        "but_for_block": (punch["diameter"], punch["mass"], punch["taper"], *constants.values()),
+        "block_volume": block_volume,
     }  # fmt: skip

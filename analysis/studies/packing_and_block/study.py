@@ -37,8 +37,8 @@ SHARE = 0.9  # of the dissipation: the material that did so much of it is called
 _GRANULAR_SHOWN = 3  # curves of the figure of volumes
 _GRANULAR_LISTED = 6  # rows of the table
 _FIT_REMARK = (
-    "Fast impacts lose nearly all that they bring, so that D2 is 0.5; a constant whose standard deviation is as large "
-    "as itself is undetermined."
+    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the fitted runs. A "
+    "constant whose standard deviation is as large as itself is undetermined."
 )
 _CAPTIONS = {
     "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a "
@@ -48,7 +48,7 @@ _CAPTIONS = {
     "granular_scaling": "Granular: diameter, density, modulus and yield strength. Where similarity holds, all points "
     "lie on the curve of the reference on the normalised axis",
     "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast "
-    "impacts; the fraction tends to 1",
+    "impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
     "loading_area": "Granular: number of struck spheres. Points beside the curve of one sphere tell that the loading "
     "area matters at equal input",
     "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve "
@@ -128,7 +128,11 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
     """Packings and blocks side by side, then each of them, with notes."""
-    listed = [_dissipating(impacts.reference, _GRANULAR_LISTED), impacts.continuum_reference]
+    listed = [
+        _dissipating(impacts.reference, _GRANULAR_LISTED),
+        impacts.other_packings,
+        impacts.continuum_reference,
+    ]
     rows = [row for runs in listed for run in runs.itertuples() if (row := _per_mass(run))]
     numbers = numeric(
         ("Input", "J"), "Dissipated fraction", ("Mass involved", "kg"), ("Volume involved, voids included", "cm³"),
@@ -179,7 +183,7 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
         energy / mass,
         1e-6 * (energy / bulk),
     )
-    return run.label, Cell(run.what), *values
+    return run.label, Cell(zone.what_of(run.what, run.packing)), *values
 
 
 def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
@@ -189,9 +193,11 @@ def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
         caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
         columns = (Column("Constant", key=True), *numeric("Value, with its standard deviation"))
         yield table_of(caption, columns, zip(("D0", "D1", "D2"), ours, strict=True), by_row=True)
+        fractions = impacts.fast.dissipated_fraction
+        remark = _FIT_REMARK.format(fractions.min(), fractions.max())
         yield Note(
             f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest "
-            f"misfit there is {percent(100 * fit.misfit).lstrip('+')}. {_FIT_REMARK}"
+            f"misfit there is {percent(100 * fit.misfit).lstrip('+')}. {remark}"
         )
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(variants(impacts).items())[1:]:

@@ -25,7 +25,7 @@ from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.scans.drawing import draw_marks, marked_marker, marks_of
 from granwave.analysis.studies.packing_and_block.figures import GRANULAR_ENERGY
-from granwave.analysis.studies.packing_and_block.impacts import Impacts, energy_unit, rising
+from granwave.analysis.studies.packing_and_block.impacts import SAME, Impacts, energy_unit, rising
 from granwave.analysis.studies.study import Picture, numeric, table_of
 
 _MARKERS = "os^"  # of the shares
@@ -33,14 +33,16 @@ _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
     "Where the zone reaches a bound (open marks in the figure), or still grew when the run ended, the outermost yield "
-    "lies farther out than found: ≥. What holds 50 and 90 % lies far inside: between 36 x 36 x 18 and 72 x 72 x 36 "
-    "spheres, struck at 10 and 40 m/s, its depth and radius differ by a layer at most and its volume by 5 %, that of "
-    "99 % by 11 %."
+    "lies farther out than found: ≥."
 )
 _WAVE_REMARK = (
-    "Half open marks: a wave could be back from a bound while the last part of the energy was dissipated. It matters "
-    "little: in a block twice as wide and high, struck by 0.1 kg at 24 m/s, depth and radius differ by an element at "
-    "most, 2 %, and the volume by 0.3 %."
+    "Half open marks: a wave could be back from a bound while the last part of the energy was dissipated, at most "
+    "{:.2g} % of the energy of yielding."
+)
+_COMPARED_REMARK = "Influence of the bounds: {} computed in {} of different sizes. Between the two largest of each, {}."
+_NOT_COMPARED_REMARK = (
+    "Influence of the bounds: no impact was computed in two {} of different sizes, so that these runs do not show how "
+    "much the bounds change what holds 50, 90 and 99 %."
 )
 
 
@@ -54,15 +56,8 @@ def zones(impacts: Impacts) -> dict[str, DataFrame]:
         Of ``packing`` and ``continuum``, rows of runs whose summaries tell: columns of the figure's
         data, and those of the run.
     """
-    grains = impacts.granular
-    first = impacts.reference[:1]
-    same = (
-        (grains.struck_spheres == 1)
-        & grains.substance.isin(first.substance)
-        & grains.held.isin(first.held)
-    )
     found = {
-        "packing": _sizes("packing", grains[same]),
+        "packing": _sizes("packing", _comparable(impacts)),
         "continuum": _sizes("continuum", impacts.continuum_reference),
     }
     if len(packings := found["packing"]):
@@ -88,6 +83,9 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 def tables(impacts: Impacts) -> Iterator[Table | Note]:
     """Sizes of all runs, and remarks on those that a bound or the end of the run decides."""
     found = [zone for side in zones(impacts).values() for zone in side.to_dict("records")]
+    shown = {id(zone["run"]) for zone in found}
+    others = _sizes("packing", impacts.other_packings).to_dict("records")
+    found += [zone for zone in others if id(zone["run"]) not in shown]
     if not found:
         return
     columns = (
@@ -105,9 +103,89 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     if any(
         zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in found
     ):
-        yield Note(_CUT_REMARK, "note")
-    if any(zone["mark"] == Mark.WAVE and zone["what"] == "continuum" for zone in found):
-        yield Note(_WAVE_REMARK, "note")
+        yield Note(f"{_CUT_REMARK} {_influence_of_bounds(impacts, 'packing')}", "note")
+    shares = [
+        zone["run"].value("wave_return_share")
+        for zone in found
+        if zone["mark"] == Mark.WAVE and zone["what"] == "continuum"
+    ]
+    if shares:
+        text = _WAVE_REMARK.format(100 * max(shares))
+        yield Note(f"{text} {_influence_of_bounds(impacts, 'continuum')}", "note")
+
+
+def what_of(what: str, packing: str) -> str:
+    """Return what a run is of, for a row of a table: ``granular, fcc 24 x 24 x 12``."""
+    return f"{what}, {packing}" if packing else what
+
+
+def _comparable(impacts: Impacts) -> DataFrame:
+    """Return the runs of the reference's spheres, one of them struck, in packings of any size."""
+    grains = impacts.granular
+    first = impacts.reference[:1]
+    same = (
+        (grains.struck_spheres == 1)
+        & grains.substance.isin(first.substance)
+        & grains.held.isin(first.held)
+    )
+    return grains[same]
+
+
+def differences_by_size(impacts: Impacts, what: str) -> DataFrame:
+    """Return the relative differences of sizes of the zone between the two largest packings, or
+    blocks, in which the same impact was computed.
+
+    Parameters
+    ----------
+    what
+        ``packing`` or ``continuum``.
+
+    Returns
+    -------
+    DataFrame
+        A row for each such impact, with columns ``depth_50``, ..., ``volume_99``; NaN where a size
+        does not apply.
+    """
+    if what == "packing":
+        runs = _comparable(impacts)
+        extent = "n_spheres"
+    else:
+        runs = impacts.continuum
+        runs = runs[runs.but_for_block.isin(impacts.continuum_reference.but_for_block)]
+        extent = "block_volume"
+    names = [f"{name}_{share}" for name in _SIZES for share in SHARES]
+    sizes = _sizes(what, runs)
+    rows = []
+    while len(sizes):
+        energy = sizes.energy_J.iloc[0]
+        same = np.abs(sizes.energy_J / energy - 1) < SAME
+        by_extent = sizes[same].sort_values(extent, ascending=False, kind="stable")
+        by_extent = by_extent.drop_duplicates(extent)
+        sizes = sizes[~same]
+        if len(by_extent) > 1:
+            largest = by_extent[names].iloc[0].to_numpy(float)
+            smaller = by_extent[names].iloc[1].to_numpy(float)
+            least = np.where(largest > 0, largest, math.nan)
+            rows.append(np.abs(smaller / least - 1))
+    return DataFrame(rows, columns=names)
+
+
+def _influence_of_bounds(impacts: Impacts, what: str) -> str:
+    """Return how much the sizes of the zone change with the size of the packings or blocks."""
+    bodies = {"packing": "packings", "continuum": "blocks"}[what]
+    changes = differences_by_size(impacts, what).max()
+    parts = []
+    for share in SHARES:
+        of_share = {name: changes[f"{name}_{share}"] for name in _SIZES}
+        known = [f"{name} by up to {100 * change:.2g} %"
+                 for name, change in of_share.items() if not math.isnan(change)]  # fmt: skip
+        if known:
+            parts.append(f"what holds {share} % differs in {', '.join(known)}")
+    if not parts:
+        return _NOT_COMPARED_REMARK.format(bodies)
+    n_impacts = len(differences_by_size(impacts, what))
+    count = f"{n_impacts} impacts were" if n_impacts > 1 else "1 impact was"
+    return _COMPARED_REMARK.format(count, bodies, "; ".join(parts))
 
 
 def _sizes(what: str, runs: DataFrame) -> DataFrame:
@@ -148,7 +226,8 @@ def _sizes(what: str, runs: DataFrame) -> DataFrame:
 def _row(zone: dict[str, Any]) -> Iterator[Cell]:
     summary = zone["run"].summary
     tone: Tone = "note" if zone["mark"] else ""
-    yield from (value_cell(zone["label"]), Cell(zone["what"]), value_cell(zone["energy"]))
+    what = Cell(what_of(zone["what"], zone["packing"]))
+    yield from (value_cell(zone["label"]), what, value_cell(zone["energy"]))
     for name in _SIZES:
         for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):
             if column in zone:

@@ -23,13 +23,13 @@ from granwave.analysis.studies.study import Picture, Row, span
 TEXT = (
     "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "
     "force that the same packing gives a wall of the plate's material, held in place; its limits are those of a "
-    "short impulse, J/(M omega), and of a slow force, F/k. A light plate gives way: less force reaches it, and the "
-    "points lie below the line."
+    "short impulse, J/(M omega), and of a slow force, F/k. Where a plate gives way, less force reaches it than a wall "
+    "held in place, and its point lies below the line."
 )
 _FEWEST = 4  # stiffnesses
 _MICRO = 1e6
 _CURVE = 60  # points of the theory
-_GIVES_WAY = 0.95  # of the displacement by theory: below it a remark says so
+_BELOW = 0.05  # of the displacement by theory, by which it falls short where a remark says so
 _TURNED = 0.98  # of the run: a displacement that is largest later may still grow
 
 #: A packing on a wall of the plates' material, and runs of plates of one mass below it, by rising period: run, plate,
@@ -83,8 +83,9 @@ def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
             expected, theory = expected_displacement(
                 held.reached, run.plate, run.run.reached.time[-1]
             )
-            gives_way = run.displacement < _GIVES_WAY * expected
-            remark = "The plate gives way, and less force reaches it." if gives_way else ""
+            below = 1 - run.displacement / expected
+            remark = f"{100 * below:.2g} % below the oscillator: the plate gives way to the force."
+            remark = remark if below > _BELOW else ""
             what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
             yield Row(
                 what, "µm", None, _MICRO * run.displacement, theory, remark, _MICRO * expected

@@ -11,7 +11,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis import law_table, write_law
-from granwave.analysis.contact_law.curves import restitution
+from granwave.analysis.contact_law.curves import restitution, write_restitution
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.load_case import load_case
@@ -88,6 +88,25 @@ def test_files(tmp_path):
         law_table(contact(), -1.0)
 
 
+def test_error_bars_of_the_fitted_law_are_in_table_and_figure(tmp_path):
+    law = contact("elastoplastic-fe")
+    table = law_table(law, 40)
+    loading = table["branch"] == "loading"
+    overlap = table["overlap_m"][loading]
+    np.testing.assert_allclose(
+        table["force_error_N"][loading], law.force_error(overlap, overlap), rtol=1e-12
+    )
+    down = table["branch"] == "unloading_4"
+    bar = table["force_error_N"][down] / table["force_N"].max()
+    assert np.all(bar > 0.01) and np.all(bar < 0.15)
+    write_law(law, tmp_path / "fe.png")
+    assert (tmp_path / "fe.csv").read_text().splitlines()[0].endswith("force_error_N")
+    write_restitution({"pair": (law, MASS / 2)}, tmp_path / "e.png")
+    header, *rows = csv.reader((tmp_path / "e.csv").open())
+    assert header[-1] == "restitution_error"
+    assert 0 < float(rows[-1][-1]) < 0.05 * float(rows[-1][-2])
+
+
 R = 0.005
 BRASS = material("brass")
 MASS = sphere_mass(BRASS, R)
@@ -159,6 +178,30 @@ def test_built_in_studies(granwave, tmp_path, study):
         assert -ratio == pytest.approx(
             at(1.0, contact_of((BRASS, None), (R, math.inf)), MASS), rel=1e-3
         )
+
+
+@pytest.mark.parametrize("study", ["two-spheres", "sphere-on-wall"])
+def test_the_summary_has_the_error_bars_of_the_law(tmp_path, study):
+    """Of law elastoplastic-fe alone; a sphere and its mirror plane are half of two spheres."""
+    changes = {"contact.law": "elastoplastic-fe", "run.frames": 2}
+    summary = run_case(
+        load_case(library.find(study), changes), tmp_path / "fe", figures=False
+    ).summary
+    other = BRASS if study == "two-spheres" else None
+    law = contact_of((BRASS, other), (R, R if other else math.inf), "elastoplastic-fe")
+    if study == "two-spheres":
+        peak = summary["peak_overlap_m"]
+        assert summary["peak_force_error_N"] == pytest.approx(law.force_error(peak, peak))
+        assert summary["restitution_error"] == pytest.approx(law.restitution_error(peak))
+    else:
+        assert summary["peak_force_error_N"] is None  # no pair of grains
+    relative = summary["restitution_error"] / summary["restitution"]
+    assert 0.01 < relative < 0.1
+    rate = {"material.rate_sensitivity": 0.01}
+    fast = run_case(
+        load_case(library.find(study), changes | rate), tmp_path / "rate", figures=False
+    ).summary
+    assert fast["peak_force_error_N"] is None and fast["restitution_error"] is None
 
 
 def test_bodies_that_still_touch_at_the_end_have_none(tmp_path):

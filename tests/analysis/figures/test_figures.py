@@ -15,6 +15,7 @@ from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.target import unprotected
 from granwave.lammps_inputs import struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.workflows import run_case
 from tests.helpers import synthetic
 
 MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
@@ -41,6 +42,20 @@ def render(centres, radius, colours, camera, width, axes=None):
     """Surface and pixels of spheres and cylinders."""
     surface = sphere_renderer.lit_surface(centres, radius, camera, width, axes)
     return surface, sphere_renderer.painted(surface, colours)
+
+
+@pytest.mark.parametrize("end_time", [1.5e-4, 6e-4])
+def test_wave_front_is_shown_over_the_passage_of_the_wave(tmp_path, end_time):
+    """However many snapshots are taken, and however long the run goes on."""
+    run = {"end_time": end_time, "frames": 121}
+    case = synthetic.make_case("fcc", (8, 8, 6), load={"velocity": 5.0}, run=run)
+    run_case(case, tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        drawing = FIGURES["wave_front"].draw(result)
+        arrival = result["walls/bottom/time"][np.argmax(result["walls/bottom/force"] > 0.1)]
+        times = np.unique(drawing.columns["time_s"])
+    assert times == pytest.approx(times[-1] * np.arange(1, 5) / 4, abs=end_time / 120)
+    assert 0.8 < times[-1] / arrival < 1.2
 
 
 @pytest.mark.parametrize(

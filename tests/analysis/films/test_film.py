@@ -13,15 +13,18 @@ import time
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from PIL import Image
 
-from granwave.analysis import analyse
+from granwave.analysis import analyse, films
 from granwave.analysis.figures.style import style
 from granwave.analysis.films import scene, size_of, write_film
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
+from granwave.workflows.cli import results
+from granwave.workflows.cli.main import main
 from tests.conftest import PLAIN
 from tests.helpers import synthetic
 from tests.helpers.small_cases import PULSE, case_of
@@ -132,6 +135,31 @@ def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
         figure.draw_without_rendering()
         bar = figure.axes[-1].get_position()
         assert bar.x0 > 0.8 and bar.height > bar.width
+
+
+@pytest.mark.parametrize(
+    ("name", "view"), [("packing", "orthogonal"), ("packing", "3d"), ("chain", None)]
+)
+def test_pictures_are_those_of_whole_figures(packing, chain, name, view):
+    """What moves below what stays still gives the picture of the figure drawn as a whole."""
+    with Result(packing if name == "packing" else chain) as result, style():
+        pictures = list(films.film_pictures(scene(result, "force", view), 600))
+        for number in (1, len(pictures) - 1):
+            figure = scene(result, "force", view).draw(number)
+            figure.set_dpi(600 / figure.get_figwidth())
+            canvas = FigureCanvasAgg(figure)
+            canvas.draw()
+            whole = np.asarray(canvas.buffer_rgba())[:, :, :3].astype(int)
+            height, width, _ = pictures[number].shape
+            apart = np.abs(whole[:height, :width] - pictures[number]).max(axis=2)
+            assert np.mean(apart > 40) < 1e-3
+
+
+def test_the_time_of_a_film_is_measured(packing, tmp_path, capsys, monkeypatch):
+    monkeypatch.setattr(results, "_MEASURED", 3)
+    monkeypatch.setattr(results, "_WORTH_SAYING", 0.0)
+    assert main(["film", str(packing), "-o", str(tmp_path / "a.gif"), "--width", "240"]) == 0
+    assert re.search(r"film: 4 pictures, about 0 s to go", capsys.readouterr().err)
 
 
 def test_sizes():

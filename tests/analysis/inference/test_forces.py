@@ -12,6 +12,7 @@ from scipy import sparse
 
 from granwave.analysis.inference.case import Infer
 from granwave.analysis.inference.equations import make_equations
+from granwave.analysis.inference.freedom import freedom
 from granwave.analysis.inference.grains import Grains, Wall, find_contacts, stiffness
 from granwave.analysis.inference.infer import infer, relative_noise
 from granwave.analysis.inference.output import network
@@ -87,9 +88,9 @@ def test_stiffness_is_hookes(state):
     np.testing.assert_allclose(inverse[-1, -1] * modulus, 1 + ratio, rtol=1e-12)
 
 
-def cube(rng):
-    """A cube of 27 spheres in a box, with random forces in the cones of friction, and the state
-    that these give.
+def cube(rng, sliding=0.0):
+    """A cube of 27 spheres in a box, with random forces in the cones of friction, a part of them on
+    the border, and the state that these give.
 
     Accelerations and stresses are sums over contacts, written out here; the forces balance nothing.
     """
@@ -118,9 +119,9 @@ def cube(rng):
     contacts = find_contacts(bare, walls, 1e-3)
     normal = rng.exponential(50.0, len(contacts))
     shear = rng.normal(size=(len(contacts), 2))
-    shear *= (0.3 * normal * rng.uniform(size=len(contacts)) / np.linalg.norm(shear, axis=1))[
-        :, None
-    ]
+    part = rng.uniform(size=len(contacts))
+    part[: round(sliding * len(part))] = 1.0
+    shear *= (0.3 * normal * part / np.linalg.norm(shear, axis=1))[:, None]
     true = np.concatenate([normal[:, None], shear], axis=1)
     total = np.zeros((n, 3))
     torque = np.zeros((n, 3))
@@ -178,6 +179,61 @@ def test_spheres_in_space_stay_within_their_cones():
     size = np.abs(gradient).max()
     assert (gradient[:, 0] >= 0.3 * np.linalg.norm(gradient[:, 1:], axis=1) - 1e-6 * size).all()
     assert np.abs((gradient * found.force).sum(axis=1)).max() < 1e-6 * size * np.abs(true).max()
+
+
+@pytest.mark.parametrize(
+    ("force", "expected"),
+    [
+        ([[1.0, 0.3], [1.0, 0.1], [0.0, 0.0], [2.0, -0.6]], 1 + 2 + 0 + 1),
+        ([[1.0, 0.3, 0.0], [1.0, 0.1, 0.1], [1e-12, 0.0, 0.0], [2.0, 0.0, -0.6]], 2 + 3 + 0 + 2),
+    ],
+)
+def test_contacts_that_slide_have_a_component_less(force, expected):
+    """One of two in the plane, two of three in space; without friction one, without load none."""
+    force = np.array(force)
+    free = freedom(force, np.full(4, 0.3), np.zeros_like(force))
+    assert len(free.held) == expected
+    changed = (force.ravel() + 1e-6 * free.directions.toarray().T).reshape(-1, *force.shape)
+    size = np.linalg.norm(changed[..., 1:], axis=-1)
+    assert (size[:, [0, 3]] <= 0.3 * changed[:, [0, 3], 0] * (1 + 1e-9)).all()
+    smooth = freedom(force * np.eye(force.shape[1])[0], np.zeros(4), np.zeros_like(force))
+    assert len(smooth.held) == 3
+
+
+@pytest.mark.parametrize("weights", ["white", "correlated"])
+def test_chi_squared_of_true_noise_is_near_one(weights):
+    """With a third of the contacts at their limit of friction, and noise of 2 %."""
+    exact, walls, _ = cube(np.random.default_rng(5), 1 / 3)
+    rng = np.random.default_rng(3)
+    size = relative_noise(exact, 0.02)
+    each = []
+    for _ in range(20):
+        grains = dataclasses.replace(
+            exact,
+            **{
+                name: getattr(exact, name) + scale * rng.normal(size=getattr(exact, name).shape)
+                for name, scale in (
+                    ("stress", size.stress),
+                    ("acceleration", size.acceleration),
+                    ("angular_acceleration", size.angular_acceleration),
+                )
+            },
+        )
+        settings = dataclasses.replace(EXACT, noise=size, weights=weights)
+        each.append(instant_summary(infer(grains, walls, settings), 0.0)["chi2_per_equation"])
+    assert np.mean(each) == pytest.approx(1, abs=0.06)
+    assert np.std(each) == pytest.approx(np.sqrt(2 / 75), rel=0.4)
+
+
+def test_chi_squared_of_discs_counts_what_the_noise_leaves():
+    """Strains whose errors are correlated by Hooke's law, with both kinds of weights."""
+    exact, walls, _ = state_of("centred-square", 0.5e-3)
+    rng = np.random.default_rng(8)
+    for weights, lowest in (("white", 215), ("correlated", 220)):
+        grains, size = measured(exact, 0.01, rng)
+        found = infer(grains, walls, dataclasses.replace(EQUAL, noise=size, weights=weights))
+        assert lowest < found.n_free < 240  # some 186 with both components of all
+        assert found.chi2 / found.n_free == pytest.approx(1, abs=3 * np.sqrt(2 / 220))
 
 
 def random_plane(n_contacts, rng):

@@ -77,7 +77,7 @@ def test_html_is_escaped_and_explains(run):
     page = run._repr_html_()
     assert "&lt;i&gt;a &amp; &quot;b&quot;" in page and "<i>" not in page
     assert (
-        'title="n_plastic_contacts: Yielded contacts. Contacts that yielded in this run; a dent'
+        'title="n_plastic_contacts: Yielded contacts. Contacts between two spheres whose overlap'
         in page
     )
     assert page.count("<tr") == page.count("</tr>") == len(repr(run).splitlines()) - 2

@@ -133,15 +133,18 @@ def test_one_run(tmp_path):
     report = build([run], tmp_path)
     text, shown = answer(report)
     assert text.startswith(
-        "87.3 % of the 2 J put in was dissipated. The largest contact force was 696.8 N."
+        "87.3 % of the 2 J put in was dissipated. The largest force between two spheres was 696.8 N."
     )
     rows = {row[0].text: row for row in shown.table.rows}
     assert (
-        rows["Peak contact force"][1].value == 696.84 and rows["Peak contact force"][2].text == "N"
+        rows["Peak contact force, walls left out"][1].value == 696.84
+        and rows["Peak contact force, walls left out"][2].text == "N"
     )
     assert any(row[0].meaning for row in shown.table.rows)
     elastic = write_run(tmp_path / "elastic", energy_input_J=2.0, dissipated_fraction=0.0)
-    assert answer(build([elastic], tmp_path))[0].startswith("0 % of the 2 J put in was dissipated.")
+    text = answer(build([elastic], tmp_path))[0]
+    assert not text.startswith("0 %")
+    assert "Nothing of the 2 J put in was dissipated." in text
 
 
 def test_several_runs(tmp_path):
@@ -151,7 +154,12 @@ def test_several_runs(tmp_path):
         r"Dissipated of the input: [\d.]+ % \(r1\), [\d.]+ % \(r2\), [\d.]+ % \(r4\)\.", sentence
     )
     headings = [column.heading for column in shown.table.columns]
-    assert headings[:4] == ["Run", "load.velocity", "Dissipated fraction", "Peak contact force"]
+    assert headings[:4] == [
+        "Run",
+        "load.velocity",
+        "Dissipated fraction",
+        "Peak contact force, walls left out",
+    ]
     assert len(headings) == 5 and len(shown.table.rows) == 3
 
 
@@ -188,7 +196,7 @@ def test_a_packing_and_a_block(tmp_path):
         "Run",
         "material.name",
         "Dissipated fraction",
-        "Peak contact force",
+        "Peak contact force, walls left out",
         "Zone of 90 %, depth",
     ]
     refused = [runs[0], dataclasses.replace(runs[1], status="refused")]

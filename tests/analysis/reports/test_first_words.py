@@ -126,8 +126,8 @@ def test_a_chain_says_speed_and_decay(monkeypatch):
         {"packing.kind": "chain"}, wave_speed_m_s=428.3, energy_input_J=2.0, dissipated_fraction=0.0
     )
     assert in_words(run) == (
-        "The wave ran at 428.3 m/s. Its peak force goes from 100 N in contact 1 to 9 N in contact 3. 0 % of the 2 J put in "
-        "was dissipated."
+        "The wave ran at 428.3 m/s. Its peak force goes from 100 N in contact 1 to 9 N in contact 3. Nothing of the 2 J put "
+        "in was dissipated."
     )
     assert labels(run)[0] == "Wave speed"
 
@@ -193,7 +193,7 @@ def test_symbols_are_defined_with_their_values(tmp_path):
         tmp_path / "elastic", contact__law="hertz", energy_input_J=0.05, peak_force_N=700.0
     )
     (note,) = symbols_note(read_inputs([elastic], tmp_path))
-    assert note.text.startswith("F_max = 700 N is the largest contact force")
+    assert note.text.startswith("F_max = 700 N is the largest force between two")
 
 
 @pytest.mark.parametrize(
@@ -206,6 +206,8 @@ def test_symbols_are_defined_with_their_values(tmp_path):
          "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, under 1 MPa, elastic, ideal"),
         ({"load.kind": "force", "load.shape": "half-sine", "load.amplitude": 2e4, "load.duration": 1e-5,
           "packing.kind": "chain", "packing.size": 20}, "chain of 20, brass, 10 mm, half-sine force of 20 kN for 10 µs, ideal"),
+        ({"packing.kind": "chain", "packing.size": 2, "replace": [{"index": [1, 2], "material": {"name": "ptfe"}}]},
+         "chain of 2, ptfe, 10 mm, 5 m/s, some spheres replaced"),
         ({"boundary.bottom": {"plate": {"mass": 0.5}, "material": {"name": "steel"}}},
          "fcc 24 x 24 x 12, brass, 10 mm, 5 m/s, on a steel plate of 0.5 kg, ideal"),
     ],

@@ -19,10 +19,10 @@ from granwave.analysis.document.model import (
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.reports import figures
-from granwave.analysis.reports import outline as balance
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
-from granwave.workflows.run.checks import TOLERANCE
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
+from granwave.lammps_inputs.case.run import Run as CaseRun
 from tests.helpers.synthetic_report import (
     blocks,
     build,
@@ -89,9 +89,10 @@ def test_scan_table_has_the_varied_keys_first_and_every_status(both):
     assert rows[0]["load.velocity"].value == 10.0
     summary = json.loads(next((scan / "points").glob("*/summary.json")).read_text())
     assert any(
-        row["Peak contact force"].value == pytest.approx(summary["peak_force_N"]) for row in rows
+        row["Peak contact force, walls left out"].value == pytest.approx(summary["peak_force_N"])
+        for row in rows
     )
-    assert rows[2]["Peak contact force"].text == ""  # for a failed point
+    assert rows[2]["Peak contact force, walls left out"].text == ""  # for a failed point
 
 
 def test_failed_and_missing_points_say_why(both):
@@ -147,8 +148,54 @@ def test_energy_balance(tmp_path, error, text, tone):
     assert warned == ([tone] if tone != "good" else ["good"])
 
 
-def test_limit_of_the_balance_is_the_driver_s():
-    assert balance.LIMITS["run"] == TOLERANCE
+@pytest.mark.parametrize(
+    ("error", "text", "tone"),
+    [
+        (9e-6, "good", "good"),
+        (3e-4, "accepted: at most 0.001, run.energy_tolerance", "good"),
+        (2e-3, "poor: above 0.001", "bad"),
+    ],
+)
+def test_the_accepted_error_is_that_of_the_run(tmp_path, error, text, tone):
+    """A run that was accepted is not called poor; the same where only its case says the limit."""
+    recorded = write_run(
+        tmp_path / "new",
+        figures=False,
+        energy_balance_error=error,
+        energy_balance_accepted=1e-3,
+    )
+    earlier = write_run(
+        tmp_path / "earlier",
+        figures=False,
+        energy_balance_error=error,
+        run__energy_tolerance=1e-3,
+    )
+    for run in (recorded, earlier):
+        report = build([run], tmp_path)
+        (row,) = table(report, "balance", "Energies at the end, and the error of the balance")
+        assert (row["Balance"].text, row["Balance"].tone) == (text, tone)
+        assert row["Accepted error"].value == 1e-3
+        assert any("do not trust" in note.text for note in notes(report, "short")) == (
+            tone == "bad"
+        )
+
+
+def test_runs_of_other_accepted_errors_have_notes_of_their_own(tmp_path):
+    strict = write_run(tmp_path / "strict", figures=False, energy_balance_error=5e-3)
+    loose = write_run(
+        tmp_path / "loose",
+        figures=False,
+        energy_balance_error=5e-3,
+        energy_balance_accepted=1e-3,
+    )
+    texts = [note.text for note in notes(build([strict, loose], tmp_path), "short")]
+    assert any("more than 1e-5): strict." in text for text in texts)
+    assert any("more than 0.001): loose." in text for text in texts)
+
+
+def test_a_run_without_a_record_is_judged_by_the_limit_of_its_case():
+    assert CaseRun().accepted_balance_error == BALANCE_TOLERANCE
+    assert CaseRun(energy_tolerance=1e-3).accepted_balance_error == 1e-3
 
 
 def test_contacts_beyond_the_law_and_a_refused_run_are_told(tmp_path):
@@ -272,7 +319,7 @@ def test_continuum_run_with_other_keys_and_nulls(tmp_path):
     assert first["What"].text == "continuum run"
     row = table(report, "balance", "Energies at the end, and the error of the balance")[0]
     assert (row["Balance"].text, row["Hourglass energy"].value) == ("good", 1e-3)
-    assert table(report, "results", "Runs")[0]["Peak contact force"].value is None
+    assert table(report, "results", "Runs")[0]["Peak contact force, walls left out"].value is None
     for suffix in ("html", "pdf", "md"):
         write_report([run], tmp_path / f"r.{suffix}")
 
@@ -286,7 +333,7 @@ def test_figures_in_a_fixed_order_made_small(both):
     assert [figure.alt for figure in gallery.figures] == [
         f"{name}: run first"
         for name in (
-            "Peak contact force, principal plane",
+            "Peak contact force, walls left out, principal plane",
             "Energies and the error of their balance",
             "Zebra",
         )

@@ -11,7 +11,14 @@ import MDAnalysis
 import numpy as np
 import pytest
 
-from granwave.analysis import MissingOutputError, OutputFormatError, Result, universe, write_result
+from granwave.analysis import (
+    MissingOutputError,
+    OutputFormatError,
+    Result,
+    summarise,
+    universe,
+    write_result,
+)
 from granwave.analysis.lammps_output.dumps import contacts_at_end
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result import contacts
@@ -110,6 +117,25 @@ def test_dissipation_at_a_rigid_wall_belongs_to_the_sphere(run):
         assert result["spheres/dissipated_energy_wall"][143] == 2e-4
         assert result["wall_contacts/wall"].tolist() == ["bottom"]
         assert result["spheres/peak_force"][143] < 50.0  # contacts of spheres only
+        assert result["spheres/peak_force_with_walls"][143] == 50.0
+        others = np.arange(len(result["spheres/id"])) != 143
+        pairs = result["spheres/peak_force"]
+        assert np.array_equal(result["spheres/peak_force_with_walls"][others], pairs[others])
+        assert result.unit("spheres/peak_force_with_walls") == "N"
+
+
+def test_the_largest_force_at_a_wall_is_told_from_that_between_spheres(run):
+    """A floor contact carries more than any pair: each value says which contacts it counts."""
+    row = np.array([[144, 0, 0, 1e-5, 1e6, 2e-4, 1e-5, 2e-5, 1.5e-5]])
+    synthetic.write_custom(
+        run / "dumps" / "wall_bottom.dump", synthetic.WALL_COLUMNS, row, synthetic.STEPS
+    )
+    write_result(run)
+    summary = summarise(run)
+    with Result(run) as result:
+        assert summary["peak_force_N"] == result["contacts/peak_force"].max() < 1e6
+        assert summary["peak_force_with_walls_N"] == 1e6
+        assert result["spheres/peak_force_with_walls"].max() == 1e6
 
 
 def test_dents_of_one_pair_are_merged(run):

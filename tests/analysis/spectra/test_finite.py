@@ -165,6 +165,30 @@ def test_losses_of_contacts(loss, time):
     assert losses_of(assemble(lossless), network) is None
 
 
+@pytest.mark.parametrize(
+    ("driven", "tables", "masses"),
+    [
+        ([], {}, [1 / 2, 1 / 2]),
+        ([1], {}, [1, 1 / 2]),
+        ([1, 2], {}, [1 / 2, 1]),
+        ([], {"hold": [{"index": [2], "directions": "z"}]}, [1]),
+        ([], {"boundary": {"bottom": "fixed"}}, [1 / 2, 1]),
+    ],
+)
+def test_effective_masses_of_dashpots(driven, tables, masses):
+    """Held and driven beads do not move: the other one has the effective mass; two of them count as
+    if they were free."""
+    loss = {"law": "hertz", "loss": {"dashpot": 0.1}}
+    case = endless(
+        "chain", 3, AXIAL, **({"boundary": {"bottom": "wall"}, "contact": loss} | tables)
+    )
+    network = packing_state(case).network
+    losses = losses_of(assemble(case), network, driven, "z")
+    between = losses.springs.stiffness
+    found = (between / 0.1) ** 2 * 1.5 / network.springs.stiffness / network.mass[0]
+    np.testing.assert_allclose(found, masses, rtol=1e-9)
+
+
 def test_bcc_between_walls_buckles():
     """The balance of even forces is found, and the modes that leave it are counted."""
     load = {"kind": "uniaxial", "pressure": 1e6}
@@ -376,3 +400,29 @@ def test_uneven_places_are_refused():
         space_time_transform(
             np.arange(4.0), np.array([0, 1, 3.0]), np.ones((4, 3)), np.arange(2.0), np.arange(2.0)
         )
+
+
+def test_a_matched_end_keeps_its_side_walls():
+    """A row between walls that hold its beads along it by friction, as springs to the ground: waves
+    above their frequency travel on, slower ones decay from bead to bead, and nothing comes back.
+    """
+    walls = {"kind": "walls", "x_force": 400.0, "force": 20.0}
+    case = endless(
+        "chain",
+        20,
+        walls,
+        boundary={"bottom": "wall", "x": "wall"},
+        contact={"law": "hertz", "friction": 0.3},
+    )
+    network = packing_state(case).network
+    assert network.supports.force[network.supports.wall == "xlo"] == pytest.approx(20.0, rel=1e-9)
+    k = float(network.springs.stiffness[0])
+    side = 2 * float(network.supports.tangential[network.supports.wall == "xlo"][0])
+    mass = float(network.mass[0])
+    square = np.array([0.5 * side, 1.5 * side, side + 2 * k, side + 5 * k]) / mass
+    cosine = (1 - (mass * square - side) / (2 * k)).astype(complex)
+    one = cosine + 1j * np.sqrt(1 - cosine**2)
+    forwards = np.where(np.abs(one) > 1, 1 / one, one)
+    frequency = np.sqrt(square) / (2 * math.pi)
+    found = transmission(stiffness_of(network), 1, [2, 9], frequency, end="matched").ratio
+    assert found == pytest.approx(np.stack([forwards, forwards**8], axis=1), rel=1e-6)

@@ -23,7 +23,7 @@ from granwave.analysis.studies.packing_and_block import impacts as groups
 from granwave.analysis.studies.packing_and_block import study, zone
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
 from granwave.analysis.studies.packing_and_block.study import select
-from granwave.analysis.studies.runs import read_run
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
 from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.ownership import claim
@@ -114,10 +114,12 @@ def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> N
         assert old in case.read_text()
         case.write_text(case.read_text().replace(old, new))
         runs.append(read_run(name, tmp_path / name, first.summary))
-    assert comparison._left_out(runs) == {
-        "friction": ["rough"],
-        "another packing than the reference's": ["other"],
-    }
+    assert comparison._left_out(runs) == {"friction": ["rough"]}
+    (impacts,) = select(runs)
+    labels = [row[0] for row in rows(impacts, "Dissipation per mass")]
+    assert "other" in labels
+    assert "other" in [row[0] for row in rows(impacts, "Plastic zone")]
+    assert "granular, hcp 8 x 8 x 6" in [row[1] for row in rows(impacts, "Plastic zone")]
 
 
 def rows(impacts: Impacts, caption: str) -> list[list]:
@@ -241,6 +243,63 @@ def test_zones_are_those_of_the_runs(impacts: Impacts) -> None:
     found = zone.zones(Impacts(concat([impacts.granular, twin]), impacts.continuum[:0]))["packing"]
     assert "larger" in found.label.tolist()
     assert len(found) == len(impacts.reference)
+
+
+def notes_on_zones(impacts: Impacts) -> list[str]:
+    return [block.text for block in zone.tables(impacts) if isinstance(block, Note)]
+
+
+def test_the_influence_of_the_bounds_is_computed_or_not_told(impacts: Impacts) -> None:
+    """No number of other runs: none without two sizes, the differences of these runs with them."""
+    assert any("no impact was computed in two packings" in text for text in notes_on_zones(impacts))
+    assert len(zone.differences_by_size(impacts, "packing")) == 0
+    one = impacts.reference[2:3]
+    run = one.run.iloc[0]
+    size = run.summary["zone_volume_90_m3"]
+    larger = run.summary | {"zone_volume_90_m3": 1.25 * size, "zone_cut": ["bottom"]}
+    twin = one.assign(
+        label="larger",
+        n_spheres=800,
+        run=FinishedRun("larger", run.directory, run.case, larger),
+    )
+    both = Impacts(concat([impacts.granular, twin]), impacts.continuum[:0])
+    changes = zone.differences_by_size(both, "packing")
+    assert len(changes) == 1
+    assert changes.volume_90.tolist() == pytest.approx([0.2])
+    assert changes.depth_90.tolist() == [0.0]
+    text = " ".join(notes_on_zones(both))
+    assert "1 impact was computed in packings of different sizes" in text
+    assert (
+        "what holds 90 % differs in depth by up to 0 %, radius by up to 0 %, volume by up to 20 %"
+        in text
+    )
+    assert "36 x 36 x 18" not in text
+
+
+def test_waves_from_bounds_are_told_with_the_share_of_these_blocks(impacts: Impacts) -> None:
+    runs = impacts.continuum_reference
+    first = runs.run.iloc[0]
+    shares = {"wave_return_share": 0.0321, "zone_cut": []}
+    marked = runs[:1].assign(
+        run=ContinuumRun("wave", first.directory, first.case, first.summary | shares)
+    )
+    whole = concat([marked, runs[1:]])
+    text = " ".join(notes_on_zones(Impacts(impacts.granular[:0], whole)))
+    assert "at most 3.2 % of the energy of yielding" in text
+    assert "no impact was computed in two blocks of different sizes" in text
+    larger = marked.assign(
+        block_volume=2 * marked.block_volume,
+        run=ContinuumRun(
+            "larger",
+            first.directory,
+            first.case,
+            first.summary | shares | {"zone_depth_90_m": 2 * first.summary["zone_depth_90_m"]},
+        ),
+    )
+    changes = zone.differences_by_size(
+        Impacts(impacts.granular[:0], concat([whole, larger])), "continuum"
+    )
+    assert changes.depth_90.tolist() == [0.5]
 
 
 def test_suite_leaves_one_report_and_its_figures(suite: Path, tmp_path: Path, monkeypatch) -> None:

@@ -319,6 +319,12 @@ def test_packings(kind: str, size: Any, words: str, of_any_height: str) -> None:
 def test_names_of_loads_and_of_a_material_without_one() -> None:
     own = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 8000, "yield_strength": 5e8}
     assert packing_title(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
+    some = [{"index": 2, "material": "steel"}]
+    every = [{"index": {"first": 1, "last": 3}, "material": "steel"}]
+    assert packing_title(made("chain", 3, replace=some)).startswith(
+        "Chain of 3 brass and steel sph"
+    )
+    assert packing_title(made("chain", 3, replace=every)).startswith("Chain of 3 steel spheres")
     assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(
         ", elastic contacts, 2.5 m/s"
     )

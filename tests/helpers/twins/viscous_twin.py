@@ -65,7 +65,6 @@ def chain(
     def parted(_: float, state: NDArray) -> float:
         return state[1] - state[0] - (1e-15 if end is None else -1.0)
 
-    # type: ignore[attr-defined]
     parted.terminal = True
     parted.direction = 1.0
     start = np.zeros(2 * n)

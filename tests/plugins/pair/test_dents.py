@@ -6,9 +6,10 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+from scipy.optimize import brentq
 
 from tests.conftest import script_of
-from tests.helpers.rubbing import rubbing
+from tests.helpers.rubbing import BRASS, rubbing
 from tests.helpers.two_spheres import LAW, PAIR, R, restitution, value
 
 MASS = 8500 * 4 / 3 * np.pi * R**3
@@ -211,3 +212,97 @@ def test_relaxed_under_pressure_then_begun(lammps):
     rows = table(lmp)
     assert rows[:, 5] == pytest.approx(forces[np.argsort(rows[:, 0])], rel=1e-6)
     assert value(lmp, "c_en[5]") == pytest.approx(forces.mean(), rel=1e-6)
+
+
+# ---------------------------------------------------------------------- minimization
+
+ALSO = {
+    "nothing else": "",
+    "new lists at every step": "neigh_modify every 1 delay 0 check no\n",
+    "dents in memory": "gran/dents begin\n",
+}
+
+
+def push_of(force: float) -> str:
+    return f"fix push top addforce 0 0 {-force}\n"
+
+
+def pressed(law: str = BRASS, extra: str = "") -> str:
+    """Chain of six spheres on a floor, the last of which is pushed down with 50 N."""
+    places = [(0, 0, 2 * R * k) for k in range(6)]
+    floor = f"fix floor all wall/gran/hysteretic zplane {-R:.17g} NULL {law}\n"
+    push = f"group top id 6\n{push_of(50)}"
+    dents = "compute dents all gran/hysteretic/local\ncompute en all gran/hysteretic/energy\n"
+    output = "thermo_style custom step pe c_en c_en[*] fnorm\nmin_style fire\n"
+    return script_of(places, style=law, extra=f"{floor}{push}{dents}{extra}{output}")
+
+
+def overlap_of(force: float) -> float:
+    return brentq(lambda x: LAW.loading_force(x) - force, 0, 0.1 * R, xtol=1e-18)
+
+
+def wall_column(lmp, number: int) -> float:
+    ids = lmp.numpy.extract_atom("id")[:6]
+    return lmp.numpy.extract_fix("floor", 1, 2)[:6][ids == 1][0, number]
+
+
+@pytest.mark.parametrize("style", ["fire", "quickmin"])
+@pytest.mark.parametrize("also", ALSO)
+def test_a_minimization_leaves_the_dents_of_its_end(lammps, style, also):
+    """Far beyond yield every contact has the overlap at which loading gives the force on the chain;
+    the positions on the way, which go beyond it, leave nothing.
+    """
+    lmp = lammps(pressed(extra=ALSO[also]) + f"min_style {style}\n")
+    least = "minimize 0 1e-9 100000 200000"
+    lmp.command(least)
+    for _ in range(2):
+        rows = table(lmp)
+        assert rows[:, 3] == pytest.approx(np.full(5, 50.0), rel=1e-9)
+        assert rows[:, 2] == pytest.approx(np.full(5, overlap_of(50.0)), rel=1e-9)
+        assert np.array_equal(rows[:, 4], rows[:, 2])
+        assert wall_column(lmp, 1) == pytest.approx(50.0, rel=1e-9)
+        assert wall_column(lmp, 2) == wall_column(lmp, 0)
+        lmp.command(least)
+    assert value(lmp, "c_en[2]") == 5
+
+
+def test_a_minimization_unloads_from_dents_and_comes_back_to_them(lammps):
+    """Dents of a larger load stay as they were while a smaller one is balanced, and when it is
+    there again.
+    """
+    lmp = lammps(pressed())
+    least = "minimize 0 1e-9 100000 200000"
+    lmp.command(least)
+    peaks = table(lmp)[:, 4]
+    lost = value(lmp, "c_en[1]")
+    on_wall = wall_column(lmp, 2)
+    lmp.commands_string(f"{push_of(20)}{least}")
+    rows = table(lmp)
+    assert rows[:, 3] == pytest.approx(np.full(5, 20.0), rel=1e-9)
+    assert np.array_equal(rows[:, 4], peaks)
+    assert (rows[:, 2] < peaks).all()
+    assert (rows[:, 2] > overlap_of(20.0)).all()
+    assert wall_column(lmp, 2) == on_wall > wall_column(lmp, 0)
+    assert value(lmp, "c_en[1]") == lost > 0
+    lmp.commands_string(f"{push_of(50)}{least}")
+    rows = table(lmp)
+    assert rows[:, 4] == pytest.approx(peaks, rel=1e-9)
+    assert rows[:, 2] == pytest.approx(peaks, rel=1e-9)
+    assert value(lmp, "c_en[1]") == pytest.approx(lost, rel=1e-8)
+
+
+def test_clear_forgets_dents(lammps):
+    """Every contact loads as a new one, at the overlap that is there."""
+    lmp = lammps(pressed())
+    least = "minimize 0 1e-9 100000 200000"
+    lmp.commands_string(f"{least}\n{push_of(20)}{least}")
+    overlap = table(lmp)[:, 2]
+    on_wall = wall_column(lmp, 0)
+    assert (table(lmp)[:, 4] > overlap).all()
+    lmp.commands_string("gran/dents clear\nrun 0")
+    rows = table(lmp)
+    assert rows[:, 2] == pytest.approx(overlap, rel=1e-12)
+    assert np.array_equal(rows[:, 4], rows[:, 2])
+    assert rows[:, 3] == pytest.approx(LAW.loading_force(overlap), rel=1e-9)
+    assert (rows[:, 15] == 0).all()
+    assert wall_column(lmp, 2) == wall_column(lmp, 0) == pytest.approx(on_wall, rel=1e-12)

@@ -246,3 +246,39 @@ def test_unloading_creates_no_energy(lammps):
             before = force
     assert value(lmp, "c_en[7]") > 0
     assert work > 0 and value(lmp, "c_en+c_en[6]+c_en[7]") > 0
+
+
+@pytest.mark.parametrize(("friction", "swapped"), [(0.3, False), (0.3, True), (0.0, False)])
+def test_commands_of_lammps_find_the_tangential_force(lammps, friction, swapped):
+    """The fabric of one contact along z is 10/3 T/N; the first columns are those of gran/hooke."""
+    law = f"{BRASS} friction {friction} tangential mindlin" if friction else BRASS
+    places = [(0, 0, 2 * R), (0, 0, 0)] if swapped else [(0, 0, 0), (0, 0, 2 * R)]
+    side = -1.0 if swapped else 1.0
+    extra = "compute fabric all fabric radius force/tangential\n"
+    extra += "compute single all pair/local force p1 p2 p3 p4 p5 p6 p7 p8 p9 p10\n"
+    extra += "compute one all gran/hysteretic/contact 1 2\n"
+    extra += "compute ids all property/local patom1 patom2\n"
+    speeds = [(0.5 * side, 0.25, side), (0, 0, 0)]
+    lmp = lammps(rubbing(places, law, velocities=speeds, extra=extra))
+    lmp.command("run 1500 post no")
+    normal = value(lmp, "c_one[2]")
+    tangential = value(lmp, "c_one[6]")
+    assert normal > 0
+    assert (tangential > 0) == (friction > 0)
+    assert value(lmp, "c_fabric[3]") == pytest.approx(10 / 3 * tangential / normal, rel=1e-5)
+    lmp.command("run 0 post no")
+    ids = lmp.numpy.extract_compute("ids", 2, 2)[0].astype(int)
+    row = lmp.numpy.extract_compute("single", 2, 2)[0]
+    now = state(lmp, "x", "v", "f")
+    first, second = ids - 1
+    apart = now["x"][first] - now["x"][second]
+    apart /= np.linalg.norm(apart)
+    force = now["f"][first]
+    along = (force @ apart) * apart
+    velocity = now["v"][first] - now["v"][second]
+    approach = (velocity @ apart) * apart
+    assert row[0] == pytest.approx(force @ apart, rel=1e-12)
+    assert row[1:4] == pytest.approx(force - along, rel=1e-9, abs=1e-9)
+    assert row[4] == pytest.approx(tangential, rel=1e-12, abs=1e-12)
+    assert row[5:8] == pytest.approx(approach, rel=1e-9, abs=1e-12)
+    assert row[8:11] == pytest.approx(velocity - approach, rel=1e-9, abs=1e-12)

@@ -84,7 +84,7 @@ def test_reports_agree_with_each_other(lammps):
     places = [(0, 0, 0), (0, 0, 2 * R), (0, 0, 4 * R), (0, 0, 6 * R)]
     extra = """compute atoms all gran/hysteretic/atom
 compute dents all gran/hysteretic/local
-compute single all pair/local dist eng force p1 p2 p3 p4
+compute single all pair/local dist eng force p11 p12 p13 p14
 compute one all gran/hysteretic/contact 2 1
 compute lost all reduce sum c_atoms[4] c_atoms[10]
 compute lost_local all reduce sum c_dents[8] c_single[7] c_dents[7] inputs local

@@ -12,6 +12,7 @@ import sys
 import h5py
 import pytest
 
+import granwave as gw
 from tests.conftest import PLAIN
 from tests.helpers.run_files import summary
 
@@ -90,7 +91,14 @@ def test_a_loose_tolerance_is_accepted(granwave, tmp_path):
     ]
     done = granwave("run", "fcc-small", "-o", tmp_path / "r", *loose, "--no-figures")
     assert done.returncode == 0 and "balance misses" not in done.stderr
-    assert 1e-5 < summary(tmp_path / "r")["energy_balance_error"] < 1e-3
+    values = summary(tmp_path / "r")
+    assert 1e-5 < values["energy_balance_error"] < 1e-3 == values["energy_balance_accepted"]
+    record = json.loads((tmp_path / "r" / "run.json").read_text())
+    assert record["energy_balance_accepted"] == 1e-3
+    page = granwave("report", tmp_path / "r", "-o", tmp_path / "report.md")
+    text = (tmp_path / "report.md").read_text()
+    assert page.returncode == 0 and "do not trust" not in text
+    assert "accepted: at most 0.001" in text
 
 
 def test_published_variant_is_never_refused(granwave, tmp_path):
@@ -158,6 +166,33 @@ def test_law_table_and_plot(granwave, tmp_path):
     assert {"loading"} < {row["branch"].split("_")[0].split(" ")[0] for row in rows}
     assert granwave("law", "-o", "law.png", cwd=tmp_path).returncode == 0
     assert (tmp_path / "law.png").read_bytes()[:4] == b"\x89PNG"
+
+
+def test_law_of_a_material_of_a_file_on_a_plane(granwave, tmp_path):
+    """The curve is that of `granwave.contact_force`, and a case file serves as a file of materials."""
+    values = "youngs_modulus = 1e9\npoisson_ratio = 0.30\ndensity = 1200\nyield_strength = 30e6\n"
+    (tmp_path / "mine.toml").write_text(f"[soft]\n{values}")
+    (tmp_path / "case.toml").write_text(f'material = "brass"\n[materials.soft]\n{values}')
+    for name in ("mine", "case"):
+        options = ("--material", f"{name}.toml:soft", "steel", "--radius", "0.005", "inf")
+        done = granwave("law", *options, "-o", f"{name}.csv", cwd=tmp_path)
+        assert done.returncode == 0, done.stderr
+    assert (tmp_path / "mine.csv").read_text() == (tmp_path / "case.csv").read_text()
+    rows = list(csv.DictReader((tmp_path / "mine.csv").open()))
+    soft = {"youngs_modulus": 1e9, "poisson_ratio": 0.3, "yield_strength": 30e6}
+    bodies = [
+        {"shape": "sphere", "radius": 0.005, "material": soft},
+        {"shape": "plane", "material": "steel"},
+    ]
+    row = [row for row in rows if row["branch"] == "loading"][20]
+    force = gw.contact_force("elastoplastic", bodies, float(row["overlap_m"]))
+    assert float(row["force_N"]) == pytest.approx(force, rel=1e-6)
+    done = granwave("law", "--radius", "inf", cwd=tmp_path)
+    assert done.returncode == 2
+    assert "the second may be inf, a plane" in done.stderr
+    restitution = ("--restitution", "-o", "restitution.csv", "--radius", "0.005", "inf")
+    assert granwave("law", *restitution, cwd=tmp_path).returncode == 0
+    assert "sphere and plane" in (tmp_path / "restitution.csv").read_text()
 
 
 def test_error_on_one_rank_ends_all(process, tmp_path):

@@ -118,6 +118,8 @@ def test_check(capsys):
         20,
     )
     assert plan["end_time_s"] == pytest.approx(1e-3)
+    assert plan["expected_arrival_s"] == pytest.approx(2.2e-4, rel=0.05)  # 1.8e-4 in the run
+    assert plan["n_frames_before_arrival"] == 12
     assert plan["zone"]["reaches"] == ["bottom", "sides"] and "packing.size" in plan["warnings"][0]
     assert (
         sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures"))

@@ -12,17 +12,18 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
+from granwave._contact_laws import ContactLaw
 from granwave.analysis import MissingOutputError, OutputFormatError
 from granwave.analysis.result.writer import write_result
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
+from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.run import driver
-from granwave.workflows.run.checks import TOLERANCE
 
 D = 0.01
 FORCE = 2.0  # N; first yield of the chain is at 5.5 N
@@ -246,6 +247,66 @@ class TestPackings:
         assert ledger["friction"][-1] > 0 and ledger["support"][-1] > 0
 
 
+def overlap_of(law: ContactLaw, force: float) -> float:
+    """Overlap at which a contact carries a force for the first time, m."""
+    return brentq(lambda overlap: float(law.loading_force(overlap)) - force, 0, 0.1 * D, xtol=1e-18)
+
+
+class TestYield:
+    """Dents of the static stage are those of a load that grows steadily to its end."""
+
+    def test_chain_under_its_weight(self, tmp_path: Path) -> None:
+        """Each contact carries the weight above it; its overlap is that of the loading curve."""
+        case = make(precompression={"kind": "gravity", "acceleration": 1100.0})
+        ran(case, tmp_path / "r")
+        weight = assemble(case).sphere_masses()[0] * 1100.0
+        forces = weight * np.arange(1, 12)
+        assert forces[-1] > 9 * sphere_contact(case).yield_force
+        position, displacement = frame(tmp_path / "r", 0)
+        overlaps = D - np.diff((position + displacement)[:, 2])
+        law = sphere_contact(case)
+        expected = np.array([overlap_of(law, force) for force in forces])
+        assert overlaps == pytest.approx(expected, rel=1e-8)
+        with h5py.File(tmp_path / "r" / "result.h5") as file:
+            assert file["contacts/initial_force"][()] == pytest.approx(forces, rel=1e-8)
+            dents = file["contacts/initial_overlap"][()]
+            on_bottom = file["wall_contacts/initial_overlap"][0]
+        yields = forces > law.yield_force
+        assert dents == pytest.approx(np.where(yields, expected, 0.0), rel=1e-8)
+        flat = flat_contact(case, 12)
+        if 12 * weight > flat.yield_force > 0:
+            assert on_bottom == pytest.approx(overlap_of(flat, 12 * weight), rel=1e-8)
+
+    @pytest.mark.parametrize(
+        "sections",
+        [
+            {"kind": "square", "size": [6, 6], "boundary": {"x": "wall"},
+             "precompression": {"kind": "walls", "x": 6e-6}},
+            {"kind": "fcc", "size": [4, 4, 4], "packing": {"diameter_scatter": 5e-6}, "boundary": {"sides": "periodic"},
+             "precompression": {"kind": "uniaxial", "pressure": 1.3e5}},
+            {"kind": "fcc", "size": [4, 4, 6], "packing": {"diameter_scatter": 5e-6}, "boundary": {"bottom": "free"},
+             "precompression": {"kind": "uniform", "pressure": 1e5}},
+            {"kind": "fcc", "size": [4, 4, 6], "packing": {"diameter_scatter": 2e-6}, "boundary": {"sides": "periodic"},
+             "precompression": {"kind": "gravity", "acceleration": 1500.0}},
+        ],
+        ids=["walls", "uniaxial", "uniform", "gravity"],
+    )  # fmt: skip
+    def test_packings(self, tmp_path: Path, sections: dict) -> None:
+        """No dent is larger than its force makes, also where forces are rearranged."""
+        case = make(**sections)
+        ran(case, tmp_path / "r")
+        assembly = assemble(case)
+        with h5py.File(tmp_path / "r" / "result.h5") as file:
+            names = ("i", "j", "initial_force", "initial_overlap")
+            rows = zip(*(file[f"contacts/{name}"][()] for name in names), strict=True)
+            dented = [row for row in rows if row[3] > 0]
+        assert len(dented) >= 20
+        for i, j, force, dent in dented:
+            law = pair_contact(assembly, int(i), int(j))
+            assert force > law.yield_force
+            assert dent == pytest.approx(overlap_of(law, force), rel=1e-9)
+
+
 class TestContinuation:
     def stopped(self, case: Case, directory: Path, monkeypatch: pytest.MonkeyPatch) -> None:
         looks = iter(range(100))
@@ -352,7 +413,12 @@ class TestRefused:
 
     def test_what_can_be_in_balance_is_accepted(self) -> None:
         """Gravity never yields all; walls may hold a pile."""
-        make("chain", 2000, precompression={"kind": "gravity"})
+        chain = make("chain", 2000, precompression={"kind": "gravity"})
+        assert chain.packing.n_spheres == 2000
         stage = {"kind": "uniaxial", "force": 1.0}
-        make("fcc", [5, 5, 2], precompression=stage, boundary={"sides": "wall", "bottom": "fixed"})
-        make("sc", [4, 4, 4], precompression=stage)
+        sides = {"sides": "wall", "bottom": "fixed"}
+        for case in (
+            make("fcc", [5, 5, 2], precompression=stage, boundary=sides),
+            make("sc", [4, 4, 4], precompression=stage),
+        ):
+            assert case.precompression.force == 1.0

@@ -14,13 +14,13 @@ import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, analyse
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
 from granwave.lammps_inputs.contact.initial_dents import contacts_at_start, dents_table
 from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import MARKER
-from granwave.workflows.run.checks import TOLERANCE
 from granwave.workflows.run.driver import run_case
 from tests.helpers.two_spheres import R
 

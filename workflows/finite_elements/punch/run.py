@@ -156,6 +156,7 @@ class BlockRun(ElementRun):
             **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
             "dissipated_fraction": last["plastic"] / given,
             "energy_balance_error": self.balance_error,
+            "energy_balance_accepted": TOLERANCE,
             "energy_input_normalised": given / self.case.energy_unit,
             "plastic_zone_volume_m3": volumes[peak],
             "plastic_zone_time_s": self.rows[peak]["time"],

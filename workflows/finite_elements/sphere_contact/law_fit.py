@@ -1,11 +1,12 @@
-"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, and its
-errors.
+"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, its errors
+and its error bars.
 
-    python -m granwave.workflows.finite_elements.sphere_contact.law_fit [HEADER] [PICTURE]
+    python -m granwave.workflows.finite_elements.sphere_contact.law_fit [HEADER] [PICTURE] [PAGE ...]
 
 prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first,
-from the present constants on, and writes it; with PICTURE it draws the errors of this law and of
-the default one. Two equal spheres to great depth stand for one on a rigid flat.
+from the present constants on, and writes it with the error bars; with PICTURE it draws the errors
+of this law and of the default one; in each PAGE (Markdown) it renews the tables of errors and bars.
+Two equal spheres to great depth are one on a rigid flat: the law has that symmetry.
 """
 
 from __future__ import annotations
@@ -14,11 +15,14 @@ import math
 import re
 import sys
 from collections.abc import Mapping
+from functools import cached_property
+from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
 import pandas as pd
 from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
 from scipy.optimize import least_squares
 
 from granwave._contact_laws import ContactLaw
@@ -27,13 +31,24 @@ from granwave.workflows.finite_elements.sphere_contact.law_table import TABLE, c
 Array = NDArray[np.float64]
 
 LAW = "elastoplastic-fe"
-_DEEPEST = 0.205  # over R*, of the points that count
+_DEEPEST = 0.2  # over R*, of the points that count: beyond, the law is a straight line
 _PLACES = np.linspace(0, 1, 40)  # of an unloading, from the residual overlap to the peak
 # overlap over that at first yield, below which the first unloading tells what dissipation begins
 # with
 _FIRST = 6.0
 _BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
-_POWERS = (2, 4, 6)  # of the errors whose sum is made small, one after the other
+_POWERS = (2, 4, 6, 8)  # of the errors whose sum is made small, one after the other
+_QUADRATURE = 400  # points of the work of loading
+_RANGES = ("1-10", "10-100", "100-inf")  # of the overlap over that at first yield
+_OTHER = "elastoplastic"
+_KINDS = {
+    "equal": "equal spheres", "rigid": "sphere on a rigid flat", "radii": "other radii",
+    "unlike": "unlike materials", "held": "held out of the fit",
+}  # fmt: skip
+_MARGIN = 1.5  # of the error bars over the largest error of fitted contacts
+_ROUNDED = 0.001  # digits of error bars
+_FROM = (1.0, 10.0, 100.0)  # ranges of error bars, overlap over that at first yield
+_BARS = re.compile(r"(constexpr FeBar FE_BARS.*?\{\n).*?(^\};$)", re.MULTILINE | re.DOTALL)
 _CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
 
 
@@ -43,6 +58,7 @@ class Measured:
     def __init__(self, name: str, values: Mapping[str, float], rows: pd.DataFrame) -> None:
         self.name = name
         self.held = name.startswith("held")
+        self.mirrored = not values.keys() & {"radius", "modulus", "strength", "nu2"}
         rigid = "deepest" in values
         nu = values["nu"]
         hardening = values["hardening"]
@@ -82,11 +98,11 @@ class Measured:
         """Return the errors of the share of the peak force on unloading, at `_PLACES`:
         (n_unloadings, n_places).
         """
-        found = []
-        for peak, residual, exponent in zip(self.peak, self.residual, self.exponent, strict=True):
-            overlap = residual + (peak - residual) * _PLACES
-            found.append(law.force(overlap, peak) / law.loading_force(peak) - _PLACES**exponent)
-        return np.array(found).reshape(-1, len(_PLACES))
+        overlap = self.residual[:, None] + (self.peak - self.residual)[:, None] * _PLACES
+        residual = law.residual_overlap(self.peak)[:, None]
+        place = np.clip((overlap - residual) / (self.peak[:, None] - residual), 0, None)
+        share = place ** law.unloading_exponent(self.peak)[:, None]
+        return np.asarray(share - _PLACES ** self.exponent[:, None])
 
     def near_yield(self, law: ContactLaw) -> Array:
         """Return how far the dissipated share is from a straight line between yield and the first
@@ -101,13 +117,31 @@ class Measured:
         wanted = _BETWEEN * (1 - back / law.loading_work(peak))
         return np.asarray(law.dissipated_energy(at) / law.loading_work(at) - wanted)
 
+    @cached_property
+    def restitution(self) -> Array:
+        """Coefficients of restitution of finite elements, from each peak: (n_unloadings,)."""
+        law = self.law("hertz")
+        at = np.geomspace(self.start, self.peak.max(initial=self.start), _QUADRATURE)
+        hertz = law.loading_force(at)
+        places = np.log(np.concatenate([[self.start], self.overlap]))
+        ratio = np.concatenate([[1.0], self.force / law.loading_force(self.overlap)])
+        force = hertz * np.exp(np.interp(np.log(at), places, np.log(ratio)))
+        work = law.loading_work(self.start) + cumulative_trapezoid(force, at, initial=0)
+        recovered = self.peak_force * (self.peak - self.residual) / (self.exponent + 1)
+        return np.asarray(np.sqrt(recovered / np.interp(self.peak, at, work)))
+
+    def restitution_errors(self, law: ContactLaw) -> Array:
+        """Return the errors of the coefficient of restitution over that of finite elements."""
+        lost = law.dissipated_energy(self.peak) / law.loading_work(self.peak)
+        return np.asarray(np.sqrt(np.clip(1 - lost, 0, 1)) / self.restitution - 1)
+
 
 def measured() -> list[Measured]:
     """Return the contacts of the table."""
     table = pd.read_csv(TABLE)
     return [
-        Measured(name, values, table[table["contact"] == n])
-        for n, (name, values) in enumerate(contacts().items())
+        Measured(name, values, table[table["contact"] == name])
+        for name, values in contacts().items()
     ]
 
 
@@ -121,7 +155,7 @@ def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
         [name for name in start if (name[0] in "rn" and name[1:].isdigit()) == back]
         for back in (False, True)
     ]
-    for names, powers in zip(groups, (_POWERS, _POWERS[:2]), strict=True):
+    for names, powers in zip(groups, (_POWERS, _POWERS[:3]), strict=True):
         for power in powers:
 
             def errors(x: Array, names: list[str] = names, power: int = power) -> Array:
@@ -131,7 +165,8 @@ def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
                     parts = [one.loading_errors(law) for one, law in laws]
                 else:
                     parts = [one.unloading_errors(law)[:, ::3].ravel() for one, law in laws]
-                    parts += [4 * one.near_yield(law) for one, law in laws]
+                    parts += [2 * one.near_yield(law) for one, law in laws]
+                    parts += [2 * one.restitution_errors(law) for one, law in laws]
                 scaled = np.nan_to_num(np.concatenate(parts) / 0.02, nan=1e3)
                 return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
 
@@ -144,8 +179,8 @@ def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
 def errors(
     found: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None
 ) -> pd.DataFrame:
-    """Return for each kind of contact the largest error of loading by range of the overlap, and of
-    unloading, per cent.
+    """Return for each kind of contact the largest error of loading by range of the overlap, of
+    unloading, and of the coefficient of restitution, per cent.
 
     ``within_3`` and ``within_5``: percentage of the points of loading within 3 %, of unloadings
     within 5 %.
@@ -160,10 +195,105 @@ def errors(
             f"{low:g}-{high:g}": (at > low) & (at <= high)
             for low, high in ((1, 10), (10, 100), (100, math.inf))
         }
+        rebound = np.concatenate([np.abs(one.restitution_errors(law)) for one, law in laws])
         worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
         rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),
-                     "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean()})  # fmt: skip
+                     "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean(),
+                     "restitution": 100 * rebound.max()})  # fmt: skip
     return pd.DataFrame(rows).set_index("contacts")
+
+
+def bars(found: list[Measured], constants: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """Return the error bars: `_MARGIN` times the largest error of fitted contacts, by kind and
+    range of the overlap over that at first yield.
+
+    Contacts that are held out test them; the margin is for contacts between those of the fit.
+    """
+    rows = []
+    for kind, mirrored in (("equal spheres, sphere on a rigid flat", True), ("others", False)):
+        chosen = [one for one in found if one.mirrored == mirrored and not one.held]
+        for low, high in pairwise((*_FROM, math.inf)):
+            largest = largest_errors(chosen, low, high, constants)
+            stated = {
+                name: math.ceil(_MARGIN * value / _ROUNDED) * _ROUNDED
+                for name, value in largest.items()
+            }
+            rows.append({"contacts": kind, "from": low, **stated})
+    return pd.DataFrame(rows)
+
+
+def largest_errors(
+    chosen: list[Measured], low: float, high: float, constants: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    """Return the largest errors of force, unloading and restitution of contacts, relative, for
+    overlaps and peaks in a range, over that at first yield.
+    """
+    parts: dict[str, list[Array]] = {"force": [], "unloading": [], "restitution": []}
+    for contact in chosen:
+        law = contact.law(LAW, constants)
+        at = contact.overlap / contact.start
+        peak = contact.peak / contact.start
+        loads = (at >= low) & (at < high)
+        turns = (peak >= low) & (peak < high)
+        parts["force"].append(contact.loading_errors(law)[loads])
+        parts["unloading"].append(contact.unloading_errors(law)[turns].ravel())
+        parts["restitution"].append(contact.restitution_errors(law)[turns])
+    return {
+        name: float(np.abs(np.concatenate(values)).max(initial=0.0))
+        for name, values in parts.items()
+    }
+
+
+def _bars_in_header(text: str, table: pd.DataFrame) -> str:
+    """Return the text of the header with these error bars."""
+    lines = []
+    for _, rows in table.groupby("contacts", sort=False):
+        entries = [
+            "{" + ", ".join(f"{value:g}" for value in row) + "}"
+            for row in rows[["from", "force", "unloading", "restitution"]].to_numpy()
+        ]
+        lines.append(f"    {{{', '.join(entries)}}},\n")
+    return _BARS.sub(lambda match: match[1] + "".join(lines) + match[2], text)
+
+
+def renew(page: Path, found: list[Measured], constants: Mapping[str, float] | None) -> None:
+    """Write the tables of errors and error bars into a page, between its marks."""
+    own, other = (errors(found, name, of) for name, of in ((LAW, constants), (_OTHER, None)))
+    counts = pd.Series([one.name.partition("_")[0] for one in found]).value_counts()
+    heads = ["contacts", *_RANGES, "within 3 %", "unloading", "restitution"]
+    heads += [f"`{_OTHER}`: {_RANGES[0]}", *_RANGES[1:], "unloading"]
+    rows = []
+    for kind, label in _KINDS.items():
+        of_law = own.loc[kind]
+        of_other = other.loc[kind]
+        rows.append([
+            f"{label} ({counts[kind]})", *(f"{of_law[name]:.1f}" for name in _RANGES),
+            f"{of_law['within_3']:.0f} %", f"{of_law['unloading']:.1f}", f"{of_law['restitution']:.1f}",
+            *(f"{of_other[name]:.1f}" for name in (*_RANGES, "unloading")),
+        ])  # fmt: skip
+    text = page.read_text(encoding="utf-8")
+    text = _between_marks(text, "law errors", _markdown(heads, rows))
+    stated = bars(found, constants)
+    rows = [
+        [row["contacts"], f"from {row['from']:g}"]
+        + [f"{100 * row[name]:.1f} %" for name in ("force", "unloading", "restitution")]
+        for _, row in stated.iterrows()
+    ]
+    heads = ["contacts", "peak", "force", "unloading", "restitution"]
+    page.write_text(_between_marks(text, "law bars", _markdown(heads, rows)), encoding="utf-8")
+
+
+def _markdown(heads: list[str], rows: list[list[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
+
+
+def _between_marks(text: str, name: str, table: str) -> str:
+    """Return the text with a table between the marks of this name."""
+    start, end = (f"<!-- {word} {name} -->" for word in ("begin", "end"))
+    before, _, rest = text.partition(start)
+    _, _, after = rest.partition(end)
+    return f"{before}{start}\n\n{table}\n{end}{after}"
 
 
 def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Path) -> None:
@@ -191,11 +321,8 @@ def main() -> None:
     """Fit if a header is named, and print the errors of this law and of the default one."""
     found = measured()
     constants = None
-    headers, pictures = (
-        [Path(one) for one in sys.argv[1:] if one.endswith(".h") == header]
-        for header in (True, False)
-    )
-    for path in headers:
+    paths = [Path(argument) for argument in sys.argv[1:]]
+    for path in [path for path in paths if path.suffix == ".h"]:
         text = path.read_text(encoding="utf-8")
         fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
         constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
@@ -206,9 +333,12 @@ def main() -> None:
                 text,
                 flags=re.MULTILINE,
             )
+        text = _bars_in_header(text, bars(found, constants))
         path.write_text(text, encoding="utf-8")
-    for path in pictures:
+    for path in [path for path in paths if path.suffix == ".webp"]:
         draw(found, constants, path)
+    for path in [path for path in paths if path.suffix == ".md"]:
+        renew(path, found, constants)
     for name, of_law in ((LAW, constants), ("elastoplastic", None)):
         print(f"{name}\n{errors(found, name, of_law).round(1).to_string()}")
 

@@ -1,11 +1,12 @@
 """Finite-element contacts that the law ``elastoplastic-fe`` is fitted to, and their table.
 
-    python -m granwave.workflows.finite_elements.sphere_contact.law_table DIR [--worker K/N]    runs what DIR lacks
+    python -m granwave.workflows.finite_elements.sphere_contact.law_table DIR [--all] [--worker K/N]
 
-leaves a file for each contact in DIR, is stopped and called again at will, and at the end writes
-``law_table.csv`` beside this module: contacts by their number in `contacts`, from 0. Lengths are in
-units of R*, forces of E* R*^2. Each contact is unloaded from several depths; after each, loading
-goes on from a copy of the state before.
+runs the contacts that neither the table nor DIR has, or with ``--all`` those that DIR lacks. It
+leaves a file for each contact in DIR, may be stopped and called again, and at the end writes
+``law_table.csv`` next to this module: contacts by their name in `contacts`, those without a file in
+DIR as they were. Lengths are in units of R*, forces of E* R*^2. Each contact is unloaded from
+several depths; after each, loading goes on from a copy of the state before.
 """
 
 from __future__ import annotations
@@ -125,6 +126,11 @@ def run(name: str, values: dict[str, float], path: Path) -> None:
         table.to_csv(scratch, index=False, float_format="%.6g")
 
 
+def stored() -> pd.DataFrame:
+    """Return the table as it stands in the file."""
+    return pd.read_csv(TABLE)
+
+
 def reduce(directory: Path) -> pd.DataFrame:
     """Return the table of the contacts in a directory: points of loading, and the unloadings.
 
@@ -133,7 +139,9 @@ def reduce(directory: Path) -> pd.DataFrame:
     curve over the largest force.
     """
     rows: list[tuple[Any, ...]] = []
-    for number, (name, values) in enumerate(contacts().items()):
+    for name, values in contacts().items():
+        if not (directory / f"{name}.csv").exists():
+            continue
         history = pd.read_csv(directory / f"{name}.csv")
         first = case_of(name, values).contact_law("elastoplastic-fe")
         start = first.yield_overlap / first.effective_radius
@@ -148,7 +156,7 @@ def reduce(directory: Path) -> pd.DataFrame:
             weight = np.exp(-0.25 * ((x - math.log(at)) / _SMOOTHED) ** 2)
             near = weight > 0.03
             level = np.polyfit(x[near] - math.log(at), y[near], 2, w=weight[near])[-1]
-            rows.append((number, "loading", at, at * math.exp(level), "", "", ""))
+            rows.append((name, "loading", at, at * math.exp(level), "", "", ""))
         for _, down in history[history["branch"] == UNLOADING].groupby("cycle"):
             part = down.iloc[int(down["overlap"].to_numpy().argmax()) :]
             part = part[part["force"] > 0]
@@ -164,7 +172,7 @@ def reduce(directory: Path) -> pd.DataFrame:
                 return np.asarray(np.clip(scaled, 1e-9, None) ** found[1] - share)
 
             fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
-            rows.append((number, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
+            rows.append((name, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
                          np.abs(fitted.fun).max()))  # fmt: skip
     return pd.DataFrame(
         rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"]
@@ -177,22 +185,36 @@ def main() -> None:
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
     parser.add_argument("directory", type=Path)
+    parser.add_argument("--all", action="store_true", help="run contacts of the table again")
     parser.add_argument("--worker", default="0/1", help="K/N: every Nth contact from the Kth")
     parser.add_argument("--most", type=int, default=10**6, help="how many contacts to run")
     options = parser.parse_args()
     options.directory.mkdir(parents=True, exist_ok=True)
     k, n = map(int, options.worker.split("/"))
-    mine = [one for m, one in enumerate(contacts().items()) if m % n == k]
-    paths = [(name, values, options.directory / f"{name}.csv") for name, values in mine]
-    for name, values, path in [one for one in paths if not one[-1].exists()][: options.most]:
-        run(name, values, path)
+    kept = set() if options.all else set(stored()["contact"])
+    wanted = {name: values for name, values in contacts().items() if name not in kept}
+    lacking = [
+        name
+        for m, name in enumerate(wanted)
+        if m % n == k and not (options.directory / f"{name}.csv").exists()
+    ]
+    for name in lacking[: options.most]:
+        run(name, wanted[name], options.directory / f"{name}.csv")
         print(name, flush=True)
-    if all((options.directory / f"{name}.csv").exists() for name in contacts()):
-        with replacing(TABLE) as scratch:
-            table = reduce(options.directory)
-            table.map(lambda one: f"{one:.5g}" if isinstance(one, float) else one).to_csv(
-                scratch, index=False
-            )
+    if all((options.directory / f"{name}.csv").exists() for name in wanted):
+        write(reduce(options.directory))
+
+
+def write(fresh: pd.DataFrame) -> None:
+    """Write the table: rows of these contacts, and those of the others as they were."""
+    text = fresh.map(lambda value: f"{value:.5g}" if isinstance(value, float) else str(value))
+    before = pd.read_csv(TABLE, dtype=str, keep_default_na=False)
+    table = pd.concat([before[~before["contact"].isin(set(text["contact"]))], text])
+    order = {name: n for n, name in enumerate(contacts())}
+    table = table[table["contact"].isin(order)]
+    table = table.sort_values("contact", key=lambda names: names.map(order), kind="stable")
+    with replacing(TABLE) as scratch:
+        table.to_csv(scratch, index=False)
 
 
 if __name__ == "__main__":

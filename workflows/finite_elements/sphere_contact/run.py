@@ -289,6 +289,7 @@ class ContactRun(ElementRun):
             **_quasi_static(late),
             **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
             "energy_balance_error": (late["balance"] / late["work"]).abs().max(),
+            "energy_balance_accepted": TOLERANCE,
             "hourglass_share": last["hourglass"] / last["work"] if last["work"] else math.nan,
         }
 

@@ -1,0 +1,115 @@
+"""Legends within the axes, placed where they cover no curve."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import PathCollection
+from matplotlib.figure import Figure
+from matplotlib.legend import Legend
+from matplotlib.lines import Line2D
+from matplotlib.path import Path
+from matplotlib.transforms import Bbox
+
+_CORNERS = ("upper right", "upper left", "lower left", "lower right")
+_OTHER_PLACES = ("center right", "center left", "lower center", "upper center")
+_MARGIN = 2.0  # points, around a legend
+_POINTS = 72.0  # in an inch
+_ABOVE = (0.5, 1.0)  # of the axes: where a legend stands that has no place within
+_COLUMNS_ABOVE = 3
+
+
+def uncover_curves(figure: Figure) -> bool:
+    """Move each legend that covers a curve to a place within its axes where it does not, or above.
+
+    Returns
+    -------
+    bool
+        True if a legend was moved above its axes, so that the layout has to be computed again.
+    """
+    moved_above = False
+    for axes in figure.axes:
+        legend = axes.get_legend()
+        if legend is None or _is_outside(axes, legend) or not covers_curve(axes, legend):
+            continue
+        if not _moves_within(axes, legend):
+            _put_above(axes, legend)
+            moved_above = True
+    return moved_above
+
+
+def covers_curve(axes: Axes, legend: Legend) -> bool:
+    """Return True if a legend covers a part of a line or a marker of its axes."""
+    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
+    margin = _MARGIN * axes.figure.dpi / _POINTS  # type: ignore[union-attr]
+    box = legend.get_window_extent(renderer).padded(margin)
+    if any(path.intersects_bbox(box, filled=False) for path in _lines(axes)):
+        return True
+    return any(_contains(box, places) for places in _markers(axes))
+
+
+def _lines(axes: Axes) -> Iterator[Path]:
+    """Iterate over the drawn lines of axes, in pixels."""
+    for line in axes.lines:
+        if line.get_visible() and line.get_linestyle() != "None" and len(line.get_xydata()):
+            yield line.get_path().transformed(line.get_transform())
+
+
+def _markers(axes: Axes) -> Iterator[np.ndarray]:
+    """Iterate over the places of markers, in pixels: (n, 2)."""
+    for line in axes.lines:
+        if line.get_visible() and line.get_marker() not in ("None", None, "", " "):
+            yield line.get_transform().transform(_points(line))
+    for collection in axes.collections:
+        if isinstance(collection, PathCollection):
+            yield collection.get_offset_transform().transform(collection.get_offsets())
+
+
+def _points(line: Line2D) -> np.ndarray:
+    return np.column_stack([line.get_xdata(orig=False), line.get_ydata(orig=False)])
+
+
+def _contains(box: Bbox, places: np.ndarray) -> bool:
+    """Return True if a box contains one of the places."""
+    inside = (box.x0 <= places[:, 0]) & (places[:, 0] <= box.x1)
+    inside &= (box.y0 <= places[:, 1]) & (places[:, 1] <= box.y1)
+    return bool(inside.any())
+
+
+def _is_outside(axes: Axes, legend: Legend) -> bool:
+    """Return True if a legend does not overlap the inside of its axes."""
+    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
+    return not axes.bbox.overlaps(legend.get_window_extent(renderer).padded(-1.0))
+
+
+def _moves_within(axes: Axes, legend: Legend) -> bool:
+    """Move a legend to the first place within its axes where it covers no curve; False if there is
+    none.
+    """
+    for place in (*_CORNERS, *_OTHER_PLACES):
+        legend.set_bbox_to_anchor(None)
+        legend.set_loc(place)
+        if not covers_curve(axes, legend):
+            return True
+    return False
+
+
+def _put_above(axes: Axes, legend: Legend) -> None:
+    """Replace a legend by one above its axes, in as many columns as have room."""
+    entries = [text.get_text() for text in legend.get_texts()]
+    renderer = axes.figure.canvas.get_renderer()  # type: ignore[union-attr]
+    for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
+        above = axes.legend(
+            legend.legend_handles,
+            entries,
+            title=legend.get_title().get_text() or None,
+            loc="lower center",
+            bbox_to_anchor=_ABOVE,
+            ncols=columns,
+            columnspacing=1.0,
+            fontsize=legend.get_texts()[0].get_fontsize(),
+        )
+        if above.get_window_extent(renderer).width <= axes.bbox.width:
+            return

@@ -1,0 +1,22 @@
+"""Standard output and standard error, which a daemon or a program without a console does not have."""
+
+from __future__ import annotations
+
+import contextlib
+import sys
+from typing import Any
+
+
+def is_terminal(stream: Any) -> bool:
+    """Return True if a stream is a terminal; False if it is None, closed, or cannot tell."""
+    try:
+        return bool(stream.isatty())
+    except (AttributeError, ValueError):
+        return False
+
+
+def flush() -> None:
+    """Flush standard output and standard error, where there are such."""
+    for stream in (sys.stdout, sys.stderr):
+        with contextlib.suppress(AttributeError, OSError, ValueError):
+            stream.flush()

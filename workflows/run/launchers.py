@@ -1,0 +1,166 @@
+"""Start of MPI: launchers that fork their ranks on this machine, and end when they are asked to; and
+an explanation where the MPI library ends the process in place of an error.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import ctypes
+import logging
+import os
+import resource
+import signal
+import subprocess
+import sys
+import time
+from collections.abc import Callable, Iterator, Mapping
+from pathlib import Path
+
+logger = logging.getLogger(__name__)
+
+# environment variable: file that the first rank makes when MPI has started
+STARTED_FILE = "GRANWAVE_STARTED_FILE"
+# settings of MPICH's launcher; inside a job it would start the ranks by the commands of the cluster
+_FORKED = {"HYDRA_LAUNCHER": "fork", "HYDRA_BOOTSTRAP": "fork", "HYDRA_RMK": "user"}
+_OF_JOBS = "SLURM_"  # prefix of the variables by which launchers recognise a job of Slurm
+_LOOK = 0.2  # s between looks at a launcher
+_PATIENCE = 5.0  # s that a launcher without ranks has to end after a request
+_SLOW = 30.0  # s without ranks until a warning
+_OTHERS_FIRST = 1.0  # s that ranks leave the first one to print the same error
+_LEAST_FILE_SIZE = 64 * 2**20  # bytes; shared memory of a rank
+# prefixes of variables by which users and sites change how MPI works
+_OF_LIBRARY = ("UCX_", "FI_", "MPICH_", "MPIR_CVAR_", "OMPI_MCA_", "PRTE_MCA_")
+_SETTINGS = (*_OF_LIBRARY, "HYDRA_", _OF_JOBS)
+
+
+def of_this_machine(environment: Mapping[str, str]) -> dict[str, str]:
+    """Return an environment in which a launcher forks its ranks on this machine, also within a job
+    of Slurm or another batch system.
+    """
+    kept = {name: value for name, value in environment.items() if not name.startswith(_OF_JOBS)}
+    return kept | _FORKED
+
+
+def wait_for_end(
+    launcher: subprocess.Popen[bytes], requests: Callable[[], int], started: Path
+) -> int | None:
+    """Wait until a launcher ends; return its exit status, None if it was killed.
+
+    A launcher whose ranks have not started is killed some seconds after a request to stop, one at
+    work with the second request.
+
+    Parameters
+    ----------
+    requests
+        Function that returns the number of requests to stop so far.
+    started
+        File that exists when the ranks have started.
+    """
+    begin = time.monotonic()
+    asked: float | None = None
+    warned = False
+    while True:
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            return launcher.wait(_LOOK)
+        now = time.monotonic()
+        count = requests()
+        if count and asked is None:
+            asked = now
+        waiting = not started.exists()
+        if count > 1 or (asked is not None and waiting and now > asked + _PATIENCE):
+            kill_session(launcher)
+            return None
+        if waiting and not warned and now > begin + _SLOW:
+            warned = True
+            logger.warning(
+                "the launcher %s has started no rank in %.0f s; Ctrl-C ends it%s",
+                launcher.args[0] if isinstance(launcher.args, list) else launcher.args,
+                _SLOW,
+                environment_settings(),
+            )
+
+
+def kill_session(process: subprocess.Popen[bytes]) -> None:
+    """Kill a process that leads a session, and its children."""
+    with contextlib.suppress(ProcessLookupError, PermissionError):
+        os.killpg(process.pid, signal.SIGKILL)
+    process.kill()
+    process.wait()
+
+
+def environment_settings() -> str:
+    """Return the names of set variables that change the start of MPI, for the end of a message."""
+    names = sorted(name for name in os.environ if name.startswith(_SETTINGS))
+    return f"; settings of MPI: {', '.join(names)}" if names else ""
+
+
+# ---------------------------------------------------------------------- the library
+
+
+@contextlib.contextmanager
+def starting(*, first: bool = True) -> Iterator[None]:
+    """Explain why MPI could not be started if its library ends this process within a ``with``
+    block.
+
+    Parameters
+    ----------
+    first
+        False on ranks that leave the first one to print the error.
+    """
+    library = ctypes.CDLL(None)
+    if not hasattr(library, "__cxa_atexit"):
+        yield
+        return
+    at_work = True
+
+    def explain(_: object) -> None:
+        if not at_work:
+            return
+        if not first:
+            time.sleep(_OTHERS_FIRST)
+        if sys.stderr is not None:
+            print(f"granwave: {start_fault(os.environ)}", file=sys.stderr, flush=True)
+        os._exit(1)
+
+    called = ctypes.CFUNCTYPE(None, ctypes.c_void_p)(explain)
+    owner = ctypes.create_string_buffer(1)
+    library.__cxa_atexit(called, None, owner)
+    try:
+        yield
+    finally:
+        at_work = False
+        library.__cxa_finalize(owner)  # Python may be gone at the end of the process
+
+
+def start_fault(environment: Mapping[str, str]) -> str:
+    """Describe why MPI could not be started, from variables and limits that are known to stop it."""
+    what = "MPI cannot be started: "
+    if "PMIX_RANK" in environment and "PMI_RANK" not in environment:
+        return (
+            f"{what}PMIX_RANK={environment['PMIX_RANK']} is set, as by srun --mpi=pmix, which this MPI "
+            "library does not take; use srun --mpi=pmi2, or unset it: env -u PMIX_RANK granwave ..."
+        )
+    if "PMI_FD" in environment and not _is_open(environment["PMI_FD"]):
+        return (
+            f"{what}PMI_FD={environment['PMI_FD']} is not the connection to a launcher (any more); "
+            "unset it: env -u PMI_FD -u PMI_RANK -u PMI_SIZE granwave ..., or start ranks by --np"
+        )
+    size = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
+    if 0 <= size < _LEAST_FILE_SIZE:
+        return (
+            f"{what}the size of files is limited to {size / 1024:.0f} kB, and its shared memory needs "
+            "more; raise the limit: ulimit -f unlimited"
+        )
+    if chosen := sorted(name for name in environment if name.startswith(_OF_LIBRARY)):
+        name = next((one for one in ("UCX_TLS", "UCX_NET_DEVICES") if one in chosen), chosen[0])
+        others = f" ({len(chosen) - 1} more of the kind are set)" if len(chosen) > 1 else ""
+        return f"{what}{name}={environment[name]} may be the reason{others}; unset it: env -u {name} granwave ..."
+    return f"{what}the lines above tell why; granwave doctor checks the installation"
+
+
+def _is_open(descriptor: str) -> bool:
+    try:
+        os.fstat(int(descriptor))
+    except (OSError, ValueError, OverflowError):
+        return False
+    return True
