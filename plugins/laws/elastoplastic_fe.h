@@ -73,6 +73,7 @@ class ElastoplasticFe : public NormalLaw {
     unlike_ = u;
     in_range_ = compliance_a_ >= LEAST_COMPLIANCE && is_fitted(a) && (alike_ < NOT_ALIKE || is_fitted(b));
     equal_ = shape(0.5, 0.5);
+    on_flat_ = shape(1.0, 0.0);
   }
 
   /* Contact pressure at first yield over the yield strength; exact for 0 <= nu <= 0.5 to 1e-8. */
@@ -191,7 +192,7 @@ class ElastoplasticFe : public NormalLaw {
   double overlap_per_radius_, compliance_a_, rate_a_, rate_b_, stronger_, nu_, pressure_, knee_, knee_width_, start_, steep_,
       flat_, unlike_, alike_;
   bool swapped_, same_, in_range_;
-  Shape equal_;    // of equal radii
+  Shape equal_, on_flat_;    // of equal radii, and of body A on a flat
 
   static double logistic(double y) { return 1.0 / (1.0 + exponential(-std::min(std::max(y, -LARGE), LARGE))); }
 
@@ -225,7 +226,8 @@ class ElastoplasticFe : public NormalLaw {
   {
     if (std::abs(site.share1 - site.share2) < EVEN) return equal_;
     const bool second = same_ ? site.share2 > site.share1 : swapped_;
-    return second ? shape(site.share2, site.share1) : shape(site.share1, site.share2);
+    const double share_a = second ? site.share2 : site.share1;
+    return std::abs(share_a - 1.0) < EVEN ? on_flat_ : shape(share_a, second ? site.share1 : site.share2);
   }
 
   Shape shape(double share_a, double share_b) const

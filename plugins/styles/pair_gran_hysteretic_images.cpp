@@ -28,9 +28,9 @@ std::array<Vector, 3> shifts_of(const std::int8_t images[3], const double edges[
 
 /* Difference of two quantities of spheres i and j, of which one is that of a ghost, from those of the ghosts of both.
 
-   shifts      of the ghost
-   ghost       true if it is that of j
-   shifted     whether the quantities of i and j are shifted with their ghosts */
+   shifts      those of the ghost
+   ghost_is_j  true if the ghost is that of j
+   shifted     _i, _j: whether the quantities of i and j are shifted with their ghosts */
 Vector difference(const double *of_i, const double *of_j, const std::array<Vector, 3> &shifts, bool ghost_is_j,
                   bool shifted_i, bool shifted_j)
 {

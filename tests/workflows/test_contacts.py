@@ -35,7 +35,7 @@ def nothing_warned_about(monkeypatch):
 def test_error_bars_come_with_the_force():
     """Of law elastoplastic-fe within the range of its fit; NaN for other laws."""
     bodies = [BALL, {"shape": "plane"}]
-    overlap = np.array([[1e-6, 1e-5], [1e-4, 1e-3]])
+    overlap = np.array([[1e-7, 1e-5], [1e-4, 1e-3]])
     force, bar = gw.contact_force("elastoplastic-fe", bodies, overlap, error=True)
     np.testing.assert_array_equal(force, gw.contact_force("elastoplastic-fe", bodies, overlap))
     assert bar.shape == overlap.shape and np.isnan(bar[1, 1])  # beyond 0.2 R*
