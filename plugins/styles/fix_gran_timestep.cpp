@@ -137,7 +137,8 @@ void FixGranTimestep::init()
   if (std::strcmp(update->integrate_style, "verlet") != 0)
     error->all(FLERR, "Fix {} works with run_style verlet, found {}", STYLE, update->integrate_style);
   if (update->whichflag == 2) error->all(FLERR, "Fix {} does not work with minimize", STYLE);
-  if (n_steps > 0 && update->dt != static_cast<double>(taken) * tick)
+  const bool started = n_steps > 0 || update->dt != tick;
+  if (started && update->dt != static_cast<double>(taken) * tick)
     error->all(FLERR, "Fix {} {}: the timestep was changed to {:g}; unfix it first", STYLE, id, update->dt);
   require_mechanical_units(lmp, fmt::format("Fix {} {}", STYLE, id));
   bool later = false;

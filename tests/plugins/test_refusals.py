@@ -233,6 +233,7 @@ REFUSED = {
         ("fix late all ave/time 32 1 32 v_given", "must come after all fixes that act at the end of a step, and fix late"),
         ("fix other all dt/reset 10 NULL 1e-7 1e-5", "fix dt/reset changes the timestep"),
         ("run 64\ntimestep 1e-7", "the timestep was changed to 1e-07"),
+        ("timestep 1e-7", "the timestep was changed to 1e-07"),
         ("variable given delete", "there is no variable given"),
     ]),
     "two bodies that cannot yield": (script_of([(0, 0, 0), (0, 0, 0.03)], types=[1, 2]), "{}", [
