@@ -33,6 +33,8 @@ ARRIVED = 0.1
 
 Contacts = dict[str, NDArray]
 _TIMES = ("time_first", "time_peak", "time_yield")
+# overlap of grains that touch over their coordinates: of the last digit of both and their distance
+_ROUNDING = 4 * float(np.finfo(np.float64).eps)
 _FEW = 1000  # spheres up to which all pairs are looked at: a tree of fewer takes longer to load
 # radius over the median from which on the neighbours of a sphere are searched separately
 _LARGE = 1.5
@@ -158,6 +160,14 @@ def list_contacts(
             result[name][target[known]] = column[known]
     result["touching"][np.searchsorted(keys, at_start)] = True
     return result
+
+
+def leave_out_rounding(contacts: Contacts, box: NDArray[np.float64]) -> None:
+    """Take the time of arrival from contacts whose overlap was never more than the rounding of
+    coordinates in the box, (3, 2), m: no wave has been there.
+    """
+    untouched = contacts["peak_overlap"] <= _ROUNDING * np.abs(box).max()
+    contacts["time_first"][untouched] = np.nan
 
 
 def touching_pairs(

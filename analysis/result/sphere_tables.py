@@ -114,6 +114,7 @@ def write_tables(
         Processes that make the parts.
     """
     wall_contacts = _wall_contacts(case, planes, dents.at_bars, initial)
+    pairs.leave_out_rounding(wall_contacts, start.box)
     hdf5.write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
     losses = _losses_at_walls(case, wall_contacts)
@@ -251,6 +252,7 @@ def _contacts_of(
         ids = start.ids(*start.range(part))
         touching = touching[((touching >= ids[0]) & (touching <= ids[-1])).any(axis=1)]
     contacts = pairs.list_contacts(merged, touching, laws_of(merged)["yield_overlap"])
+    pairs.leave_out_rounding(contacts, start.box)
     laws = laws_of(contacts)
     contacts["yielded"] = contacts.pop("grown_overlap") > laws["yielded_from"]
     return contacts | {name: laws[name] for name in ("yield_overlap", "effective_radius")}, laws[

@@ -93,9 +93,15 @@ def test_speed_of_a_chain_with_any_number_of_digits(tmp_path, speed, form):
 
 
 def test_speed_of_a_chain_of_twelve_thousand_beads(tmp_path, speed):
-    """Beads at 100 m overlap by rounding, before the wave has been there."""
+    """Beads at 100 m overlap by rounding: no wave has been there, as at the wall below them."""
     case = case_from_dict(CHAIN | {"packing": {"kind": "chain", "size": 12_000, "diameter": D}})
     assert speed_of(case, tmp_path) == pytest.approx(speed, rel=2e-3)
+    with Result(tmp_path) as result:
+        for name in ("contacts", "spheres"):
+            arrivals = result[f"{name}/time_first"]
+            assert np.isnan(arrivals[100:]).all()
+            assert (arrivals[1:20] > 0).all()
+        assert np.isnan(result["wall_contacts/time_first"]).all()
 
 
 def test_arrivals_of_a_chain_are_those_of_the_twin(tmp_path, twin):
