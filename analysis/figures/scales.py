@@ -198,7 +198,8 @@ def _place_ticks(axis: Axis) -> None:
     """
     low, high = sorted(axis.get_view_interval())
     if high < _LEAST_TICKS * low:
-        axis.set_major_locator(MaxNLocator(_FEW_TICKS[axis.axis_name], min_n_ticks=1))
+        named: Any = axis  # matplotlib's types do not know the name
+        axis.set_major_locator(MaxNLocator(_FEW_TICKS[named.axis_name], min_n_ticks=1))
         axis.set_major_formatter("{x:.4g}")
         axis.set_minor_locator(NullLocator())
         return
