@@ -116,7 +116,13 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         markersize=2.5,
         label=_ALL.get(len(parts)),
     )
-    axes.axvline(fraction[-1], color="black", linestyle=":", linewidth=0.8)
+    axes.axvline(
+        fraction[-1],
+        color="black",
+        linestyle=":",
+        linewidth=0.8,
+        label=_number_dissipating(result, len(volume)),
+    )
     columns = {"dissipated_over_input": fraction, "volume_over_sphere_volume": volume}
     top = float(volume[min(enough, len(volume)) - 1])
     for part, (share, colour, line) in parts.items():
@@ -125,22 +131,16 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
         axes.plot(own[:last], spheres[:last], line, color=colour, label=part)
         top = max([top, *spheres[:last][-1:]])
         columns |= {f"{part}_over_input": own, f"{part}_volume_over_sphere_volume": spheres}
-    if axes.get_legend_handles_labels()[0]:
-        axes.legend(loc="best")
+    axes.legend(loc="upper left")
     quantity = "Volume / that of a cylinder" if in_plane else r"Volume / ($\pi D^3/6$)"
     label(axes, "Dissipation / energy input", quantity, xlim=(0, 1), ylim=(0, max(1.05 * top, 2)))
     axes.yaxis.set_major_locator(MaxNLocator(integer=True))
-    gap, side = (-0.01, "right") if fraction[-1] > 0.9 else (0.01, "left")
-    axes.text(
-        fraction[-1] + gap, 0.97, _number_dissipating(result, len(volume)), rotation=90, ha=side, va="top",
-        transform=axes.get_xaxis_transform(),
-    )  # fmt: skip
     return Drawing(figure, columns)
 
 
 def _number_dissipating(result: Result, n_dissipating: int) -> str:
     """Return how many spheres dissipated energy, and how many yielded where the numbers differ."""
-    text = f"all {n_dissipating} spheres that dissipated energy"
+    text = f"all {n_dissipating} spheres\nthat dissipated energy"
     n_yielded = int(np.count_nonzero(result["spheres/contacts_yielded"]))
     return f"{text}\n({n_yielded} yielded)" if n_yielded not in (0, n_dissipating) else text
 
@@ -242,9 +242,9 @@ def peak_force_depth(result: Result) -> Drawing | None:
 _LEAST = 1e-5  # smallest share of the energy in the figure
 _NOTHING = 1e-12  # share of the energy that is due to rounding
 _STYLES = {
-    "depth": (BLUE, "-", "o", BOTTOM, 0.97),
-    "radius": (ORANGE, "--", "s", SIDES, 0.6),
-}  # height of a label last
+    "depth": (BLUE, "-", "o", BOTTOM),
+    "radius": (ORANGE, "--", "s", SIDES),
+}
 _SAME = 1e-9  # relative difference of distances that are equal up to rounding
 
 
@@ -296,7 +296,7 @@ def draw_zone_size(
     columns: dict[str, Sequence[float] | Array] = {}
     reach = 0.0
     for name, values in distances.items():
-        colour, line, marker, bound, height = _STYLES[name]
+        colour, line, marker, bound = _STYLES[name]
         place, outside = _outside(values, energy)
         axes.step(
             place / diameter,
@@ -316,11 +316,13 @@ def draw_zone_size(
         )
         if bound in bounds:
             reach = max(reach, bounds[bound])
-            axes.axvline(bounds[bound] / diameter, color=colour, linestyle=":", linewidth=0.9)
-            axes.annotate(
-                f"cut: {bound}", (bounds[bound] / diameter, height), (-2, 0), xycoords=("data", "axes fraction"),
-                textcoords="offset points", rotation=90, ha="right", va="top", color=colour, fontsize=7,
-            )  # fmt: skip
+            axes.axvline(
+                bounds[bound] / diameter,
+                color=colour,
+                linestyle=":",
+                linewidth=0.9,
+                label=f"cut: {bound}",
+            )
         columns |= {f"{name}_m": place, f"share_beyond_{name}": outside}
         columns |= {
             f"{name}_holding_m": sizes,

@@ -32,6 +32,7 @@ ELEVATION = 30.0
 _MILLI = 1e3  # mm in a metre
 _DECADES = 4  # of peak force, far below F_y, to include the elastic wave
 _ARROW = 0.1  # length of the arrow of the load over the width of the picture
+_AROUND_ARROW = 0.01  # between the arrow and the edge, over the width of the picture
 _CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
 _BELOW = 0.3  # widths of the picture below a tube
 _LEAST_SPHERES = 8
@@ -109,7 +110,10 @@ def draw_packing(
     place, beyond = _CAMERA.project(np.array([arrow.place, arrow.place + arrow.direction]))[:, :2]
     diameter = result.case.packing.diameter * _MILLI
     length = max(_ARROW * (right - left) / diameter, 1.0)
-    draw_arrow(axes, place * _MILLI, beyond - place, diameter, length)
+    tail = draw_arrow(axes, place * _MILLI, beyond - place, diameter, length)
+    margin = _AROUND_ARROW * (right - left)
+    axes.set_xlim(min(left, tail[0] - margin), max(right, tail[0] + margin))
+    axes.set_ylim(min(bottom, tail[1] - margin), max(top, tail[1] + margin))
     colour_bar(
         figure, [axes], colouring, np.where(values < colouring.low, 0.0, values), bar_location(size)
     )

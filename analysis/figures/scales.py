@@ -52,7 +52,8 @@ _GAP = 0.5
 _LINE = 1.15
 _MOST_TICKS = 30  # of an axis
 _LEAST_TICKS = 2.2  # limits of an axis over its value with one of 1, 2 and 5 at most between them
-_FEW_TICKS = 1  # intervals of such an axis
+# most intervals of such an axis: labels stand side by side along x, one above the other along y
+_FEW_TICKS = {"x": 1, "y": 3}
 _POINTS = 72.0  # in an inch
 _MINUS = "\N{MINUS SIGN}"
 _TIMES = "\N{MULTIPLICATION SIGN}"
@@ -197,7 +198,8 @@ def _place_ticks(axis: Axis) -> None:
     """
     low, high = sorted(axis.get_view_interval())
     if high < _LEAST_TICKS * low:
-        axis.set_major_locator(MaxNLocator(_FEW_TICKS, min_n_ticks=1))
+        named: Any = axis  # matplotlib's types do not know the name
+        axis.set_major_locator(MaxNLocator(_FEW_TICKS[named.axis_name], min_n_ticks=1))
         axis.set_major_formatter("{x:.4g}")
         axis.set_minor_locator(NullLocator())
         return

@@ -205,7 +205,7 @@ def wave_front(result: Result) -> Drawing | None:
         panel_axes.set_title(f"{time * 1e6:.0f} µs", pad=2)
     for empty in axes.flat[len(chosen) :]:
         empty.set_visible(False)
-    figure.supxlabel(f"{cut.plane.across_label} (mm)", fontsize=8)
+    figure.supxlabel(_across_title(cut.plane), fontsize=8)
     figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     colour_bar(figure, list(axes.flat), colouring, np.concatenate(forces), location="top")
     repeat = len(chosen)
@@ -260,13 +260,19 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
         figure.supylabel(f"{cut.plane.down_label} (mm)", fontsize=8)
     else:
         panels[0].set_ylabel(f"{cut.plane.down_label} (mm)")
-    panels[-1].set_xlabel(f"{'x' if cut.plane.down_label == 'y' else cut.plane.across_label} (mm)")
+    panels[-1].set_xlabel(_across_title(cut.plane))
     colour_bar(figure, list(panels), colourings[0], np.concatenate(values))
     columns = {"id": result["spheres/id"][cut.index], "across_m": cut.across, "down_m": cut.down}
     columns |= {
         colouring.column: shown for colouring, shown in zip(colourings, values, strict=True)
     }
     return Drawing(figure, columns | {"beyond_law": beyond.astype(int)})
+
+
+def _across_title(plane: Plane) -> str:
+    """Return the title of the axis across a section; that of a layer in x and y is x."""
+    quantity = "x" if plane.down_label == "y" else plane.across_label
+    return f"{quantity} (mm)"
 
 
 def _draw_impact(
@@ -464,8 +470,12 @@ def window_around(
     if not shown.any():
         shown = np.ones(len(shown), dtype=bool)
     half = max(float(np.abs(cut.across[shown]).max()), 4 * diameter) + margin
-    left = max(-half, float(cut.across.min()) - diameter)
-    right = min(half, float(cut.across.max()) + diameter)
+    left = float(cut.across.min()) - diameter
+    right = float(cut.across.max()) + diameter
+    if left < -half - margin:  # else a narrow rest would be cut off
+        left = -half
+    if right > half + margin:
+        right = half
     top = min(float(cut.down[shown].min()), 0.0) - 1.6 * diameter
     bottom = min(
         max(float(cut.down[shown].max()), 3 * diameter) + margin, float(cut.down.max()) + diameter

@@ -25,6 +25,7 @@ from numpy.typing import ArrayLike
 
 from granwave.analysis.figures.legends import uncover_curves
 from granwave.analysis.figures.scales import least_span, plain_powers
+from granwave.analysis.figures.titles import break_long_titles
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing, write_csv_rows
@@ -301,6 +302,8 @@ def lay_out(figure: Figure, resolution: float) -> None:
                 )  # they lie within the axes, which the layout asks for anyway
         figure.dpi = resolution
         engine.execute(figure)
+        if break_long_titles(figure):
+            engine.execute(figure)
         if uncover_curves(figure):
             engine.execute(figure)
         figure.set_layout_engine(None)

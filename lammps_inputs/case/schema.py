@@ -500,7 +500,8 @@ def _field(
     varies: bool = False,
 ) -> Any:
     usual = unit if isinstance(unit, Usual) else None
-    metadata = {"description": description, "unit": unit_name(unit), "usual": usual, "parse": parse}
+    metadata: dict[str, Any] = {"description": description, "usual": usual, "parse": parse}
+    metadata["unit"] = unit_name(unit)
     metadata["varies"] = varies  # the unit, with other keys, which the reader of the table checks
     return dataclasses.field(
         default=default, metadata=metadata | {"options": options, "json": json}

@@ -101,6 +101,11 @@ def small_files() -> None:
             None,
             "PMI_FD=77 is not the connection to a launcher",
         ),
+        (
+            {"PMI_PORT": "127.0.0.1:1", "PMI_ID": "0"},
+            None,
+            "no launcher answers at PMI_PORT=127.0.0.1:1",
+        ),
         ({"UCX_TLS": "none-such"}, None, "UCX_TLS=none-such may be the reason; unset it"),
         ({}, small_files, "the size of files is limited to 1024 kB"),
     ],

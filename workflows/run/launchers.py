@@ -145,6 +145,11 @@ def start_fault(environment: Mapping[str, str]) -> str:
             f"{what}PMI_FD={environment['PMI_FD']} is not the connection to a launcher (any more); "
             "unset it: env -u PMI_FD -u PMI_RANK -u PMI_SIZE granwave ..., or start ranks by --np"
         )
+    if "PMI_PORT" in environment:
+        return (
+            f"{what}no launcher answers at PMI_PORT={environment['PMI_PORT']}; "
+            "unset it: env -u PMI_PORT -u PMI_ID granwave ..., or start ranks by --np"
+        )
     size = resource.getrlimit(resource.RLIMIT_FSIZE)[0]
     if 0 <= size < _LEAST_FILE_SIZE:
         return (

@@ -20,7 +20,7 @@ import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
 from types import TracebackType
-from typing import IO, TYPE_CHECKING, NoReturn, TypeVar
+from typing import IO, TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.interrupts import Interrupts
@@ -293,9 +293,8 @@ def launch(
         started = scratch / "started"
         # its output goes through this process: mpiexec ends the ranks if nobody reads it
         ways = [subprocess.PIPE if given is None else given for given in (stdout, stderr)]
-        ranks = start(
-            words, n_ranks, stop, *ways, launcher=launcher, **{STARTED_FILE: str(started)}
-        )
+        variables: dict[str, Any] = {STARTED_FILE: str(started)}
+        ranks = start(words, n_ranks, stop, *ways, launcher=launcher, **variables)
         readers = [
             threading.Thread(target=pass_on, args=(stream, number), daemon=True)
             for number, stream in ((1, ranks.stdout), (2, ranks.stderr))

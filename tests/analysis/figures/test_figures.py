@@ -80,6 +80,28 @@ def test_figures_of_a_square_packing(tmp_path):
     assert "peak_force_orthogonal" not in names
 
 
+def test_the_arrow_of_an_oblique_impact_in_a_layer_is_shown_whole(tmp_path):
+    striker = {"touches": [1], "velocity": [0.2, 0.2, 0.0]}
+    case = synthetic.make_case("square", (6, 5), striker=[striker], law="hertz")
+    run_case(case, tmp_path, figures=False)
+    with Result(tmp_path) as result:
+        axes = FIGURES["packing_3d"].draw(result).figure.axes[0]
+    arrow = next(text for text in axes.texts if text.arrow_patch is not None)
+    left, right = axes.get_xlim()
+    bottom, top = axes.get_ylim()
+    for x, y in (arrow.xy, arrow.xyann):
+        assert left < x < right
+        assert bottom < y < top
+
+
+@pytest.mark.parametrize(("last", "right"), [(0.088, 96.0), (0.120, 88.0)])
+def test_a_section_shows_the_last_column_whole_or_is_cut_well_before_it(last, right):
+    cut = SimpleNamespace(across=np.arange(0.0, last + 1e-9, 0.008))
+    cut.down = np.zeros_like(cut.across)
+    window = sections.window_around(cut, cut.across < 0.073, 0.008)
+    assert window[:2] == pytest.approx((-8.0, right))
+
+
 def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
     case = synthetic.make_case(
         contact={"friction": 0.2, "initial_overlap": 4e-6}, packing={"vacancies": [3, 80]}
