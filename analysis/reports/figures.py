@@ -157,10 +157,14 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
     """
     if len(runs) < 2:
         return []
-    name, what, look = "dissipated-share", "Dissipated share of the input", _LEVEL
+    name = "dissipated-share"
+    what = "Dissipated share of the input"
+    look = _LEVEL
     found = {run.label: _share_of_input(run, ("dissipated", "plastic")) for run in runs}
     if not any(curve is not None and np.any(curve[1] > _NOTHING) for curve in found.values()):
-        name, what, look = "kinetic-share", "Kinetic share of the input", _ELASTIC
+        name = "kinetic-share"
+        what = "Kinetic share of the input"
+        look = _ELASTIC
         found = {run.label: _share_of_input(run, ("kinetic",)) for run in runs}
     curves = [(label, *curve) for label, curve in found.items() if curve is not None]
     missing = [label for label, curve in found.items() if curve is None]

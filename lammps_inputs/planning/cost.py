@@ -78,7 +78,7 @@ _ROWS_PER_PARTICLE = 0.25
 
 
 @dataclasses.dataclass(frozen=True)
-class Space:
+class RunSpace:
     """Memory and disk space of a run, as `granwave.lammps_inputs.planning.plan.Plan` has them."""
 
     first_rank: float
@@ -87,6 +87,11 @@ class Space:
     n_analysing: int
     disk: float
     disk_reserve: float
+
+
+def expected_deck(assembly: Assembly) -> float:
+    """Estimate the size of the LAMMPS deck of a case, bytes."""
+    return assembly.n_particles * _DATA
 
 
 def analysing_ranks(assembly: Assembly, n_ranks: int) -> int:
@@ -117,7 +122,7 @@ def _of_part(assembly: Assembly) -> float:
     return at_once * (_ANALYSED_SPHERE + assembly.n_neighbours / n * _ANALYSED_PAIR)
 
 
-def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Space:
+def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> RunSpace:
     """Estimate the space that a run needs, bytes."""
     case = assembly.case
     n = assembly.n_particles
@@ -139,7 +144,7 @@ def expected_space(assembly: Assembly, schedule: Schedule, n_ranks: int) -> Spac
     if schedule.history_every:
         rows += _ROWS_PER_PARTICLE * n * schedule.n_steps / schedule.history_every
     frames = n * (_DATA + schedule.n_frames * _FRAME)
-    return Space(
+    return RunSpace(
         first_rank=2 * _PROGRAM + max(of_step, analysis) + assembly.lattice.n_spheres * sites,
         other_rank=_PROGRAM + max(of_step, part),
         idle_rank=_PROGRAM + of_step,

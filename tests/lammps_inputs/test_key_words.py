@@ -75,9 +75,16 @@ MANY = "packing.size: found [1200, 1200, 1200]: 1728000000 spheres need more tha
 def test_large_counts(
     case: str, overrides: list[str], expected: str, capsys: pytest.CaptureFixture[str]
 ) -> None:
+    """A run is refused; what this machine lacks is a warning of the plan for another one."""
     begin = time.process_time()
-    assert main(["check", case, *(word for one in overrides for word in ("--set", one))]) == 2
-    assert time.process_time() - begin < 5 and expected in capsys.readouterr().err
+    words = [word for override in overrides for word in ("--set", override)]
+    lacks_memory = expected.endswith("need about")
+    assert main(["check", case, *words]) == (0 if lacks_memory else 2)
+    assert expected in capsys.readouterr().err
+    verb = "continuum" if case == "half-space" else "run"
+    assert main([verb, case, *words]) == 2
+    assert expected in capsys.readouterr().err
+    assert time.process_time() - begin < 10
 
 
 @pytest.mark.parametrize(

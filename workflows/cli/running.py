@@ -16,10 +16,15 @@ from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs import ownership
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files, read_deck, write_deck
-from granwave.lammps_inputs.directories import refuse_source, restore_case, results_directory
+from granwave.lammps_inputs.directories import (
+    check_disk,
+    refuse_source,
+    restore_case,
+    results_directory,
+)
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.cost import analysing_ranks
+from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
@@ -129,6 +134,8 @@ def write(options: argparse.Namespace) -> int:
     check_files(case)
     warn_of_lacks(case.name, lambda: afford(expected))
     directory = results_directory(options.directory, force=options.force)
+    remedy = "make the packing smaller"
+    check_disk(directory, expected_deck(assemble(case)), what="the deck", remedy=remedy)
     with held(directory, mpi.world()):
         ownership.refuse_other_kind(directory, RUN)
         if not options.force:

@@ -161,8 +161,9 @@ def test_any_number_of_ranks(lmp, tmp_path, ranks, overrides):
 )
 def test_balanced_and_sorted_ranks_change_nothing(lmp, tmp_path, ranks, balance, bits):
     """Spheres that migrate between processors after their contacts have yielded keep their dents."""
-    plain = deck(tmp_path / "plain", "load.velocity=20")
-    moved = deck(tmp_path / "moved", "load.velocity=20")
+    # with steps of one length: steps of several ticks end where the balance is due
+    plain = deck(tmp_path / "plain", "load.velocity=20", "run.timestep=2e-8")
+    moved = deck(tmp_path / "moved", "load.velocity=20", "run.timestep=2e-8")
     text = moved.script.read_text()
     more = f"{balance}neigh_modify every 50 check no\natom_modify sort 40 0.02\n# --- run ---"
     moved.script.write_text(text.replace("# --- run ---", more))
