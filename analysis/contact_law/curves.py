@@ -266,7 +266,9 @@ def restitution_error(law: ContactLaw, mass: float, velocity: ArrayLike) -> NDAr
     NaN where the law states none.
     """
     peak = np.geomspace(_SLOWEST * law.yield_overlap, law.effective_radius, _POINTS)
-    overlap = np.interp(velocity, np.sqrt(2 * law.loading_work(peak) / mass), peak)
+    overlap = np.interp(
+        np.asarray(velocity, float), np.sqrt(2 * law.loading_work(peak) / mass), peak
+    )
     return np.asarray(law.restitution_error(overlap))
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
+from typing import Any
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -52,7 +53,7 @@ def covers_curve(axes: Axes, legend: Legend) -> bool:
 def _lines(axes: Axes) -> Iterator[Path]:
     """Iterate over the drawn lines of axes, in pixels."""
     for line in axes.lines:
-        if line.get_visible() and line.get_linestyle() != "None" and len(line.get_xydata()):
+        if line.get_visible() and line.get_linestyle() != "None" and len(_points(line)):
             yield line.get_path().transformed(line.get_transform())
 
 
@@ -88,7 +89,8 @@ def _moves_within(axes: Axes, legend: Legend) -> bool:
     """
     for place in (*_CORNERS, *_OTHER_PLACES):
         legend.set_bbox_to_anchor(None)
-        legend.set_loc(place)
+        moved: Any = legend  # any of the names of places
+        moved.set_loc(place)
         if not covers_curve(axes, legend):
             return True
     return False
@@ -98,8 +100,9 @@ def _put_above(axes: Axes, legend: Legend) -> None:
     """Replace a legend by one above its axes, in as many columns as have room."""
     entries = [text.get_text() for text in legend.get_texts()]
     for columns in range(min(_COLUMNS_ABOVE, len(entries)), 0, -1):
+        handles: Any = legend.legend_handles
         above = axes.legend(
-            legend.legend_handles,
+            handles,
             entries,
             title=legend.get_title().get_text() or None,
             loc="lower center",

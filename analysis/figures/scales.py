@@ -79,7 +79,8 @@ class PowersOfTen(LogFormatterSciNotation):
         if axis is None:
             return
         low, high = sorted(axis.get_view_interval())
-        if not 0 < low < high or self._base != 10:
+        base = self._base  # type: ignore[attr-defined]  # it has no public name
+        if not 0 < low < high or base != 10:
             return
         self.plain = high <= _NARROW * low and low >= _LEAST_PLAIN and high <= _MOST_PLAIN
         self.factors, self.every = self._choose(axis, low, high)
@@ -157,8 +158,9 @@ def _width(text: str) -> float:
 
 def _font_size(axis: Any) -> float:
     """Return the size of the labels of an axis, points."""
-    name = f"{axis.axis_name}tick.labelsize"
-    return float(FontProperties(size=mpl.rcParams[name]).get_size_in_points())
+    parameters: Any = mpl.rcParams
+    size = parameters[f"{axis.axis_name}tick.labelsize"]
+    return float(FontProperties(size=size).get_size_in_points())
 
 
 def _length(axis: Any) -> float:
@@ -175,7 +177,8 @@ def plain_powers(figure: Figure) -> None:
     every_axes = [part for axes in figure.axes for part in (axes, *axes.child_axes)]
     for part in every_axes:
         if isinstance(part, SecondaryAxis):
-            part._set_lims()  # else it has the limits of its axis only when it is drawn
+            secondary: Any = part
+            secondary._set_lims()  # else it has the limits of its axis only when it is drawn
     for axis in (axis for axes in every_axes for axis in (axes.xaxis, axes.yaxis)):
         if type(axis.get_major_locator()) is LogLocator:
             _place_ticks(axis)

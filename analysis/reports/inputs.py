@@ -105,12 +105,12 @@ class Run:
         Results of versions that did not record it were judged by the limits of those versions.
         """
         for source in (self.summary, self.record):
-            value = source.get(_ACCEPTED)
+            value: Any = source.get(_ACCEPTED)
             if is_number(value):
                 return float(value)
         if self.kind == "continuum":
             return _ACCEPTED_OF_ELEMENTS
-        aimed = self.case.get("run.energy_tolerance")
+        aimed: Any = self.case.get("run.energy_tolerance")
         return max(BALANCE_TOLERANCE, aimed) if is_number(aimed) else BALANCE_TOLERANCE
 
     def number(self, key: str) -> float | None:

@@ -216,6 +216,6 @@ double ContactList::bytes() const
 {
   const auto bytes = [](const auto &...vectors) { return (... + double(vectors.capacity() * sizeof(*vectors.data()))); };
   return resting.bytes() + groups.bytes() +
-         bytes(row, begin, quiet_special, row_sphere, partner, partner_sphere, peak, front, time_peak, time_yield,
-               turning, turnings, work_lost, circle, spring, touched, extra, initial, reached, initial_extra);
+         bytes(row, begin, quiet_special, row_sphere, partner, partner_sphere, peak, front, time_peak, time_yield, turning,
+               turnings, work_lost, circle, spring, touched, extra, initial, reached, initial_extra);
 }
