@@ -33,7 +33,7 @@ def nothing_warned_about(monkeypatch):
 
 
 def test_error_bars_come_with_the_force():
-    """Of law elastoplastic-fe within the range of its fit; NaN for other laws."""
+    """Law elastoplastic-fe has a bar within the range of its fit; other laws have NaN."""
     bodies = [BALL, {"shape": "plane"}]
     overlap = np.array([[1e-7, 1e-5], [1e-4, 1e-3]])
     force, bar = gw.contact_force("elastoplastic-fe", bodies, overlap, error=True)

@@ -1,4 +1,4 @@
-"""What a killed process leaves: scratch directories, and shared memory of MPI.
+"""Remains of killed processes: scratch directories, and shared memory of MPI.
 
 Each belongs to a file that its process keeps locked. A later start removes what belongs to files of
 this user that nobody locks any more.

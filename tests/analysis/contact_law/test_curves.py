@@ -182,7 +182,7 @@ def test_built_in_studies(granwave, tmp_path, study):
 
 @pytest.mark.parametrize("study", ["two-spheres", "sphere-on-wall"])
 def test_the_summary_has_the_error_bars_of_the_law(tmp_path, study):
-    """Of law elastoplastic-fe alone; a sphere and its mirror plane are half of two spheres."""
+    """Error bars exist for law elastoplastic-fe only; a sphere and its mirror plane are half of two spheres."""
     changes = {"contact.law": "elastoplastic-fe", "run.frames": 2}
     summary = run_case(
         load_case(library.find(study), changes), tmp_path / "fe", figures=False

@@ -140,7 +140,7 @@ def test_labels_of_logarithmic_axes(low, high, across, up):
 @pytest.mark.parametrize("high", [1.3, 2.5, 9.0, 12.0, 52.0, 400.0, 3e4, 2e9, 1e25])
 @pytest.mark.parametrize("low", [1.0, 0.021, 3e-7])
 def test_labels_on_narrow_panels_do_not_touch(low, high):
-    """Of each axis, one on top of it included."""
+    """Labels of each axis, and of an axis on top of it, are apart."""
     with style.style():
         figure = style.new_figure(1.4)
         row = figure.subplots(1, 3)

@@ -141,7 +141,7 @@ def test_films_of_a_given_size(packing, chain, tmp_path, name, view):
     ("name", "view"), [("packing", "orthogonal"), ("packing", "3d"), ("chain", None)]
 )
 def test_pictures_are_those_of_whole_figures(packing, chain, name, view):
-    """What moves below what stays still gives the picture of the figure drawn as a whole."""
+    """A moving part below a still part gives the picture of the figure drawn as a whole."""
     with Result(packing if name == "packing" else chain) as result, style():
         pictures = list(films.film_pictures(scene(result, "force", view), 600))
         for number in (1, len(pictures) - 1):

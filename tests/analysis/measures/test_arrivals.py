@@ -152,7 +152,7 @@ def test_a_block_may_lie_anywhere(tmp_path, seed):
 
 @pytest.mark.parametrize("tables", [CHAIN, BLOCK], ids=["chain", "block"])
 def test_arrivals_are_about_as_expected(tmp_path, tables):
-    """Of the block the estimate is 13 to 18 % late."""
+    """The estimate is 13 to 18 % late for the block."""
     run_case(case_from_dict(tables), tmp_path, figures=False)
     with Result(tmp_path) as result:
         assert 0.8 < passage(result) / expected_arrival(result.assembly) < 1.1

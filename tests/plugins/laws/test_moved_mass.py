@@ -120,7 +120,7 @@ def test_both_held_and_a_hold_that_ends(lammps) -> None:
 
 
 def test_the_force_before_a_hold_is_that_of_the_contacts(lammps) -> None:
-    """What the fixes are asked leaves no trace in their output."""
+    """The test forces given to the fixes leave no trace in their output."""
     held = lammps(f"{head_on(HOLDS['setforce'])}thermo_style custom step f_hold[3]\nrun 500")
     still = lammps(
         f"{head_on(HOLDS['no integration'])}fix sum other ave/time 1 1 1 c_push\nrun 500".replace(
