@@ -106,7 +106,11 @@ def _ids_of(index: Any) -> set[int]:
     """Return the ids of an index of ``[[replace]]``: one, a list, or first, last and step."""
     if isinstance(index, Mapping):
         return set(range(index["first"], index["last"] + 1, index.get("step", 1)))
-    return set(index) if isinstance(index, list) else {index} if isinstance(index, int) else set()
+    if isinstance(index, list):
+        return set(index)
+    if isinstance(index, int):
+        return {index}
+    return set()
 
 
 def symbols_note(inputs: Inputs) -> list[Note]:
