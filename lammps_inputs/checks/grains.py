@@ -112,8 +112,9 @@ def check_places(case: Case, errors: ErrorList) -> None:
                 f", which overlap by {overlaps[worst]:.3g} m; {text}",
             )
         return
+    as_load = 'kind = "overlaps"' if stage is None else "overlaps = true"
     text = f", which overlap by {overlaps[0]:.3g} m{{}}; move them apart, or take that as a load: [precompression] "
-    text += 'kind = "overlaps"'
+    text += as_load
     first, second = grains.position[pairs[0] - 1]
     if (first == second).all():
         text = " at one place{}; expected places of their own"
