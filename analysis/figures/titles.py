@@ -52,7 +52,6 @@ def _leaves(figure: Figure, title: Text, direction: int, middle: float) -> bool:
     """
     if not title.get_text():
         return False
-    renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
-    half = 0.5 * title.get_window_extent(renderer).size[direction]
+    half = 0.5 * title.get_window_extent().size[direction]
     low, high = figure.bbox.get_points()[:, direction]
     return bool(middle - half < low or middle + half > high)
