@@ -31,10 +31,9 @@ from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.registry import is_study_file
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
-from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_tables, regular
-from granwave.lammps_inputs.ownership import refuse_special
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINTS,
@@ -347,7 +346,7 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
 
 
 def _summary(path: Path) -> dict[str, Any]:
-    refuse_special(path)
+    ResultDirectory(path).refuse_special()
     try:
         summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
         wrong = (
@@ -387,10 +386,11 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
 
 
 def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
-    check_case(path)
-    if changed := changed_result(path):
+    results = ResultDirectory(path)
+    results.check_case()
+    if changed := results.changed_result():
         raise InputError(changed)
-    case = by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
+    case = by_key(read_tables(path / CASE_FILE) or results.tables_as_run() or {})
     record = read_json(path / RECORD_FILE) or {}
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED

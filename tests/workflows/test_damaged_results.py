@@ -15,7 +15,7 @@ import pytest
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import checksum
-from granwave.lammps_inputs.ownership import read_marker
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
@@ -246,7 +246,11 @@ def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, m
     two = summary(tmp_path / "r")
     for key in ("n_steps", "peak_force_N", "energy_dissipated_J", "restitution"):
         assert two[key] == pytest.approx(one[key], rel=1e-9)
-    assert not [name for name in read_marker(tmp_path / "r").files if name.startswith("checkpoint")]
+    assert not [
+        name
+        for name in ResultDirectory(tmp_path / "r").marker.files
+        if name.startswith("checkpoint")
+    ]
 
 
 READERS = (

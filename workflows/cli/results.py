@@ -19,6 +19,7 @@ from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
 from granwave.lammps_inputs.case.schema import ValidationError, did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
 from granwave.workflows.cli.parser import FIGURE_KEYS, FILM_KEYS
 from granwave.workflows.run.directory import held
@@ -59,7 +60,7 @@ def export(options: argparse.Namespace) -> int:
 
     output = options.output or options.directory / EXPORT_DIRECTORY
     existing(options.directory, "expected that of a run or a scan")
-    with held(results_directory(output)):
+    with held(ResultDirectory(results_directory(output))):
         placed = export_directory(options.directory, options.to, options.output)
     for path in placed:
         print(path)
@@ -78,7 +79,7 @@ def figures(options: argparse.Namespace) -> int:
         )
         raise InputError(f"--only: found {unknown[0]}{hint}")
     with (
-        held(existing(options.directory).absolute(), way=""),
+        held(ResultDirectory(existing(options.directory).absolute()), way=""),
         as_wrong_input(),
         helpers(len(wanted) if wanted else USUAL_FIGURES) as others,
     ):
@@ -153,7 +154,8 @@ def view(options: argparse.Namespace) -> int:
 
     spheres = sys.maxsize if options.all else options.spheres or MOST_SPHERES
     frames = sys.maxsize if options.all and options.frames is None else options.frames
-    with held(existing(options.directory).absolute(), way=""), as_wrong_input():
+    results = ResultDirectory(existing(options.directory).absolute())
+    with held(results, way=""), as_wrong_input():
         page = write_view(options.directory, options.output, spheres=spheres, frames=frames)
     print(page.path)
     print(f"{page.size / 1e6:.1f} MB, {page.n_spheres} {page.called}, {page.n_frames} snapshots")
