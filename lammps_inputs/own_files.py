@@ -128,8 +128,7 @@ class OwnFiles(os.PathLike[str]):
         errors = [
             f"{self.path / file}: is a pipe or a device, expected a file; remove it, or put back "
             "the file of the run"
-            for name in names
-            for file in files_of(self.path, name)
+            for file in self._files(names)
             if is_special(self.path / file)
         ]
         if errors:
@@ -174,9 +173,12 @@ class OwnFiles(os.PathLike[str]):
         """
         if foreign := self.foreign(names):
             it = "it" if len(foreign) == 1 else "them"
+            reason = f"granwave did not write {it}"
+            if not self.marker.kind and os.path.lexists(self / run_directory.MARKER):
+                reason = f"{run_directory.MARKER}, the list of what granwave wrote, is damaged"
             raise InputError(
-                f"{self.path}: {_few(foreign)} would be overwritten, and granwave did not write "
-                f"{it}; move {it} away, or choose another directory with -o"
+                f"{self.path}: {_few(foreign)} would be overwritten, and {reason}; move {it} away, "
+                "or choose another directory with -o"
             )
 
     def foreign(self, names: Iterable[str]) -> list[str]:
@@ -194,10 +196,17 @@ class OwnFiles(os.PathLike[str]):
                 foreign += [file for file in there if file not in own]
         return list(dict.fromkeys(foreign))
 
+    def _files(self, names: Iterable[str]) -> list[str]:
+        """Return the files that names of a marker stand for."""
+        files: list[str] = []
+        for name in names:
+            files += files_of(self.path, name)
+        return files
+
     def _own_names(self) -> set[str]:
         """Return all names of the marker, and the files that they stand for."""
-        names = set(self.marker.files)
-        return names.union(*(files_of(self.path, name) for name in names))
+        names = self.marker.files
+        return {*names, *self._files(names)}
 
     def _obstacle(self, name: str) -> str:
         """Return the first link, file instead of a folder or the reverse on the path to a file;
@@ -231,7 +240,9 @@ class OwnFiles(os.PathLike[str]):
         """
         prefix = f"{run_directory.DUMPS}/"
         names = [name for name in self.marker.files if name.startswith(prefix)]
-        files = [file for name in names for file in files_of(self.path, name) or [name]]
+        files: list[str] = []
+        for name in names:
+            files += files_of(self.path, name) or [name]
         return list(dict.fromkeys(files))
 
     def result_names(self) -> list[str]:
@@ -328,8 +339,26 @@ class OwnFiles(os.PathLike[str]):
             self.refuse_immovable()
         old = type(self)(into or self.free_old_path())
         old.path.mkdir(parents=True)
-        self._move(old, names)
+        try:
+            self._move(old, names)
+        except OSError:
+            with contextlib.suppress(OSError):  # empty where the disk is full
+                old.path.rmdir()
+            raise
         return str(old)
+
+    def put_back(self, old: str) -> None:
+        """Move all files back that `set_aside` moved into the directory ``old``; empty: none."""
+        if not old:
+            return
+        files = sorted(path for path in Path(old).rglob("*") if not path.is_dir())
+        for path in files:
+            target = self.path / path.relative_to(old)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            path.replace(target)
+        folders = sorted(path for path in Path(old).rglob("*") if path.is_dir())
+        for path in [*reversed(folders), Path(old)]:
+            path.rmdir()
 
     def _move(self, old: Self, names: Collection[str] | None) -> None:
         """Move files into a directory that has been made, which gets a marker first: whatever
@@ -364,7 +393,9 @@ class OwnFiles(os.PathLike[str]):
 
     def old_path(self) -> Path:
         """Return the path NAME.old beside the directory."""
-        place = self.path.resolve()
+        place = self.path
+        if place.name in ("", ".."):
+            place = place.resolve()
         return place.with_name(f"{place.name}.old")
 
     def free_old_path(self) -> Path:
@@ -384,8 +415,8 @@ class OwnFiles(os.PathLike[str]):
             return
         if self.path.is_symlink():
             raise InputError(
-                f"{self.path}: is a link to {place}, and --force moves nothing through a link; give "
-                "that directory with -o"
+                f"{self.path}: is a link to {place}, and --force moves nothing through a link; "
+                "give that directory with -o"
             )
         old = self.free_old_path()
         fault = ""
@@ -428,7 +459,7 @@ class OwnFiles(os.PathLike[str]):
         chosen = self._chosen(names)
         if not marker.kind or not (chosen or names is None):
             return
-        files = [file for name in chosen for file in files_of(self.path, name)]
+        files = self._files(chosen)
         if names is None and marker.kind == run_directory.SCAN:
             files += self._working_files()
         names_in = self._names_by_folder(files)

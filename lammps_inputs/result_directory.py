@@ -197,14 +197,22 @@ class ResultDirectory(OwnFiles):
                 "replaced; choose another directory with -o"
             )
 
-    def make_room(self, *, force: bool, names: Collection[str] | None = None) -> None:
+    def make_room(self, *, force: bool, names: Collection[str] | None = None) -> str:
         """Take results out of the directory: by ``force`` they are moved into NAME.old, else
         removed. ``names`` are those of `clear`.
+
+        Returns
+        -------
+        str
+            Path of the directory that they were moved into; empty if there is none.
         """
         if not force:
             self.clear(names)
-        elif old := self.set_aside(names):
+            return ""
+        old = self.set_aside(names)
+        if old:
             logger.info("%s: the results that were there are now in %s", self.path, old)
+        return old
 
     # ------------------------------------------------------------------ the case that was run
 

@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 MARKER = ".granwave"
 LOCK_FILE = ".granwave-lock"
-#: Of all results; it grows when earlier versions could not read what is written. Versions 0.1 and 0.2 gave none.
+#: Of all results; it grows when earlier versions could not read what is written.
 FORMAT = 1
 
 # Of a run: deck, output of LAMMPS, and results of the analysis.

@@ -223,8 +223,8 @@ def contacts_at_end(directory: AnyPath) -> ContactDump:
 def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
     """Return the contact forces after the static stage: i, j, force (N).
 
-    None if there was no such stage, or an early version ran it, which did not write them. A file
-    that is listed among those of the run counts, even if it is missing.
+    None if there was no such stage. A file that is listed among those of the run counts, even if it
+    is missing.
     """
     results = ResultDirectory.at(directory)
     folder = results / DUMPS

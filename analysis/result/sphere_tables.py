@@ -53,7 +53,7 @@ class AfterStaticStage(NamedTuple):
 def after_static_stage(
     results: ResultDirectory, start: Start, scratch: Callable[[], Path], processes: Processes
 ) -> AfterStaticStage | None:
-    """Read the forces after the static stage; None if there was none, or an early version ran it."""
+    """Read the forces after the static stage; None if there was none."""
     dump = dumps.contacts_after_static_stage(results)
     if dump is None:
         return None

@@ -130,7 +130,7 @@ def write(options: argparse.Namespace) -> int:
     expected = plan(case)
     check_files(case)
     warn_of_lacks(case.name, lambda: afford(expected))
-    results = ResultDirectory(results_directory(options.directory))
+    results = ResultDirectory(options.directory)
     results.check(force=options.force)
     needed = expected_deck(assemble(case))
     if needed > _SMALL_DECK:
@@ -143,8 +143,12 @@ def write(options: argparse.Namespace) -> int:
         results.refuse_source(case.name, earlier_result(case))
         if case.contact.initial_overlap:
             dents_table(assemble(case))
-        results.make_room(force=options.force)
-        deck = write_deck(case, results)
+        old = results.make_room(force=options.force)
+        try:
+            deck = write_deck(case, results)
+        except BaseException:
+            results.put_back(old)
+            raise
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:

@@ -67,7 +67,9 @@ def write_checkpoint(
 
     def describe(ranks: Processes) -> dict[str, Any]:
         outputs = sorted(name for name in results.output_names() if (results / name).is_file())
-        written = [file for name in names for file in files_of(results.path, name)]
+        written: list[str] = []
+        for part in names:
+            written += files_of(results.path, part)
         sizes = {name: (results / name).stat().st_size for name in outputs}
         fixed = [*written, DATA_FILE, SCRIPT_FILE]
         whole = {name: (results / name).stat().st_size for name in fixed}

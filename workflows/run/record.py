@@ -83,7 +83,7 @@ class Record:
 
 
 def record_of(content: dict[str, Any] | None) -> Record | None:
-    """Return the record of tables of JSON; None if there are none, or they are of another version."""
+    """Return the record of tables of JSON; None without any, or if they are of another version."""
     try:
         return None if content is None else Record(**content)
     except TypeError:  # keys of another version

@@ -102,7 +102,6 @@ def reopen(directory: Path, point: str) -> None:
     InputError
         Files that granwave did not write are in the way.
     """
-    # an earlier version may have restarted the point there, so that the target exists
     _move(finished(directory, point), unfinished(directory, point))
 
 
