@@ -69,6 +69,7 @@ package: $(VENV)/bin/python
 	$(BIN)/python plugins/package/make_package.py $(if $(LMP),--lmp $(LMP)) $(if $(LAMMPS),--into $(LAMMPS))
 
 demo: $(READY)
+	rm -rf $(DEMO).old
 	$(BIN)/granwave run fcc-impact -o $(DEMO) --np $(RANKS) --force
 	@echo "Figures: $(DEMO)/figures   summary: $(DEMO)/summary.json   fields: $(DEMO)/result.h5"
 

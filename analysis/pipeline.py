@@ -17,11 +17,11 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
-from granwave.lammps_inputs.directories import check_case, check_deck, note_files
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.planning.cost import MOST_DRAWN
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     FILM_FILE,
@@ -45,7 +45,7 @@ _IN_TIME = (
 
 
 def analyse(
-    directory: str | Path,
+    directory: AnyPath,
     progress: bool | Callable[[str], None] = False,
     *,
     figures: bool = True,
@@ -86,7 +86,7 @@ def analyse(
         granwave did not write.
     """
     if callable(progress):
-        return _analyse(Path(directory), progress, figures, at_once, processes)
+        return _analyse(ResultDirectory.at(directory), progress, figures, at_once, processes)
     parts = 2 + (len(FIGURE_NAMES) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
@@ -95,7 +95,7 @@ def analyse(
             bar.set_postfix_str(part)
             bar.update()
 
-        return _analyse(Path(directory), report, figures, at_once, processes)
+        return _analyse(ResultDirectory.at(directory), report, figures, at_once, processes)
 
 
 def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
@@ -114,55 +114,56 @@ def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
 
 
 def _analyse(
-    directory: Path,
+    results: ResultDirectory,
     report: Callable[[str], None],
     figures: bool,
     at_once: int,
     processes: Processes,
 ) -> Summary:
+    directory = results.path
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
-    check_case(directory)
+    results.check_case()
     case = check_complete(directory)
     try:
-        check_deck(directory)
+        results.check_deck()
     except InputError:
         list(read_data(directory))  # damage of it has a message of its own, with the line
         raise
-    check_unchanged(directory, processes)
+    check_unchanged(results, processes)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
-        write_result(directory, at_once=at_once, case=case, processes=processes)
+        write_result(results, at_once=at_once, case=case, processes=processes)
         report("summary.json")
-        summary = summarise(directory, at_once=at_once, case=case, processes=processes)
-        note_files(directory, [RESULT_FILE, SUMMARY_FILE])
+        summary = summarise(results, at_once=at_once, case=case, processes=processes)
+        results.note_files([RESULT_FILE, SUMMARY_FILE])
         if figures:
             # the drawing library takes longer to load than many a small run to compute
             from granwave.analysis.figures.run_figures import draw_figures
 
-            draw_figures(directory, report, _drawn(directory, summary["n_spheres"]), helpers=others)
+            draw_figures(results, report, _drawn(directory, summary["n_spheres"]), helpers=others)
     if figures:
-        _film_and_page(directory, report)
+        _film_and_page(results, report)
     return summary
 
 
-def _film_and_page(directory: Path, report: Callable[[str], None]) -> None:
+def _film_and_page(results: ResultDirectory, report: Callable[[str], None]) -> None:
     """Make the film and the page that ``[figures]`` of the case asks for; tell where there is
     nothing to show.
     """
-    with Result(directory) as result:
+    with Result(results) as result:
         options = result.figure_options
     made: list[tuple[str, Callable[[], object]]] = []
     if options.film != "none":
         from granwave.analysis.films import write_film
 
         film = FILM_FILE.format(options.film)
-        claim(directory, [film])
-        made.append((film, lambda: write_film(directory, directory / film)))
+        results.claim([film])
+        made.append((film, lambda: write_film(results.path, results / film)))
     if options.view:
         from granwave.analysis.view.page import write_view
 
-        made.append((VIEW_FILE, lambda: write_view(directory)))
+        made.append((VIEW_FILE, lambda: write_view(results)))
     for name, make in made:
         report(name)
         try:

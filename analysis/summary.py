@@ -35,13 +35,13 @@ from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import velocity_normalised
-from granwave.lammps_inputs.directories import changed_files
 from granwave.lammps_inputs.files import plain, replace_text
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 Summary = dict[str, Any]
@@ -63,7 +63,7 @@ _TOUCH = 1e-6  # of the input, stored in contacts: bodies that store less have p
 
 
 def summarise(
-    directory: str | Path,
+    directory: AnyPath,
     *,
     at_once: int = AT_ONCE,
     case: Case | None = None,
@@ -92,12 +92,12 @@ def summarise(
     InputError
         There is a summary.json that granwave did not write.
     """
-    directory = Path(directory)
-    with Result(directory, at_once, case) as result:
+    results = ResultDirectory.at(directory)
+    with Result(results, at_once, case) as result:
         summary = summary_of(result, processes)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
-    claim(directory, [SUMMARY_FILE])
-    replace_text(directory / SUMMARY_FILE, text + "\n")
+    results.claim([SUMMARY_FILE])
+    replace_text(results / SUMMARY_FILE, text + "\n")
     return json.loads(text)
 
 
@@ -156,7 +156,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         "n_ranks": record.get("n_ranks"),
         "end_reason": record.get("end_reason"),
         "energy_balance_accepted": record.get("energy_balance_accepted"),
-        "deck_changed": changed_files(result.path.parent) or None,
+        "deck_changed": result.results.changed_deck() or None,
         "versions": result.versions,
     }
 

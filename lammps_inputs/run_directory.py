@@ -1,7 +1,7 @@
 """File and folder names of a run, a scan and other results, and kinds of results.
 
 Which files granwave may overwrite and delete follows from the marker, see
-`granwave.lammps_inputs.ownership`.
+`granwave.lammps_inputs.own_files`.
 """
 
 from __future__ import annotations
@@ -12,7 +12,7 @@ from pathlib import Path, PurePosixPath
 
 MARKER = ".granwave"
 LOCK_FILE = ".granwave-lock"
-#: Of all results; it grows when earlier versions could not read what is written. Versions 0.1 and 0.2 gave none.
+#: Of all results; it grows when earlier versions could not read what is written.
 FORMAT = 1
 
 # Of a run: deck, output of LAMMPS, and results of the analysis.
@@ -205,7 +205,7 @@ def files_of(directory: Path, name: str) -> list[str]:
     return [found[number] for number in sorted(found)]
 
 
-def is_scan(directory: str | Path) -> bool:
+def is_scan(directory: str | os.PathLike[str]) -> bool:
     """Return True for the directory of a scan."""
     return (Path(directory) / SCAN_INDEX).is_file()
 

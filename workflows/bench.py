@@ -8,6 +8,7 @@ import contextlib
 import json
 import os
 import re
+import shutil
 import statistics
 import subprocess
 import time
@@ -357,11 +358,9 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
     times: dict[str, list[float]] = {part: [] for part in STUDY_PARTS}
     n_steps = 0
     with scratch_directory("granwave-bench-") as scratch:
-        directory = scratch / "run"
-        for _ in range(min(repeats, _MOST_RUNS)):
-            whole = _timed(
-                "run", TIMED, "-o", str(directory), "--np", str(ranks), "--force", "--no-figures"
-            )
+        for number in range(min(repeats, _MOST_RUNS)):
+            directory = scratch / f"run-{number}"
+            whole = _timed("run", TIMED, "-o", str(directory), "--np", str(ranks), "--no-figures")
             steps = float(
                 json.loads((directory / RECORD_FILE).read_text(encoding="utf-8"))["wall_time_s"]
             )
@@ -374,6 +373,7 @@ def time_study(repeats: int, ranks: int) -> dict[str, Any]:
                 STUDY_PARTS, (whole - steps - analysis, steps, analysis, figures), strict=True
             ):
                 times[part].append(value)
+            shutil.rmtree(directory)
     for part, values in times.items():
         print(
             f"{part:>10} {_spread(values):>28}" + (f"   {n_steps} steps" if part == "steps" else "")

@@ -12,22 +12,26 @@ from typing import TYPE_CHECKING
 
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import refuse_foreign, refuse_other_kind, results_in
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
 
 if TYPE_CHECKING:
     from granwave.analysis.inference.output import Inferred
 
 
-def save(inferred: Inferred, directory: Path, *, figures: bool) -> None:
-    """Write the files of an inference into a directory, which is locked meanwhile."""
+def save(inferred: Inferred, results: ResultDirectory, *, force: bool, figures: bool) -> None:
+    """Write the files of an inference into a directory, which is locked meanwhile; by ``force``
+    earlier ones are moved into NAME.old before.
+    """
+    from granwave.analysis.inference.output import WRITTEN
     from granwave.workflows.run.directory import held
 
-    with held(directory):
-        inferred.write(directory, figures=figures)
+    with held(results):
+        results.make_room(force=force, names=WRITTEN)
+        inferred.write(results, figures=figures)
 
 
-def results_place(wanted: str | Path, *, force: bool) -> Path:
+def results_place(wanted: str | Path, *, force: bool) -> ResultDirectory:
     """Return the directory of the results.
 
     Raises
@@ -37,16 +41,16 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
     """
     from granwave.analysis.inference.output import WRITTEN
 
-    directory = results_directory(wanted, force=force)
-    if not directory.parent.is_dir():
-        raise InputError(f"-o {directory}: there is no directory {directory.parent}")
-    refuse_other_kind(directory, INFERENCE)
-    if not force and set(WRITTEN) & set(results_in(directory)):
-        raise InputError(
-            f"{directory}: already holds results; --force replaces them, or choose another with -o"
-        )
-    refuse_foreign(directory, WRITTEN)
-    return directory
+    results = ResultDirectory(results_directory(wanted))
+    if not results.path.parent.is_dir():
+        raise InputError(f"-o {results}: there is no directory {results.path.parent}")
+    results.refuse_other_kind(INFERENCE)
+    if set(WRITTEN) & set(results.result_names()):
+        if not force:
+            raise InputError(f"{results}: already holds results; {results.by_force}")
+        results.refuse_immovable()
+    results.refuse_foreign(WRITTEN)
+    return results
 
 
 def infer(

@@ -30,14 +30,9 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text, replacing
-from granwave.lammps_inputs.ownership import (
-    claim,
-    clear,
-    refuse_foreign,
-    refuse_other_kind,
-    results_in,
-)
+from granwave.lammps_inputs.own_files import figure_files
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
 
@@ -61,8 +56,8 @@ _FIGURES = {
 
 def check_place(
     directory: Path | None, name: str, source: Case | Path, *, force: bool
-) -> Path | None:
-    """Return the absolute path of a directory for results of this name; None if there is none.
+) -> ResultDirectory | None:
+    """Return the directory for results of this name; None if there is none.
 
     Raises
     ------
@@ -77,22 +72,21 @@ def check_place(
     else:
         with Result(source) as result:
             case = result.case.to_toml()
-    place = results_directory(directory, force=force)
-    refuse_other_kind(place, SPECTRA)
+    results = ResultDirectory(results_directory(directory))
+    results.check(force=force)
+    results.refuse_other_kind(SPECTRA)
     names = [f"{name}.csv", f"{name}.json"]
-    there = [] if force else [one for one in results_in(place) if one.endswith((".csv", ".json"))]
-    others, again = ([one for one in there if (one in names) == own] for own in (False, True))
-    another = "or choose another directory with -o"
-    if others and case_in(place / SPECTRA_FILE) not in ("", case):
+    there = [one for one in results.result_names() if one.endswith((".csv", ".json"))]
+    others = [one for one in there if one not in names]
+    again = [one for one in there if one in names]
+    if not force and others and case_in(results / SPECTRA_FILE) not in ("", case):
         raise InputError(
-            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, {another}"
+            f"{results}: holds results of another case ({others[0]}); {results.by_force}"
         )
-    if again:
-        raise InputError(
-            f"{place}: already holds results ({min(again)}); --force replaces them, {another}"
-        )
-    refuse_foreign(place, [*names, SPECTRA_FILE])
-    return place
+    if not force and again:
+        raise InputError(f"{results}: already holds results ({min(again)}); {results.by_force}")
+    results.refuse_foreign([*names, SPECTRA_FILE])
+    return results
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -122,19 +116,24 @@ class SmallWaves:
     columns: Columns
     tables: Mapping[str, Table]
 
-    def write(self, directory: Path | None, *, figures: bool) -> list[Path]:
+    def write(self, results: ResultDirectory | None, *, force: bool, figures: bool) -> list[Path]:
         """Write NAME.csv, NAME.json, the groups of spectra.h5 and the figures; return the paths of
         the files.
+
+        By ``force`` earlier results of the command are moved into NAME.old before, of another case
+        all of them.
         """
-        if directory is None:
+        if results is None:
             return []
-        with held(directory):
+        directory = results.path
+        with held(results):
             names = [f"{self.name}.csv", f"{self.name}.json"]
             if case_in(directory / SPECTRA_FILE) not in ("", self.state.case.to_toml()):
-                clear(
-                    directory
-                )  # with --force: tables of the other case would lie beside those of this one
-            claim(directory, [*names, SPECTRA_FILE], kind=SPECTRA)
+                results.make_room(force=force)
+            elif force:
+                drawn = [file for figure in _FIGURES[self.name] for file in figure_files(figure)]
+                results.make_room(force=True, names=[*names, *drawn])
+            results.claim([*names, SPECTRA_FILE], kind=SPECTRA)
             write_spectra(directory / SPECTRA_FILE, self.state, self.tables)
             with replacing(directory / names[0]) as scratch:
                 write_csv(self.columns, scratch)
@@ -142,7 +141,7 @@ class SmallWaves:
                 directory / names[1],
                 json.dumps(plain(dict(self.summary)), indent=1, allow_nan=False) + "\n",
             )
-            folder = FigureFolder(directory)
+            folder = FigureFolder(results)
             if figures:
                 from granwave.analysis.figures import (
                     spectra as drawing,
@@ -194,7 +193,7 @@ def bands(
     waves = SmallWaves(
         "bands", found.state, found, found.summary(), columns, files.tables_of_bands(found)
     )
-    return waves, waves.write(place, figures=figures)
+    return waves, waves.write(place, force=force, figures=figures)
 
 
 def modes(
@@ -257,7 +256,7 @@ def modes(
         "participation_ratio": found.participation,
     }
     waves = SmallWaves("modes", state, found, summary, columns, files.tables_of_modes(state, found))
-    return waves, waves.write(place, figures=figures)
+    return waves, waves.write(place, force=force, figures=figures)
 
 
 def steady(
@@ -346,7 +345,7 @@ def steady(
     waves = SmallWaves(
         "transmission", state, found, summary, columns, files.tables_of_transmission(state, found)
     )
-    return waves, waves.write(place, figures=figures)
+    return waves, waves.write(place, force=force, figures=figures)
 
 
 def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:

@@ -28,7 +28,8 @@ from granwave.analysis.figures.style import (
 )
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
-from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     FIT,
     FIT_FILES,
@@ -45,7 +46,7 @@ _MICRO = 1e6  # micrometres in a metre
 _POINTS = 300
 
 
-def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None) -> list[Path]:
+def write_fit(fit: Fit, directory: AnyPath, pair: Sequence[str] | None = None) -> list[Path]:
     """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory,
     created if necessary.
 
@@ -66,11 +67,12 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
     InputError
         A file of such a name exists, and granwave did not write it.
     """
-    directory = Path(directory)
+    results = ResultDirectory.at(directory)
+    directory = results.path
     directory.mkdir(parents=True, exist_ok=True)
-    clear(directory, WRITTEN)
+    results.clear(WRITTEN)
     files = [FIT_TOML, *([FIT_PAIR] if pair else []), FIT_TABLE, FIT_MISFIT]
-    claim(directory, [*files, *figure_files(FIGURE)], kind=read_marker(directory).kind or FIT)
+    results.claim([*files, *figure_files(FIGURE)], kind=results.marker.kind or FIT)
     replace_text(directory / FIT_TOML, fit_toml(fit))
     misfit = fit.misfit.assign(part=fit.misfit.part.str.strip()).to_dict("list")
     for name, table in ((FIT_TABLE, constants_table(fit)), (FIT_MISFIT, misfit)):
@@ -78,7 +80,7 @@ def write_fit(fit: Fit, directory: str | Path, pair: Sequence[str] | None = None
             write_csv(table, scratch)
     if pair:
         replace_text(directory / FIT_PAIR, pair_toml(fit, pair))
-    folder = FigureFolder(directory)
+    folder = FigureFolder(results)
     with style():
         folder.draw(partial(fit_drawing, fit), FIGURE)
     return [directory / name for name in files] + folder.written

@@ -30,8 +30,8 @@ from granwave.analysis.scans.table import read_scan
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import discard, naming
-from granwave.lammps_inputs.ownership import Marker, claim, clear, read_marker
-from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, OTHER, is_scan
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
 
 OVITO_SCRIPT = "open_in_ovito.py"
 
@@ -88,23 +88,10 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     if output is not None:
         results_directory(output)
         return _export(directory, to, Path(output))
-    output = directory / EXPORT_DIRECTORY
-    _take_over(directory, output)
-    placed = _export(directory, to, output)
-    claim(directory, [f"{EXPORT_DIRECTORY}/"])  # so that --force removes it with the results
+    placed = _export(directory, to, directory / EXPORT_DIRECTORY)
+    # so that --force moves it with the results
+    ResultDirectory(directory).claim([f"{EXPORT_DIRECTORY}/"])
     return placed
-
-
-def _take_over(directory: Path, output: Path) -> None:
-    """Write a marker for an export that version 0.1.0 left in its results."""
-    prefix = f"{EXPORT_DIRECTORY}/"
-    names = [
-        name.removeprefix(prefix)
-        for name in read_marker(directory).files
-        if name.startswith(prefix)
-    ]
-    if any(names) and not read_marker(output).kind:
-        Marker(OTHER, files=dict.fromkeys(filter(None, names))).write(output)
 
 
 def _export(directory: Path, to: str, output: Path) -> list[Path]:
@@ -198,6 +185,7 @@ def staged(
     made = [path for path in (output, *output.parents) if not path.exists()]
     names: list[str] = []
     placed: list[Path] = []
+    results = ResultDirectory(output)
     try:
         output.mkdir(parents=True, exist_ok=True)
         scratch = Path(tempfile.mkdtemp(prefix=".granwave-export-", dir=output))
@@ -214,12 +202,12 @@ def staged(
     try:
         with naming(output):
             yield path_of, placed
-            claim(output, names)
+            results.claim(names)
             for name in names:
                 os.replace(scratch / name, output / name)
                 placed.append(output / name)
-            own = [name for name in read_marker(output).files if name not in names]
-            clear(output, [name for name in own if re.fullmatch(outdated, name)])
+            own = [name for name in results.marker.files if name not in names]
+            results.clear([name for name in own if re.fullmatch(outdated, name)])
     except OSError as error:  # one that names no file is of the last begun
         if error.filename == str(output) and names:
             error.filename = str(output / names[-1])

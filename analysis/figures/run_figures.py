@@ -21,6 +21,7 @@ from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.own_files import AnyPath
 
 
 @dataclasses.dataclass(frozen=True)
@@ -145,7 +146,7 @@ _LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",), ("directions
 
 
 def draw_figures(
-    directory: str | Path,
+    directory: AnyPath,
     progress: Callable[[str], None] | None = None,
     names: tuple[str, ...] | None = None,
     helpers: Helpers | None = None,
@@ -215,7 +216,7 @@ def _shares(names: Sequence[str]) -> list[list[int]]:
 
 @contextmanager
 def painter(
-    directory: str | Path, options: Figures
+    directory: AnyPath, options: Figures
 ) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
     """Open a run; give a function that draws the figure of a name, as contents of its files by
     suffix.

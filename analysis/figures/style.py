@@ -29,8 +29,9 @@ from granwave.analysis.figures.titles import break_long_titles
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import replace_bytes, replacing, write_csv_rows
-from granwave.lammps_inputs.ownership import claim, clear, figure_files, read_marker
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     FIGURE_SUFFIXES,
     FIGURES_DIRECTORY,
@@ -348,8 +349,8 @@ class FigureFolder:
         Paths of the PNG files that were saved.
     """
 
-    def __init__(self, directory: str | Path) -> None:
-        self.directory = Path(directory)
+    def __init__(self, directory: AnyPath) -> None:
+        self.results = ResultDirectory.at(directory)
         self.written: list[Path] = []
 
     def save(
@@ -378,21 +379,21 @@ class FigureFolder:
             self.remove(name)
             return
         own = {PurePosixPath(file).suffix: file for file in figure_files(name)}
-        clear(self.directory, [own[suffix] for suffix in own.keys() - files.keys()])
+        self.results.clear([own[suffix] for suffix in own.keys() - files.keys()])
         try:
-            claim(self.directory, [own[suffix] for suffix in files])
+            self.results.claim([own[suffix] for suffix in files])
         except InputError as error:
             logger.warning("%s: not drawn: %s", name, error)
             return
-        (self.directory / FIGURES_DIRECTORY).mkdir(exist_ok=True)
+        (self.results / FIGURES_DIRECTORY).mkdir(exist_ok=True)
         for suffix, content in files.items():
-            replace_bytes(self.directory / own[suffix], content)
+            replace_bytes(self.results / own[suffix], content)
         if ".png" in files:
-            self.written.append(self.directory / own[".png"])
+            self.written.append(self.results / own[".png"])
 
     def remove(self, *names: str) -> None:
         """Remove earlier figures."""
-        clear(self.directory, [file for name in names for file in figure_files(name)])
+        self.results.clear([file for name in names for file in figure_files(name)])
 
     def names(self) -> list[str]:
         """Return the names of the figures in the folder, those included that could not be drawn."""
@@ -400,7 +401,7 @@ class FigureFolder:
 
     def not_drawn(self) -> dict[str, NotDrawn]:
         """Return the figures that could not be drawn, by name."""
-        paths = [self.directory / path for path in self._files() if path.suffix == NOT_DRAWN_SUFFIX]
+        paths = [self.results / path for path in self._files() if path.suffix == NOT_DRAWN_SUFFIX]
         reasons = {
             path.stem: path.read_text("utf-8", "replace").strip()
             for path in paths
@@ -409,7 +410,7 @@ class FigureFolder:
         return {name: NotDrawn(f"figure {name}", reason) for name, reason in reasons.items()}
 
     def _files(self) -> list[PurePosixPath]:
-        files = [PurePosixPath(name) for name in read_marker(self.directory).files]
+        files = [PurePosixPath(name) for name in self.results.marker.files]
         return [path for path in files if str(path.parent) == FIGURES_DIRECTORY]
 
 

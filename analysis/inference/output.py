@@ -7,7 +7,6 @@ import json
 import math
 from collections.abc import Mapping, Sequence
 from functools import partial
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -33,7 +32,8 @@ from granwave.analysis.figures.style import (
 from granwave.analysis.inference.grains import Array
 from granwave.analysis.inference.infer import Inference
 from granwave.lammps_inputs.files import plain, replace_text, replacing
-from granwave.lammps_inputs.ownership import claim, clear, figure_files
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     INFERENCE,
     INFERRED_FORCES,
@@ -136,7 +136,7 @@ class Inferred:
                 table.insert(0, "time_s", time)
         return pd.concat(tables, ignore_index=True)
 
-    def write(self, directory: Path, *, figures: bool = True) -> None:
+    def write(self, directory: AnyPath, *, figures: bool = True) -> None:
         """Write the files into a directory, created if necessary; earlier ones are replaced.
 
         Figures show the instant with the largest force.
@@ -146,8 +146,9 @@ class Inferred:
         InputError
             A file of such a name exists, and granwave did not write it.
         """
-        directory.mkdir(parents=True, exist_ok=True)
-        clear(directory, WRITTEN)
+        results = ResultDirectory.at(directory)
+        results.path.mkdir(parents=True, exist_ok=True)
+        results.clear(WRITTEN)
         written: dict[str, Columns] = {
             INFERRED_FORCES: dict(self.forces),
             INFERRED_GRAINS: dict(self.grains),
@@ -159,16 +160,16 @@ class Inferred:
         }
         if self.case is not None:
             texts[MADE_CASE] = tomli_w.dumps(plain(dict(self.case)))
-        claim(directory, [*written, *texts], kind=INFERENCE)
+        results.claim([*written, *texts], kind=INFERENCE)
         for name, columns in written.items():
-            with replacing(directory / name) as scratch:
+            with replacing(results / name) as scratch:
                 write_csv(columns, scratch, exact=True)
         for name, text in texts.items():
-            replace_text(directory / name, text)
+            replace_text(results / name, text)
         if not figures:
             return
         shown = max(self.found, key=lambda one: float(one.force.max(initial=0.0)))
-        folder = FigureFolder(directory)
+        folder = FigureFolder(results)
         with style():
             for name, draw in zip(FIGURES, (network, residuals, errors, modulus), strict=False):
                 folder.draw(partial(draw, shown), name)

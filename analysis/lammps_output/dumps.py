@@ -45,8 +45,9 @@ from granwave.analysis.lammps_output.frame import (
 )
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.deck import columns
-from granwave.lammps_inputs.ownership import output_names
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DUMPS, RANK, files_of, of_each_rank
 
 # Columns that the readers require; others are optional, see `Frame.get`. Early versions did not
@@ -63,7 +64,7 @@ log = logging.getLogger(__name__)
 
 
 def read_frames(
-    directory: Path, at_once: int | None = None, *, partial: bool = True, unread: bool = False
+    directory: AnyPath, at_once: int | None = None, *, partial: bool = True, unread: bool = False
 ) -> Iterator[Frame]:
     """Iterate over the snapshots of ``dumps/spheres.bin`` or ``spheres.dump``, `SPHERE_COLUMNS`,
     rows sorted by id.
@@ -81,9 +82,10 @@ def read_frames(
         True to leave reading and sorting to the caller, `Frame.read` and `Frame.sorted_by`, where
         the dump is binary.
     """
-    dumps = _dumps_of_frames(directory)
+    results = ResultDirectory.at(directory)
+    dumps = _dumps_of_frames(results)
     contacts = (
-        directory / DUMPS / of_each_rank(files.CONTACTS_FILE)
+        results / DUMPS / of_each_rank(files.CONTACTS_FILE)
     )  # written by the same ranks as the last snapshot
     paths = [_rank_files(path, like=contacts if path is dumps[-1] else None) for path in dumps]
     pieces = itertools.chain.from_iterable(
@@ -93,12 +95,12 @@ def read_frames(
     return rising if unread else (frame.read().sorted_by("id") for frame in rising)
 
 
-def frames_path(directory: Path) -> Path:
+def frames_path(directory: AnyPath) -> Path:
     """Return the path of the dump of snapshots, binary or text, with "%" if each rank wrote its
     own.
     """
     return _present(
-        directory,
+        ResultDirectory.at(directory),
         [form for name in files.FRAMES_FILES.values() for form in (name, of_each_rank(name))],
     )
 
@@ -205,7 +207,7 @@ class ContactDump:
         )
 
 
-def contacts_at_end(directory: Path) -> ContactDump:
+def contacts_at_end(directory: AnyPath) -> ContactDump:
     """Return the contacts at the end of the run (``dumps/contacts.dump``); a forgotten dent is a
     row of its own.
 
@@ -213,18 +215,20 @@ def contacts_at_end(directory: Path) -> ContactDump:
     friction (dissipation) and initial (initial dent): overlaps in m, forces in N, energies in J,
     times in s (-1: never).
     """
-    path = _present(directory, [files.CONTACTS_FILE, of_each_rank(files.CONTACTS_FILE)])
-    return ContactDump(path, _dumps_of_frames(directory)[-1], CONTACT_COLUMNS, files.COUNT_FILE)
+    results = ResultDirectory.at(directory)
+    path = _present(results, [files.CONTACTS_FILE, of_each_rank(files.CONTACTS_FILE)])
+    return ContactDump(path, _dumps_of_frames(results)[-1], CONTACT_COLUMNS, files.COUNT_FILE)
 
 
-def contacts_after_static_stage(directory: Path) -> ContactDump | None:
+def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
     """Return the contact forces after the static stage: i, j, force (N).
 
-    None if there was no such stage, or an early version ran it, which did not write them. A file
-    that is listed among those of the run counts, even if it is missing.
+    None if there was no such stage. A file that is listed among those of the run counts, even if it
+    is missing.
     """
-    folder = directory / DUMPS
-    own = output_names(directory)
+    results = ResultDirectory.at(directory)
+    folder = results / DUMPS
+    own = results.output_names()
     for name in (files.INITIAL_FORCES_FILE, of_each_rank(files.INITIAL_FORCES_FILE)):
         there = files_of(folder, name) or [name]
         path = folder / name
@@ -236,7 +240,7 @@ def contacts_after_static_stage(directory: Path) -> ContactDump | None:
     return None
 
 
-def read_wall_contacts(directory: Path, *, after_static_stage: bool = False) -> dict[str, Frame]:
+def read_wall_contacts(directory: AnyPath, *, after_static_stage: bool = False) -> dict[str, Frame]:
     """Read the contacts with each plane at the end of the run (``dumps/wall_NAME.dump``), by its
     name; none: empty.
 
@@ -251,8 +255,9 @@ def read_wall_contacts(directory: Path, *, after_static_stage: bool = False) -> 
     before, after = files.WALL_CONTACTS_FILE.split("{}")
     required = columns.names(columns.WALL_FORCES) if after_static_stage else WALL_COLUMNS
     found: dict[str, list[Frame]] = {}
-    own = output_names(directory)
-    for path in sorted((directory / DUMPS).glob(f"{before}*{after}")):
+    results = ResultDirectory.at(directory)
+    own = results.output_names()
+    for path in sorted((results / DUMPS).glob(f"{before}*{after}")):
         if own and f"{DUMPS}/{path.name}" not in own:
             continue
         fix = path.name.removeprefix(before).removesuffix(after)
@@ -458,25 +463,26 @@ def _missing_dump(directory: Path, path: Path) -> MissingOutputError:
     )
 
 
-def _present(directory: Path, names: list[str]) -> Path:
+def _present(results: ResultDirectory, names: list[str]) -> Path:
     """Return which of these dumps there is."""
-    folder = directory / DUMPS
+    folder = results / DUMPS
+    own = results.output_names()
     there = [
         name for name in names if any((folder / file).exists() for file in files_of(folder, name))
     ]
-    listed = [name for name in names if f"{DUMPS}/{name}" in output_names(directory)]
+    listed = [name for name in names if f"{DUMPS}/{name}" in own]
     if not there:
-        raise _missing_dump(directory, folder / (listed or names)[0])
+        raise _missing_dump(results.path, folder / (listed or names)[0])
     return folder / there[0]
 
 
-def _dumps_of_frames(directory: Path) -> list[Path]:
+def _dumps_of_frames(results: ResultDirectory) -> list[Path]:
     """Return the dump of snapshots of a run, and those of its resumptions, in order of time."""
     found = {}
-    own = output_names(directory)
+    own = results.output_names()
     for name in files.FRAMES_RESUMED.values():
         before, after = name.split("{}")
-        for path in (directory / DUMPS).glob(f"{before}*{after}"):
+        for path in (results / DUMPS).glob(f"{before}*{after}"):
             dump = _PART_NUMBER.sub(f".{RANK}", path.name)
             step = dump.removeprefix(before).removesuffix(after).removesuffix(f".{RANK}")
             if (
@@ -485,4 +491,4 @@ def _dumps_of_frames(directory: Path) -> list[Path]:
                 and (not own or f"{DUMPS}/{path.name}" in own)
             ):
                 found[int(step)] = path.with_name(dump)
-    return [frames_path(directory), *(found[step] for step in sorted(found))]
+    return [frames_path(results), *(found[step] for step in sorted(found))]

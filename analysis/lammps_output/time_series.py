@@ -20,12 +20,11 @@ from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck import columns
 from granwave.lammps_inputs.deck.deck import read_deck
-from granwave.lammps_inputs.directories import changed_file
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.ownership import output_names
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 #: Columns of the energy ledger.
 ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
@@ -180,12 +179,12 @@ def check_complete(directory: Path) -> Case:
     return case
 
 
-def check_unchanged(directory: Path, processes: Processes = ALONE) -> None:
+def check_unchanged(results: ResultDirectory, processes: Processes = ALONE) -> None:
     """Raise OutputFormatError if a file that LAMMPS wrote is not as it was at the end of the run."""
-    if fault := changed_file(directory, output_names(directory), processes):
+    if fault := results.changed_file(results.output_names(), processes):
         raise OutputFormatError(
             f"{fault}: put back what the run wrote, or run the case again: "
-            f"granwave run {directory / files.CASE_FILE} -o {directory} --resume"
+            f"granwave run {results / files.CASE_FILE} -o {results} --resume"
         )
 
 

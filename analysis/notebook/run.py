@@ -26,7 +26,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
 from granwave.analysis.summary_table import Row, explanation, lines, summary_rows
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
-from granwave.lammps_inputs.directories import read_summary
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
 
 if TYPE_CHECKING:
@@ -132,7 +132,7 @@ class Run(Values):
 
     def __init__(self, directory: str | Path, labels: Mapping[str, Any] | None = None) -> None:
         path = Path(directory)
-        super().__init__(read_summary(path) if path.is_dir() else {})
+        super().__init__(ResultDirectory(path).summary() if path.is_dir() else {})
         if "name" not in self.summary:
             summary = path / SUMMARY_FILE
             if not path.is_dir() or not (path / RESULT_FILE).exists():

@@ -385,7 +385,7 @@ def _peaks(run: Run) -> NDArray[np.float64]:
     N; or nothing.
     """
     try:
-        with Result(run.directory) as result:
+        with Result(run.results) as result:
             if "chain" not in result:
                 return np.empty(0)
             static = (

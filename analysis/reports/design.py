@@ -49,8 +49,8 @@ from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import by_key
 from granwave.analysis.reports.setting import quantity_in, setting_of
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.files import read_json, read_toml
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE, DESIGN_OUTCOME, DESIGN_TABLE
 
 _MOST_ROWS = 10
@@ -144,7 +144,7 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     best = found["best"]
     place = directory / best["directory"]
     case = by_key(read_toml(place / CASE_FILE))
-    summary = read_summary(place)
+    summary = ResultDirectory(place).summary()
     values = []
     for name, value in best["objective"].items():
         ends = best.get("spread", {}).get(name)

@@ -331,7 +331,7 @@ def _pictures(
     pages = [Note(text, links=(inputs.link(item.directory / name, name),)) for name, text in there]
     gallery = [Gallery(tuple(figures))] if figures else []
     failed = [
-        Note(f"The {one}.", "bad") for one in FigureFolder(item.directory).not_drawn().values()
+        Note(f"The {one}.", "bad") for one in FigureFolder(item.results).not_drawn().values()
     ]
     return (*pages, *gallery, *damaged, *failed)
 

@@ -31,10 +31,9 @@ from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.registry import is_study_file
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
-from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_tables, regular
-from granwave.lammps_inputs.ownership import refuse_special
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINTS,
@@ -82,11 +81,16 @@ class Run:
 
     label: str
     kind: Kind
-    directory: Path
+    results: ResultDirectory
     status: str
     summary: Mapping[str, Any]
     case: Mapping[str, Any]
     record: Mapping[str, Any]
+
+    @property
+    def directory(self) -> Path:
+        """Path of its directory."""
+        return self.results.path
 
     @property
     def is_inference(self) -> bool:
@@ -126,7 +130,7 @@ class Run:
         if self.kind != "run":
             return False
         try:
-            Result(self.directory).close()
+            Result(self.results).close()
         except MissingOutputError:
             return False
         except OutputFormatError:
@@ -164,8 +168,13 @@ class Scan:
 
     @property
     def directory(self) -> Path:
-        """Directory of the scan."""
+        """Path of its directory."""
         return self.source.directory
+
+    @property
+    def results(self) -> ResultDirectory:
+        """Its directory."""
+        return self.source.results
 
     @cached_property
     def means(self) -> Means:
@@ -324,7 +333,8 @@ def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Sc
         raise InputError(
             f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"
         )
-    return [_read_run(path, label, _summary(path))]
+    results = ResultDirectory(path)
+    return [_read_run(results, label, _summary(results))]
 
 
 def _read_spectrum(path: Path, label: str, kind: str) -> Run:
@@ -338,7 +348,7 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
     return Run(
         label,
         "spectra",
-        path,
+        ResultDirectory(path),
         "done",
         {**values, "kind": kind, "versions": versions},
         by_key(tables),
@@ -346,8 +356,9 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
     )
 
 
-def _summary(path: Path) -> dict[str, Any]:
-    refuse_special(path)
+def _summary(results: ResultDirectory) -> dict[str, Any]:
+    results.refuse_special()
+    path = results.path
     try:
         summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
         wrong = (
@@ -386,16 +397,17 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def _read_run(path: Path, label: str, summary: Mapping[str, Any]) -> Run:
-    check_case(path)
-    if changed := changed_result(path):
+def _read_run(results: ResultDirectory, label: str, summary: Mapping[str, Any]) -> Run:
+    results.check_case()
+    if changed := results.changed_result():
         raise InputError(changed)
-    case = by_key(read_tables(path / CASE_FILE) or tables_as_run(path) or {})
-    record = read_json(path / RECORD_FILE) or {}
+    case = by_key(read_tables(results / CASE_FILE) or results.tables_as_run() or {})
+    record = read_json(results / RECORD_FILE) or {}
     continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
     label, status = (f"{label} (refused)", "refused") if refused else (label, "done")
-    return Run(label, "continuum" if continuum else "run", path, status, summary, case, record)
+    kind: Kind = "continuum" if continuum else "run"
+    return Run(label, kind, results, status, summary, case, record)
 
 
 def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -431,7 +443,8 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
         whole = result.directory if done else None
         if whole and result.id not in runs:
             try:
-                runs[result.id] = _read_run(whole, f"{label} #{result.number}", result.summary)
+                place = ResultDirectory(whole)
+                runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary)
             except InputError as error:
                 errors += error.errors
                 continue

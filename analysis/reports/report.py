@@ -227,8 +227,7 @@ def _font_faces() -> str:
 SUFFIXES = (".html", ".pdf", ".md")
 _OWN = {  # patterns that match every report
     ".html": rb'<meta name="generator" content="granwave">',
-    # the second until version 0.2
-    ".pdf": rb"%%EOF\n% report of granwave\n\Z|/Creator \(granwave\)",
+    ".pdf": rb"%%EOF\n% report of granwave\n\Z",
     ".md": rb"\A# Report: .*\n\n(?!1 run\.)(\d+ runs?)?( and )?(\d+ scans? with \d+ of \d+ points done)?"
     rb"(: .+|\. SI units)?\.\n",
 }

@@ -18,7 +18,7 @@ from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_toml
-from granwave.lammps_inputs.ownership import GROUPS, held
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 OF_A_RUN = (files.CASE_FILE, files.SUMMARY_FILE, files.RECORD_FILE, files.RESULT_FILE)
 UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
@@ -46,8 +46,9 @@ def why_no_run(path: Path) -> str:
             return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
         which = f"{files.SCAN_TABLE} tells which is which"
         return f"{path}: is a scan, expected a run; give the directory of a point, such as {done} ({which})"
-    if (what := held(path)) in (GROUPS[files.SPECTRA], GROUPS[files.INFERENCE]):
-        return f"{path}: holds {what}, expected a run"
+    results = ResultDirectory(path)
+    if results.marker.kind in (files.SPECTRA, files.INFERENCE):
+        return f"{path}: holds {results.content}, expected a run"
     found = sorted(entry.name for entry in path.iterdir())
     if not any(name in found for name in OF_A_RUN):
         expected = f"expected {files.RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"

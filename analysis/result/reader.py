@@ -32,11 +32,12 @@ from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import Figures, read_figures
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.directories import changed_result
 from granwave.lammps_inputs.files import read_tables, regular
 from granwave.lammps_inputs.load_case import stored_case
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import impacted_of, struck_of, struck_site
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESULT_FILE, newer_format
 
 
@@ -94,17 +95,16 @@ class Result:
         The file is not the result of a run.
     """
 
-    def __init__(
-        self, source: str | Path, at_once: int = AT_ONCE, case: Case | None = None
-    ) -> None:
+    def __init__(self, source: AnyPath, at_once: int = AT_ONCE, case: Case | None = None) -> None:
         path = Path(source)
         self.at_once = at_once
         self._case = case
         self.path = path / RESULT_FILE if path.is_dir() else path
+        self.results = ResultDirectory.at(source if path.is_dir() else path.parent)
         if not self.path.exists():
             raise MissingOutputError(why_no_run(path))
         try:
-            if changed := changed_result(self.path.parent, [self.path.name]):
+            if changed := self.results.changed_result([self.path.name]):
                 raise OutputFormatError(changed)
             self.file = h5py.File(regular(self.path), "r")
         except OSError as error:
@@ -305,7 +305,7 @@ class Result:
 
     @cached_property
     def impact_axis(self) -> NDArray[np.float64]:
-        """Place of the impact axis in x and y: the centroid of the impacted spheres' initial
+        """AnyPath of the impact axis in x and y: the centroid of the impacted spheres' initial
         centres, (2,), m.
 
         The axis goes along z. With periodic sides the images nearest to the struck sphere count.

@@ -30,6 +30,7 @@ from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import INITIAL_WALL_FORCES_FILE
 
 COLUMN = "initial_force"
@@ -50,14 +51,14 @@ class AfterStaticStage(NamedTuple):
 
 
 def after_static_stage(
-    directory: Path, start: Start, scratch: Callable[[], Path], processes: Processes
+    results: ResultDirectory, start: Start, scratch: Callable[[], Path], processes: Processes
 ) -> AfterStaticStage | None:
-    """Read the forces after the static stage; None if there was none, or an early version ran it."""
-    dump = dumps.contacts_after_static_stage(directory)
+    """Read the forces after the static stage; None if there was none."""
+    dump = dumps.contacts_after_static_stage(results)
     if dump is None:
         return None
     folder = dump.path.parent
-    planes = dumps.read_wall_contacts(directory, after_static_stage=True)
+    planes = dumps.read_wall_contacts(results, after_static_stage=True)
     for name, frame in planes.items():
         start.check_ids(folder / INITIAL_WALL_FORCES_FILE.format(name), frame)
     return AfterStaticStage(Dents(start, dump, scratch, processes), planes, folder)

@@ -28,8 +28,8 @@ from MDAnalysis.coordinates.timestep import Timestep
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
-from granwave.lammps_inputs.directories import changed_result
 from granwave.lammps_inputs.files import regular
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 DATA = (
     "displacement",
@@ -57,7 +57,7 @@ class ResultReader(ReaderBase):
     def __init__(self, filename: str | Path, **kwargs: object) -> None:
         super().__init__(filename, **kwargs)
         path = Path(self.filename)
-        if changed := changed_result(path.parent, [path.name]):
+        if changed := ResultDirectory(path.parent).changed_result([path.name]):
             raise OutputFormatError(changed)
         self._open()
         self._data = [name for name in DATA if name in self._spheres]

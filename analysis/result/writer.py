@@ -47,19 +47,19 @@ from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
-from granwave.lammps_inputs.directories import check_case
 from granwave.lammps_inputs.files import regular, scratch_files
 from granwave.lammps_inputs.load_case import read_stored_case
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 BALANCE_REFUSED = "energy balance refused"  # end_reason of a run whose energies do not add up
 _OF_MOVING_WALLS = names(MOVING_WALL)  # columns of walls.txt, after the wall's name
 
 
 def write_result(
-    directory: str | Path,
+    directory: AnyPath,
     *,
     at_once: int = AT_ONCE,
     case: Case | None = None,
@@ -97,10 +97,11 @@ def write_result(
     InputError
         A result.h5 exists that granwave did not write, or case.toml was changed after the run.
     """
-    directory = Path(directory)
-    path = directory / files.RESULT_FILE
-    check_case(directory)
-    claim(directory, [files.RESULT_FILE])
+    results = ResultDirectory.at(directory)
+    directory = results.path
+    path = results / files.RESULT_FILE
+    results.check_case()
+    results.claim([files.RESULT_FILE])
     with scratch_files(path) as scratch, new_hdf5(path, libver="v110") as file:
         case_file = directory / files.CASE_FILE
         if not case_file.exists():
@@ -112,7 +113,7 @@ def write_result(
         resolved = tomllib.loads(text).get("resolved", {})
         ledger = read_energy(directory)
         contacts = contacts_at_end(
-            directory
+            results
         )  # the last file to be written: without it the run is not finished
         start = Start(directory, at_once, scratch(), processes)
         record = read_record(directory)
@@ -128,11 +129,11 @@ def write_result(
         write_metadata(file, versions["granwave"])
 
         n_steps = int(ledger["step"][-1])
-        snapshots = frames_path(directory)
+        snapshots = frames_path(results)
         timestep = resolved.get("timestep")
         timestep = float(ledger["time"][-1] / max(n_steps, 1) if timestep is None else timestep)
         frames = read_frames(
-            directory, at_once, partial=False, unread=start.n_particles == start.n_spheres
+            results, at_once, partial=False, unread=start.n_particles == start.n_spheres
         )
         end = write_trajectory(file, case, start, frames, timestep, snapshots, processes)
         if end < n_steps:  # the end of a run is always a snapshot
@@ -146,14 +147,12 @@ def write_result(
             _write_groups(
                 file, line_groups(directory, assemble(case), timestep, n_steps - n_steps % every)
             )
-        planes = read_wall_contacts(directory)
+        planes = read_wall_contacts(results)
         for name, frame in planes.items():
             start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
         dents = Dents(start, contacts, scratch, processes)
         initial = (
-            after_static_stage(directory, start, scratch, processes)
-            if case.precompression
-            else None
+            after_static_stage(results, start, scratch, processes) if case.precompression else None
         )
         write_tables(file, case, start, dents, planes, initial, processes)
         tables = {"energy": ledger, "prestage": read_table(directory, files.STATIC_STAGE_FILE)}

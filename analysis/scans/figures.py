@@ -181,7 +181,7 @@ def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> lis
         The index of the scan is damaged.
     """
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
-    folder = FigureFolder(result.directory)
+    folder = FigureFolder(result.results)
     with style():
         found = drawings(result)
         for name, drawing in found.items():

@@ -17,8 +17,9 @@ from typing import Any, Literal
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.formatting.values import AMPLITUDE, LOAD_KIND, amplitude_unit, unit_of
-from granwave.lammps_inputs.directories import case_digest, read_summary, tables_as_run
 from granwave.lammps_inputs.files import read_json, read_tables, regular
+from granwave.lammps_inputs.own_files import AnyPath
+from granwave.lammps_inputs.result_directory import ResultDirectory, case_digest
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINT_FILE,
@@ -80,8 +81,9 @@ class ScanResult:
         The index of the scan is damaged.
     """
 
-    def __init__(self, directory: str | Path) -> None:
-        self.directory = Path(directory)
+    def __init__(self, directory: AnyPath) -> None:
+        self.results = ResultDirectory.at(directory)
+        self.directory = self.results.path
         path = self.directory / SCAN_INDEX
         try:
             index = json.loads(regular(path).read_text(encoding="utf-8"))
@@ -140,7 +142,7 @@ class ScanResult:
         if name not in self._summaries:
             if other := other_point(finished):
                 raise OutputFormatError(other)
-            if found := read_summary(finished):
+            if found := ResultDirectory(finished).summary():
                 self._summaries[name] = found
         summary = self._summaries.get(name, {})
         directory = finished if summary else unfinished if unfinished.is_dir() else None
@@ -179,7 +181,7 @@ def other_point(directory: Path) -> str:
         return (
             f"{directory}: holds the point {other} of the scan; move it to its own place, or {way}"
         )
-    tables = tables_as_run(directory) if "case" in noted else None
+    tables = ResultDirectory(directory).tables_as_run() if "case" in noted else None
     if tables is not None and case_digest(tables) != noted["case"]:
         return f"{directory}: holds a run of another case than that of the point; {way}"
     return ""

@@ -30,7 +30,6 @@ from granwave.analysis.scans.result import SEED, PointResult, ScanResult
 from granwave.analysis.statistics import estimate
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.files import replacing, write_csv_rows
-from granwave.lammps_inputs.ownership import claim, clear
 from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE
 
 if TYPE_CHECKING:
@@ -144,12 +143,12 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
     result = scan if isinstance(scan, ScanResult) else ScanResult(scan)
     table = scan_table(result)
     means = scan_statistics(result)
-    claim(result.directory, [SCAN_TABLE, SCAN_DATA, *([SCAN_MEANS] if means else [])])
+    result.results.claim([SCAN_TABLE, SCAN_DATA, *([SCAN_MEANS] if means else [])])
     _write_csv(table, result.directory / SCAN_TABLE)
     if means:
         _write_csv(means, result.directory / SCAN_MEANS)
     else:
-        clear(result.directory, [SCAN_MEANS])
+        result.results.clear([SCAN_MEANS])
     with new_hdf5(result.directory / SCAN_DATA) as file:
         file.attrs["name"], file.attrs["case"] = result.name, result.case_name
         file.attrs["versions"] = json.dumps(versions_of(()))

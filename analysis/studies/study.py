@@ -22,7 +22,8 @@ from granwave.analysis.studies.registry import (
     load_study,
 )
 from granwave.lammps_inputs.files import replace_text, write_csv_rows
-from granwave.lammps_inputs.ownership import claim, clear
+from granwave.lammps_inputs.own_files import AnyPath
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
 
 if TYPE_CHECKING:
@@ -276,7 +277,7 @@ def _make(name: str, module: Any, runs: Runs, undone: Labels) -> Iterator[Study]
         )
 
 
-def draw_studies(found: Sequence[Study], directory: Path) -> list[Path]:
+def draw_studies(found: Sequence[Study], directory: AnyPath) -> list[Path]:
     """Save all figures of studies with their data into ``directory/figures``; returns the PNG
     files.
     """
@@ -308,7 +309,7 @@ def record_of(row: Row) -> dict[str, Any]:
     }
 
 
-def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
+def write_rows(found: Sequence[Study], directory: AnyPath) -> Path | None:
     """Write the rows of all studies into ``study_rows.csv``; None, and no file, if there are none.
 
     Raises
@@ -316,15 +317,16 @@ def write_rows(found: Sequence[Study], directory: Path) -> Path | None:
     InputError
         A file of this name exists, and granwave did not write it.
     """
+    results = ResultDirectory.at(directory)
     records = [{"study": study.name} | record_of(row) for study in found for row in study.rows]
     if not records:
-        clear(directory, [STUDY_ROWS])
+        results.clear([STUDY_ROWS])
         return None
     text = io.StringIO()
     write_csv_rows(text, [list(records[0]), *(record.values() for record in records)])
-    claim(directory, [STUDY_ROWS])
-    replace_text(directory / STUDY_ROWS, text.getvalue())
-    return directory / STUDY_ROWS
+    results.claim([STUDY_ROWS])
+    replace_text(results / STUDY_ROWS, text.getvalue())
+    return results / STUDY_ROWS
 
 
 def span(label: str, values: Mapping[str, Estimate], unit: str = "") -> str:

@@ -25,8 +25,9 @@ from granwave.analysis.view.scene import fields, instants_of, plot_of
 from granwave.lammps_inputs.directories import refuse_other_file
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.cylinders import SPHERES
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import VIEW_FILE
 
 if TYPE_CHECKING:
@@ -71,7 +72,7 @@ class View:
 
 
 def write_view(
-    directory: str | Path, path: str | Path | None = None, *, spheres: int | None = MOST_SPHERES,
+    directory: AnyPath, path: str | Path | None = None, *, spheres: int | None = MOST_SPHERES,
     frames: int | None = None,
 ) -> View:  # fmt: skip
     """Write the page of a run.
@@ -95,13 +96,13 @@ def write_view(
     MissingOutputError, OutputFormatError
         The directory holds no result, or a damaged one.
     """
-    directory = Path(directory)
-    target = directory / VIEW_FILE if path is None else Path(path)
+    results = ResultDirectory.at(directory)
+    target = results / VIEW_FILE if path is None else Path(path)
     if target.suffix.lower() not in (".html", ".htm"):
         raise InputError(f"-o {target}: expected a name that ends in .html")
     if not target.absolute().parent.is_dir():
         raise InputError(f"-o {target}: there is no directory {target.absolute().parent}")
-    with Result(directory) as result:
+    with Result(results) as result:
         if path is not None:
             refuse_other_file(target, _OWN)
         instants = instants_of(result)
@@ -127,7 +128,7 @@ def write_view(
             )
         page = _page(plot_of(result, instants, rows, found, note), result.case.name)
     if path is None:
-        claim(directory, [VIEW_FILE])
+        results.claim([VIEW_FILE])
     replace_text(target, page)
     return View(target, target.stat().st_size, len(rows), len(instants.times), note, called)
 

@@ -22,17 +22,17 @@ from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
-from granwave.lammps_inputs.directories import note_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
 from granwave.lammps_inputs.load_case import read_stored_case
-from granwave.lammps_inputs.ownership import claim, clear, read_marker, results_in
+from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, Species, assemble
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once
@@ -196,7 +196,7 @@ class Deck:
 
 def write_deck(
     case: Case | Assembly,
-    directory: str | Path,
+    directory: AnyPath,
     *,
     timestep: float | None = None,
     processes: Processes = ALONE,
@@ -222,27 +222,27 @@ def write_deck(
     """
     assembly = assemble(case)
     case = assembly.case
-    directory = Path(directory)
+    results = ResultDirectory.at(directory)
     tables = _tables(assembly)
     written = (run_directory.SCRIPT_FILE, run_directory.CASE_FILE, run_directory.DATA_FILE, *tables)
-    deck = Deck(directory, case, make_schedule(assembly, timestep), struck_of(assembly), written)
+    deck = Deck(results.path, case, make_schedule(assembly, timestep), struck_of(assembly), written)
     text = case.to_toml(resolved=resolved(deck))
     try:
-        directory.mkdir(parents=True, exist_ok=True)
-        before = read_marker(directory) if results_in(directory) else None
-        claim(directory, deck_files(assembly, deck.schedule), kind=run_directory.RUN, case=text)
+        results.path.mkdir(parents=True, exist_ok=True)
+        before = results.marker.copy() if results.result_names() else None
+        results.claim(deck_files(assembly, deck.schedule), kind=run_directory.RUN, case=text)
         deck.dumps.mkdir(exist_ok=True)
     except OSError as error:
         if error.errno in DISK_IS_FULL:
             raise
         raise InputError(
-            f"{directory}: cannot be written to: {error.strerror}; choose another with -o"
+            f"{results}: cannot be written to: {error.strerror}; choose another with -o"
         ) from None
     texts = {
         deck.script: input_script(assembly, deck.schedule),
         deck.directory / run_directory.CASE_FILE: text,
     }
-    texts |= {directory / name: table for name, table in tables.items()}
+    texts |= {results / name: table for name, table in tables.items()}
     try:
         with (
             contextlib.ExitStack() as stack
@@ -255,12 +255,12 @@ def write_deck(
                         write_data(assembly, unfinished, processes)
                     else:
                         unfinished.write_text(texts[path], encoding="utf-8")
-        note_deck(directory, [run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
+        results.note_deck([run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
     except BaseException:
         if before is None:
-            clear(directory)
+            results.clear()
         else:
-            before.write(directory)
+            results.write(before)
         raise
     return deck
 

@@ -25,7 +25,7 @@ from granwave.lammps_inputs.run_directory import FORMAT, MARKER
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.main import main
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.run import record
+from granwave.workflows.run.directory import RunDirectory
 
 HERE = Path(__file__).parent
 VERSIONS = ("0.1.0", "0.2.0", "0.3.0")
@@ -210,13 +210,13 @@ def test_a_result_alone_of_a_later_format_is_refused(now, tmp_path):
 
 
 @pytest.mark.parametrize(
-    ("version", "named"), [(None, "of a version before 0.3"), ("0.2.9", "of granwave 0.2.9")]
+    ("version", "named"), [(None, "cannot be read"), ("0.2.9", "of granwave 0.2.9")]
 )
 def test_a_checkpoint_of_another_minor_version_is_not_used(tmp_path, version, named):
     checkpoint = {"file": "checkpoint-1.restart", "whole": {}, "sizes": {}}
-    assert record.checkpoint_fault(tmp_path, checkpoint | {"version": gw.__version__}) == ""
-    assert named in record.checkpoint_fault(
-        tmp_path, checkpoint | ({"version": version} if version else {})
+    assert RunDirectory(tmp_path).checkpoint_fault(checkpoint | {"version": gw.__version__}) == ""
+    assert named in RunDirectory(tmp_path).checkpoint_fault(
+        checkpoint | ({"version": version} if version else {})
     )
 
 

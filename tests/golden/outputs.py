@@ -21,8 +21,8 @@ from typing import Any
 
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs import write_deck
-from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
 from granwave.workflows import library, load_case, run_case
 from granwave.workflows.solvers import GRANULAR, solver_of
@@ -108,7 +108,7 @@ def run_small(place: Path) -> dict[str, Any]:
         outcome = run_case(load_case(case, settings), place / name, figures=False)
         summaries[name] = outcome.summary | _OF_THE_MACHINE
         (place / name / SUMMARY_FILE).write_text(json.dumps(summaries[name]), encoding="utf-8")
-        note_files(place / name, [SUMMARY_FILE])
+        ResultDirectory(place / name).note_files([SUMMARY_FILE])
     write_report([place / name for name in RUNS], place / REPORT, ["tolerance"])
     return summaries
 

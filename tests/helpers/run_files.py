@@ -7,7 +7,7 @@ from __future__ import annotations
 import json
 from pathlib import Path
 
-from granwave.lammps_inputs.ownership import read_marker
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 
 def summary(directory):
@@ -24,7 +24,7 @@ def without_clock(directory):
 
 def without_checksums(directory: Path) -> Path:
     """Remove sizes and checksums of the output from the marker, as if LAMMPS had been run by hand."""
-    marker = read_marker(directory)
+    marker = ResultDirectory(directory).marker
     marker.files = dict.fromkeys(marker.files)
     marker.write(directory)
     return directory

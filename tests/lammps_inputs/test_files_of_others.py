@@ -12,6 +12,7 @@ from pathlib import Path
 
 import pytest
 
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.cli.main import main
 from granwave.workflows.run.directory import held
 from tests.conftest import PLAIN
@@ -105,9 +106,9 @@ def test_a_deck_that_was_run_by_hand_is_not_lost(says, tmp_path):
 def test_an_empty_directory_stays_where_nothing_came_of_it(says, tmp_path):
     Path("r").mkdir()
     says(2, "run", *TINY, "--set", "packing.size=[1000,1000,1000]", "-o", "r")
-    with held(tmp_path / "r"):
+    with held(ResultDirectory(tmp_path / "r")):
         pass
-    with held(tmp_path / "a" / "b"):
+    with held(ResultDirectory(tmp_path / "a" / "b")):
         pass
     assert [path.name for path in tmp_path.iterdir()] == ["r"]
 
@@ -192,7 +193,7 @@ def test_one_process_at_a_time(says, tmp_path):
     says(0, "run", *QUICK, "-o", "r")
     says(0, "law", "-o", "law.csv")
     before = files(tmp_path / "r")
-    with held(tmp_path / "r"):
+    with held(ResultDirectory(tmp_path / "r")):
         for command in (
             ["run", *QUICK, "-o", "r", "--force"],
             ["analyse", "r"],

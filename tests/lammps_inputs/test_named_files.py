@@ -16,6 +16,7 @@ from granwave.analysis.figures.style import write_csv
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths, with_short_paths, write_csv_rows
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase
@@ -328,7 +329,7 @@ def test_points_that_are_done_need_no_files(
     scan = load_scan(tmp_path / "scan.toml")
     out = tmp_path / "out"
     with pytest.raises(InputError) as caught:
-        check_points(scan, out, force=False)
+        check_points(scan, ResultDirectory(out), force=False)
     assert [fault.partition(" (")[0] for fault in caught.value.errors] == [
         "scan: point 2",
         "scan: point 3",
@@ -339,9 +340,9 @@ def test_points_that_are_done_need_no_files(
     )
     done = {point.id for point in scan.points[1:]}
     monkeypatch.setattr(layout, "is_whole", lambda _, point: point in done)
-    check_points(scan, out, force=False)
+    check_points(scan, ResultDirectory(out), force=False)
     with pytest.raises(InputError):
-        check_points(scan, out, force=True)
+        check_points(scan, ResultDirectory(out), force=True)
 
 
 def test_results_are_not_replaced_that_the_run_itself_needs(

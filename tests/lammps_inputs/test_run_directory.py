@@ -1,29 +1,23 @@
-"""Files of granwave in a directory of results, files that it may overwrite and remove, and results
-without a marker.
+"""Files of granwave in a directory of results: which it may overwrite, remove and move aside, and
+how often the marker that lists them is read.
 """
 
 from __future__ import annotations
 
 import json
+import os
+import pickle
 import shutil
 
 import pytest
 
 from granwave.analysis import analyse, draw_figures, summarise
-from granwave.analysis.exports.export import export
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs import own_files
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import claim, clear, foreign, read_marker, results_in
-from granwave.lammps_inputs.run_directory import (
-    CONTINUUM,
-    FIT,
-    MARKER,
-    POINT_FILES,
-    RUN,
-    SCAN,
-    SUITE,
-)
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import MARKER, POINT_FILES, RUN, SCAN, SPECTRA
 from tests.helpers import synthetic
-from tests.helpers.synthetic_scan import grid, write_scan
 
 
 def fill(directory, *names):
@@ -46,12 +40,14 @@ def test_what_is_claimed_is_ours_and_nothing_else(tmp_path):
     with pytest.raises(
         InputError, match=r"summary\.json would be overwritten, and granwave did not write it"
     ):
-        claim(tmp_path, ["run.json", "summary.json"], kind=RUN)
+        ResultDirectory(tmp_path).claim(["run.json", "summary.json"], kind=RUN)
     assert not (tmp_path / MARKER).exists()
-    claim(tmp_path, ["run.json", "figures/a.png", "figures/a.csv", "dumps/a.txt"], kind=RUN)
+    ResultDirectory(tmp_path).claim(
+        ["run.json", "figures/a.png", "figures/a.csv", "dumps/a.txt"], kind=RUN
+    )
     fill(tmp_path, "run.json", "figures/a.png", "dumps/a.txt", "dumps/mine.txt")
-    assert results_in(tmp_path) == ["run.json", "figures/a.png", "dumps/a.txt"]
-    clear(tmp_path, ["dumps/a.txt", "dumps/mine.txt"])
+    assert ResultDirectory(tmp_path).result_names() == ["run.json", "figures/a.png", "dumps/a.txt"]
+    ResultDirectory(tmp_path).clear(["dumps/a.txt", "dumps/mine.txt"])
     assert tree(tmp_path) == [
         MARKER,
         "dumps/mine.txt",
@@ -60,17 +56,17 @@ def test_what_is_claimed_is_ours_and_nothing_else(tmp_path):
         "run.json",
         "summary.json",
     ]
-    clear(tmp_path)
+    ResultDirectory(tmp_path).clear()
     assert tree(tmp_path) == ["dumps/mine.txt", "figures/mine.png", "summary.json"]
-    assert not read_marker(tmp_path).kind
+    assert not ResultDirectory(tmp_path).marker.kind
 
 
 def test_folders_that_are_empty_go_and_scratch_files_with_them(tmp_path):
-    claim(tmp_path, ["figures/a.png", "a/b/c.txt", "result.h5"], kind=RUN)
+    ResultDirectory(tmp_path).claim(["figures/a.png", "a/b/c.txt", "result.h5"], kind=RUN)
     fill(tmp_path, "figures/a.png", "a/b/c.txt", ".result.h5.123", "figures/.a.png.77")
     (tmp_path / "figures" / "theirs").mkdir()
     fill(tmp_path, ".result.h5.bak", ".mine.123")
-    clear(tmp_path)
+    ResultDirectory(tmp_path).clear()
     assert tree(tmp_path) == [".mine.123", ".result.h5.bak"]
     assert (tmp_path / "figures" / "theirs").is_dir() and not (tmp_path / "a").exists()
 
@@ -80,23 +76,23 @@ def test_links_are_not_followed(tmp_path):
     directory = tmp_path / "r"
     fill(outside, "a.png", "log", "case.toml")
     directory.mkdir()
-    claim(directory, ["figures/a.png", "log", "case.toml"], kind=RUN)
+    ResultDirectory(directory).claim(["figures/a.png", "log", "case.toml"], kind=RUN)
     (directory / "figures").symlink_to(outside)
     (directory / "log").symlink_to(outside / "log")
     fill(directory, "case.toml")
-    assert foreign(directory, ["figures/a.png", "log", "case.toml"]) == [
+    assert ResultDirectory(directory).foreign(["figures/a.png", "log", "case.toml"]) == [
         "figures (a link)",
         "log (a link)",
     ]
-    assert foreign(directory, ["case.toml/a", "../outside"]) == [
+    assert ResultDirectory(directory).foreign(["case.toml/a", "../outside"]) == [
         "case.toml (a file)",
         "../outside (a folder)",
     ]
     with pytest.raises(
         InputError, match=r"figures \(a link\), log \(a link\) would be overwritten"
     ):
-        claim(directory, ["figures/a.png", "log"])
-    clear(directory)
+        ResultDirectory(directory).claim(["figures/a.png", "log"])
+    ResultDirectory(directory).clear()
     assert tree(outside) == ["a.png", "case.toml", "log"] and tree(directory) == ["log"]
     assert (directory / "figures").is_symlink() and (directory / "log").is_symlink()
 
@@ -112,16 +108,16 @@ def test_a_marker_leads_nowhere_else(tmp_path):
         "": None,
     }
     (tmp_path / "r" / MARKER).write_text(json.dumps({"kind": "run", "files": names}))
-    clear(tmp_path / "r")
+    ResultDirectory(tmp_path / "r").clear()
     assert tree(tmp_path) == ["precious"]
 
 
 def test_results_within_results_go_by_their_own_marker(tmp_path):
     point = tmp_path / "points" / "0a"
     point.mkdir(parents=True)
-    claim(point, [*POINT_FILES, "case.toml"], kind=RUN)
+    ResultDirectory(point).claim([*POINT_FILES, "case.toml"], kind=RUN)
     fill(point, "point.json", "case.toml", "notes")
-    claim(tmp_path, ["scan.json", "points/0a/", "unfinished/0a/"], kind=SCAN)
+    ResultDirectory(tmp_path).claim(["scan.json", "points/0a/", "unfinished/0a/"], kind=SCAN)
     fill(
         tmp_path,
         "scan.json",
@@ -130,12 +126,12 @@ def test_results_within_results_go_by_their_own_marker(tmp_path):
         ".scan/logs/a/b.log",
         ".scan/mine",
     )
-    assert results_in(point) == [
+    assert ResultDirectory(point).result_names() == [
         "case.toml"
     ]  # files that a scan stores next to a run are not results
-    clear(point)
+    ResultDirectory(point).clear()
     assert tree(point) == [MARKER, "notes", "point.json"]
-    clear(tmp_path)
+    ResultDirectory(tmp_path).clear()
     assert tree(tmp_path) == [".scan/mine", "points/0a/notes", "points/mine"]
 
 
@@ -160,151 +156,164 @@ def test_an_analysis_leaves_files_of_somebody_else(tmp_path, caplog):
     )
     assert (tmp_path / ".result.h5.mine").exists()
     (tmp_path / "summary.json").rename(tmp_path / "kept.json")
-    clear(tmp_path)
+    ResultDirectory(tmp_path).clear()
     assert tree(tmp_path) == [
         ".result.h5.mine", "dumps/wall_mine.dump", "figures/energies.csv", "figures/packing_3d.png", "kept.json",
         "run.json",  # of the test
     ]  # fmt: skip
 
 
-# ---------------------------------------------------------------------- results of version 0.1.0
+# ---------------------------------------------------------------------- without a marker
 
 
 @pytest.fixture(scope="module")
 def analysed(tmp_path_factory):
     """Run with results and a figure."""
     directory = synthetic.write_run(
-        tmp_path_factory.mktemp("earlier") / "r", synthetic.make_case("chain", 3)
+        tmp_path_factory.mktemp("analysed") / "r", synthetic.make_case("chain", 3)
     )
     analyse(directory, figures=False)
     draw_figures(directory, names=("energies",))
     return directory
 
 
-@pytest.fixture
-def earlier(analysed, tmp_path):
-    """Run with results and a figure as written by version 0.1.0."""
-    shutil.copytree(analysed, tmp_path / "r")
-    (tmp_path / "r" / MARKER).unlink()
-    return tmp_path / "r"
+@pytest.mark.parametrize("marker", [None, "", "{", "[]", '{"kind": 3}', '{"kind": "run"}'])
+def test_without_a_marker_nothing_is_granwaves(analysed, tmp_path, marker):
+    """Neither names nor contents of files tell; a run can be read all the same."""
+    place = tmp_path / "r"
+    shutil.copytree(analysed, place)
+    (place / MARKER).unlink()
+    if marker is not None:
+        (place / MARKER).write_text(marker)
+    before = tree(place)
+    results = ResultDirectory(place)
+    assert not results.marker.kind
+    assert results.result_names() == []
+    results.clear()
+    assert results.set_aside() == ""
+    assert tree(place) == before
+    with pytest.raises(InputError, match=r"summary\.json would be overwritten"):
+        summarise(place)
+    with Result(place) as result:
+        assert result.n_spheres == 3
 
 
-def test_a_run_without_a_marker_is_recognised(analysed, earlier):
-    fill(
-        earlier,
-        "figures/mine.png",
-        "figures/mine.csv",
-        "dumps/mine.txt",
-        "notes.txt",
-        "points/x",
-        "export/mine.csv",
-    )
-    found = read_marker(earlier)
-    marker = read_marker(analysed)
-    assert found.kind == RUN and found.case == marker.case
-    assert set(found.files) == {name for name in marker.files if (analysed / name).exists()} | {
-        "run.json"
-    }
-    assert not (earlier / MARKER).exists()  # listing changes nothing
-    clear(earlier)
-    assert tree(earlier) == [
-        "dumps/mine.txt", "export/mine.csv", "figures/mine.csv", "figures/mine.png", "notes.txt", "points/x",
-    ]  # fmt: skip
+# ---------------------------------------------------------------------- the marker, read once
 
 
-@pytest.mark.parametrize(
-    "damaged", ["result.h5", "summary.json", "run.json", "case.toml", "in.granwave", MARKER]
-)
-def test_one_damaged_file_does_not_hide_the_others(earlier, damaged):
-    (earlier / damaged).write_text("")
-    found = read_marker(earlier)
-    names = {
-        "result.h5",
-        "summary.json",
-        "run.json",
-        "case.toml",
-        "in.granwave",
-        "dumps/energy.txt",
-    }
-    assert found.kind == RUN and names <= set(found.files) and found.case
+def test_the_marker_is_read_once(tmp_path, monkeypatch):
+    results = ResultDirectory(tmp_path)
+    results.claim(["run.json", "result.h5"], kind=RUN)
+    reads = []
+    read = own_files.read_marker
+    monkeypatch.setattr(own_files, "read_marker", lambda path: reads.append(path) or read(path))
+    fill(tmp_path, "run.json")
+    results.claim(["summary.json"])
+    assert results.result_names() == ["run.json"]
+    results.note_files(["run.json"])
+    assert results.changed_file() == ""
+    assert reads == []
+    other = ResultDirectory(tmp_path)
+    assert other.marker == results.marker
+    assert other.content == "a run"
+    assert len(reads) == 1
 
 
-def test_what_an_earlier_version_left_is_replaced_and_noted(earlier):
-    summarise(earlier)
-    draw_figures(earlier, names=("energies",))
-    assert {"summary.json", "figures/energies.png", "dumps/energy.txt"} <= set(
-        read_marker(earlier).files
-    )
-    assert (earlier / MARKER).exists()
+def test_what_another_process_enters_is_kept(tmp_path):
+    ours = ResultDirectory(tmp_path)
+    theirs = ResultDirectory(tmp_path)
+    ours.claim(["run.json"], kind=RUN)
+    assert "run.json" in theirs.marker.files
+    theirs.claim(["export/"])
+    ours.claim(["result.h5"])
+    assert set(ResultDirectory(tmp_path).marker.files) == {"run.json", "export/", "result.h5"}
+    theirs.clear()
+    assert not ours.marker.kind
 
 
-def test_an_export_of_an_earlier_version_is_replaced(earlier):
-    fill(
-        earlier,
-        "export/energy.csv",
-        "export/snapshot_0077.csv",
-        "export/mine.csv",
-        "export/walls_mine.txt",
-    )
-    export(earlier, "csv")
-    assert (earlier / "export" / "energy.csv").read_text() != "mine"
-    assert not (earlier / "export" / "snapshot_0077.csv").exists()
-    clear(earlier)
-    assert tree(earlier / "export") == ["mine.csv", "walls_mine.txt"]
+def test_an_open_directory_serves_as_a_path(tmp_path):
+    results = ResultDirectory(tmp_path)
+    assert ResultDirectory.at(results) is results
+    assert ResultDirectory.at(tmp_path).path == tmp_path
+    assert (os.fspath(results), str(results)) == (str(tmp_path), str(tmp_path))
+    assert results / "a" == tmp_path / "a"
+    copy = pickle.loads(pickle.dumps(results))
+    assert copy.path == tmp_path
 
 
-def test_names_alone_are_no_results(tmp_path):
-    """Files of the user, with names also used by granwave."""
-    fill(
-        tmp_path,
-        "case.toml",
-        "summary.json",
-        "result.h5",
-        "run.json",
-        "scan.toml",
+# ---------------------------------------------------------------------- what is set aside
+
+
+def test_results_are_moved_and_files_of_others_stay(tmp_path):
+    place = tmp_path / "r"
+    results = ResultDirectory(place)
+    place.mkdir()
+    results.claim(["run.json", "figures/a.png", "dumps/a.txt"], kind=RUN, case="a = 1")
+    fill(place, "run.json", "figures/a.png", "dumps/a.txt", "notes", "figures/mine", ".run.json.7")
+    assert results.set_aside() == str(tmp_path / "r.old")
+    assert tree(place) == ["figures/mine", "notes"]
+    assert tree(tmp_path / "r.old") == [MARKER, "dumps/a.txt", "figures/a.png", "run.json"]
+    old = ResultDirectory(tmp_path / "r.old")
+    assert (old.marker.case, old.content) == ("a = 1", "a run")
+    assert len(old.result_names()) == 3
+    assert results.set_aside() == ""
+    results.claim(["run.json"], kind=RUN)
+    fill(place, "run.json")
+    assert results.by_force.startswith("--force moves the results to r.old2 first")
+    assert results.set_aside() == str(tmp_path / "r.old2")
+    assert tree(tmp_path / "r.old") == [MARKER, "dumps/a.txt", "figures/a.png", "run.json"]
+
+
+def test_chosen_results_are_moved(tmp_path):
+    place = tmp_path / "r"
+    place.mkdir()
+    results = ResultDirectory(place)
+    results.claim(["bands.csv", "modes.csv", "bands.json"], kind=SPECTRA)
+    fill(place, "bands.csv", "modes.csv")
+    assert results.set_aside(["bands.csv", "bands.json", "other"]) == str(tmp_path / "r.old")
+    assert tree(place) == [MARKER, "modes.csv"]
+    assert set(results.marker.files) == {"modes.csv"}
+    assert tree(tmp_path / "r.old") == [MARKER, "bands.csv"]
+
+
+def test_points_of_a_scan_are_moved_with_what_is_theirs(tmp_path):
+    place = tmp_path / "s"
+    for point in ("0a", "0b"):
+        folder = place / "points" / point
+        folder.mkdir(parents=True)
+        ResultDirectory(folder).claim([*POINT_FILES, "case.toml", "figures/a.png"], kind=RUN)
+        fill(folder, "point.json", "case.toml", "figures/a.png")
+    fill(place, "points/0b/notes", ".scan/batches/x.json", ".scan/logs/a/b.log", ".scan/mine")
+    results = ResultDirectory(place)
+    results.claim(["scan.json", "points/0a/", "points/0b/", "unfinished/0a/"], kind=SCAN)
+    fill(place, "scan.json")
+    assert results.set_aside() == str(tmp_path / "s.old")
+    assert tree(place) == [".scan/mine", "points/0b/notes"]
+    assert tree(tmp_path / "s.old") == [
+        MARKER,
+        ".scan/batches/x.json",
+        ".scan/logs/a/b.log",
+        *(f"points/0a/{name}" for name in (MARKER, "case.toml", "figures/a.png", "point.json")),
+        *(f"points/0b/{name}" for name in (MARKER, "case.toml", "figures/a.png", "point.json")),
         "scan.json",
-        "fit.toml",
-    )
-    fill(
-        tmp_path,
-        "figures/energies.png",
-        "dumps/energy.txt",
-        "points/a/case.toml",
-        "log.lammps",
-        "report.html",
-    )
-    (tmp_path / "case.toml").write_text(
-        'name = "mine"\nmaterial = "brass"\n[packing]\nkind = "fcc"\n'
-    )
-    (tmp_path / "summary.json").write_text('{"name": "mine"}')
-    assert not read_marker(tmp_path).kind and results_in(tmp_path) == []
+    ]
+    moved = ResultDirectory(tmp_path / "s.old" / "points" / "0b")
+    assert moved.result_names() == ["case.toml", "figures/a.png"]
 
 
-def test_a_result_that_was_copied_makes_nobodys_case_ours(earlier, tmp_path):
-    fill(tmp_path, "case.toml", "log.lammps", "dumps/energy.txt")
-    shutil.copy(earlier / "result.h5", tmp_path)
-    assert list(read_marker(tmp_path).files) == ["result.h5"]
-
-
-def test_a_scan_without_a_marker_is_recognised(tmp_path):
-    write_scan(tmp_path, grid(load__velocity=[1, 2]))
-    points = {f"points/{path.name}/" for path in (tmp_path / "points").iterdir()}
-    for point in points:
-        fill(tmp_path, f"{point}point.json")
-    fill(tmp_path, "points/mine/case.toml", "scan.csv", "figures/mine.png")
-    found = read_marker(tmp_path)
-    assert found.kind == SCAN and set(found.files) == {"scan.json", "scan.csv", *points}
-
-
-@pytest.mark.parametrize(
-    ("name", "text", "kind"),
-    [
-        ("suite.json", '{"name": "a", "scans": []}', SUITE),
-        ("fit.toml", "# Elasto-plastic contact law fitted to law.csv (3 rows).\n", FIT),
-        ("summary.json", '{"n_elements": 3, "versions": {"granwave": "0.1.0"}}', CONTINUUM),
-    ],
-)
-def test_other_kinds_without_a_marker_are_recognised(tmp_path, name, text, kind):
-    (tmp_path / name).write_text(text)
-    found = read_marker(tmp_path)
-    assert found.kind == kind and list(found.files) == [name]
+def test_results_that_cannot_be_moved(tmp_path, monkeypatch):
+    place = tmp_path / "r"
+    place.mkdir()
+    results = ResultDirectory(place)
+    results.claim(["run.json"], kind=RUN)
+    fill(place, "run.json")
+    link = tmp_path / "link"
+    link.symlink_to(place)
+    with pytest.raises(InputError, match=f"is a link to {place}, and --force moves nothing"):
+        ResultDirectory(link).check(force=True)
+    monkeypatch.setattr(type(place), "is_mount", lambda self: self == place)
+    with pytest.raises(
+        InputError, match=r"cannot move the results there to .*r\.old: .*another disk"
+    ):
+        results.check(force=True)
+    assert tree(place) == [MARKER, "run.json"]

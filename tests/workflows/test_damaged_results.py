@@ -15,7 +15,7 @@ import pytest
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import checksum
-from granwave.lammps_inputs.ownership import read_marker
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
@@ -61,8 +61,6 @@ def resumed(directory: Path, whole: Path) -> str:
         ("summary.json result.h5", "analysed"),
         ("run.json", "analysed"),
         ("case.toml", "kept"),
-        (MARKER, "kept"),
-        (f"{MARKER} summary.json", "analysed"),
         ("case.toml summary.json", "analysed"),
         ("run.json result.h5", "run"),  # no record of the settings of the run
         ("dumps/energy.txt", "run"),
@@ -74,8 +72,17 @@ def test_what_was_cut_is_made_again(run, whole, caplog, damaged, way):
     for name in damaged.split():
         cut(run / name, 30)
     assert resumed(run, whole) == way
-    if damaged != MARKER:
-        assert any(str(run / name) in caplog.text for name in damaged.split())
+    assert any(str(run / name) in caplog.text for name in damaged.split())
+
+
+def test_results_whose_marker_was_cut_are_nobodys(run):
+    cut(run / MARKER, 30)
+    before = {path: path.read_bytes() for path in run.rglob("*") if path.is_file()}
+    for how in ({"resume": True}, {"force": True}, {}):
+        with pytest.raises(InputError, match=r"and \.granwave, the list .*, is damaged; move them"):
+            run_case(TWO_SPHERES, run, figures=False, **how)
+    assert {path: path.read_bytes() for path in run.rglob("*") if path.is_file()} == before
+    analyse_all(run)
 
 
 @pytest.mark.parametrize(
@@ -85,7 +92,6 @@ def test_what_was_cut_is_made_again(run, whole, caplog, damaged, way):
         ("result.h5", "analysed"),
         ("run.json", "analysed"),
         ("case.toml", "kept"),
-        (f"{MARKER} case.toml", "kept"),
         ("dumps/spheres.bin dumps/contacts.dump", "kept"),  # removed to save space
         ("dumps/spheres.bin summary.json", "run"),
     ],
@@ -130,13 +136,6 @@ def test_an_edited_case_is_refused(run, tmp_path, capsys):
     assert (run / "case.toml").read_bytes() == before[run / "case.toml"].replace(
         b"velocity = 1", b"velocity = "
     )
-
-
-def test_an_edited_case_is_refused_without_a_marker_too(run):
-    (run / MARKER).unlink()
-    edit(run)
-    with pytest.raises(InputError, match=r"load\.velocity is"):
-        analyse_all(run)
 
 
 def analyse_all(directory: Path) -> None:
@@ -202,7 +201,7 @@ def test_a_full_disk_is_told_with_the_file_and_no_crash(process, run, small_disk
 @pytest.mark.parametrize(
     ("words", "name"),
     [
-        ("write two-spheres --set run.frames=9 -o deck --force", "deck/"),
+        ("write two-spheres --set run.frames=9 -o deck --force", "deck"),
         ("view r -o v.html", "v.html"),
         ("export r --to csv -o ex", "ex/"),
         ("export r --to vtp -o ex2", "ex2/"),
@@ -246,7 +245,11 @@ def test_a_run_ends_with_a_checkpoint_before_the_disk_is_full(whole, tmp_path, m
     two = summary(tmp_path / "r")
     for key in ("n_steps", "peak_force_N", "energy_dissipated_J", "restitution"):
         assert two[key] == pytest.approx(one[key], rel=1e-9)
-    assert not [name for name in read_marker(tmp_path / "r").files if name.startswith("checkpoint")]
+    assert not [
+        name
+        for name in ResultDirectory(tmp_path / "r").marker.files
+        if name.startswith("checkpoint")
+    ]
 
 
 READERS = (

@@ -12,10 +12,10 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs.directories import check_disk, decide, results_directory
+from granwave.lammps_inputs.directories import check_disk, results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import naming, plain, read_json, replace_text, replacing
-from granwave.lammps_inputs.ownership import claim, clear
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import RUN
 
 RESULTS = ("case.toml", "summary.json", "figures/a.png", "log")
@@ -24,7 +24,8 @@ TEXT = 'name = "a"\n[load]\nvelocity = 5.0\n'
 
 
 def ask(directory, *, resume=False, force=False, case=CASE, kind=RUN):
-    return decide(directory, kind, RESULTS, resume=resume, force=force, case=case, read=dict)
+    results = ResultDirectory(directory)
+    return results.decide(kind, RESULTS, resume=resume, force=force, case=case, read=dict)
 
 
 @pytest.fixture
@@ -32,7 +33,7 @@ def filled(tmp_path):
     """Directory with results of `CASE` and a file of the user."""
     directory = tmp_path / "r"
     (directory / "figures").mkdir(parents=True)
-    claim(directory, RESULTS, kind=RUN, case=TEXT)
+    ResultDirectory(directory).claim(RESULTS, kind=RUN, case=TEXT)
     for name in (*RESULTS, "notes.txt", "figures/mine.png"):
         (directory / name).write_text("{}")
     (directory / "case.toml").write_text(TEXT)
@@ -44,11 +45,12 @@ def test_results_are_refused_resumed_or_replaced(filled):
         ask(filled)
     assert str(caught.value) == (
         f"{filled}: already holds results (case.toml, summary.json, figures/a.png, ...); "
-        "--resume goes on with them, --force replaces them, or choose another directory with -o"
+        "--resume goes on with them, --force moves the results to r.old first, or choose another "
+        "directory with -o"
     )
     assert ask(filled, resume=True) is True
     assert ask(filled, force=True) is False
-    clear(filled)
+    ResultDirectory(filled).clear()
     assert sorted(path.relative_to(filled).as_posix() for path in filled.rglob("*.*")) == [
         "figures/mine.png",
         "notes.txt",
@@ -56,7 +58,7 @@ def test_results_are_refused_resumed_or_replaced(filled):
 
 
 def test_results_whose_case_is_known_to_nobody_are_not_resumed(filled):
-    claim(filled, [], case="")
+    ResultDirectory(filled).claim([], case="")
     with pytest.raises(InputError, match="already holds results"):
         ask(filled, resume=True)
 
@@ -86,7 +88,7 @@ def test_results_behind_a_link_are_kept(filled, monkeypatch):
     link.symlink_to(filled)
     assert results_directory(link) == link
     with pytest.raises(
-        InputError, match=f"is a link to {filled}, and --force removes nothing through a link"
+        InputError, match=f"is a link to {filled}, and --force moves nothing through a link"
     ):
         ask(link, force=True)
     link.with_name("circle").symlink_to(link.with_name("circle"))

@@ -17,7 +17,7 @@ from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import refuse_foreign, results_in
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import inference
 from granwave.workflows.cli.parser import chosen
 from granwave.workflows.cli.results import as_wrong_input
@@ -144,13 +144,14 @@ def fit(options: argparse.Namespace) -> int:
         raise InputError(_RADII)
     pair: list[str] | None = options.pair
     directory: Path = options.directory or Path("fit")
-    if not results_directory(directory, force=options.force).parent.is_dir():
+    results = ResultDirectory(results_directory(directory))
+    if not results.path.parent.is_dir():
         raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
-    if not options.force and set(WRITTEN) & set(results_in(directory)):
-        raise InputError(
-            f"{directory}: already holds a fit; --force replaces it, or choose another with -o"
-        )
-    refuse_foreign(directory, WRITTEN)
+    if set(WRITTEN) & set(results.result_names()):
+        if not options.force:
+            raise InputError(f"{directory}: already holds a fit; {results.by_force}")
+        results.refuse_immovable()
+    results.refuse_foreign(WRITTEN)
     materials = [_material(text) for text in options.material]
     found = fit_law(
         read_curve(options.curve),
@@ -159,8 +160,9 @@ def fit(options: argparse.Namespace) -> int:
         options.free,
         fit_yield=options.fit_yield,
     )
-    with held(directory.absolute()):
-        written = write_fit(found, directory, pair)
+    with held(results):
+        results.make_room(force=options.force, names=WRITTEN)
+        written = write_fit(found, results, pair)
     print(fit_summary(found))
     if pair:
         print(f"\n{pair_toml(found, pair)}")
@@ -216,7 +218,7 @@ def infer(options: argparse.Namespace) -> int:
     directory = inference.results_place(options.directory or "infer", force=options.force)
     how = chosen(options, inference.infer)
     found = inference.infer(options.measurement, options.case, progress=True, **how)
-    inference.save(found, directory, figures=options.figures)
+    inference.save(found, directory, force=options.force, figures=options.figures)
     print_json(found.summary) if options.json else print(
         f"{in_words(found.summary)}\n\nresults in {directory}"
     )

@@ -117,7 +117,7 @@ _RANKS = _option(
     help="number of MPI ranks (default: 1)",
 )
 _NO_FIGURES = _flag("--no-figures", "leave the figures out", dest="figures", action="store_false")
-_FORCE = _flag("--force", "replace what is there")
+_FORCE = _flag("--force", "move what is there to DIR.old (DIR.old2, ...), and begin anew")
 _RESUME_OR_FORCE = [_flag("--resume", "go on with what is there"), _FORCE]
 _ALLOW_FLOPPY = _flag("--allow-floppy", "go on where grains can move without resistance")
 _DIRECTIONS = _option(
@@ -318,7 +318,7 @@ COMMANDS = (
         _option("--pair", nargs=2, metavar=("A", "B"),
                 help="also write pair.toml: the law of these two materials in a case"),
         _flag("--fit-yield", "fit the yield strength too"),
-        _directory("where everything goes (default: ./fit)"), _flag("--force", "replace the fit that is there"),
+        _directory("where everything goes (default: ./fit)"), _flag("--force", "move the fit that is there to DIR.old (DIR.old2, ...)"),
     )),
     Command("infer", _CONTACTS, "contact forces from measured grains, or from measurements made of a run",
             "contacts.infer", (

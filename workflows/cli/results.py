@@ -19,6 +19,7 @@ from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
 from granwave.lammps_inputs.case.schema import ValidationError, did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
 from granwave.workflows.cli.parser import FIGURE_KEYS, FILM_KEYS
 from granwave.workflows.run.directory import held
@@ -59,7 +60,7 @@ def export(options: argparse.Namespace) -> int:
 
     output = options.output or options.directory / EXPORT_DIRECTORY
     existing(options.directory, "expected that of a run or a scan")
-    with held(results_directory(output)):
+    with held(ResultDirectory(results_directory(output))):
         placed = export_directory(options.directory, options.to, options.output)
     for path in placed:
         print(path)
@@ -77,8 +78,9 @@ def figures(options: argparse.Namespace) -> int:
             or f", expected some of {', '.join(FIGURE_NAMES)}"
         )
         raise InputError(f"--only: found {unknown[0]}{hint}")
+    results = ResultDirectory(existing(options.directory))
     with (
-        held(existing(options.directory).absolute(), way=""),
+        held(results, way=""),
         as_wrong_input(),
         helpers(len(wanted) if wanted else USUAL_FIGURES) as others,
     ):
@@ -87,7 +89,7 @@ def figures(options: argparse.Namespace) -> int:
         from granwave.analysis.figures.style import FigureFolder
         from granwave.analysis.result.reader import Result
 
-        with Result(options.directory) as result:
+        with Result(results) as result:
             changed = apply_options(options, result.figure_options)
         if changed.plane is None and (
             cut := [name for name in wanted or () if name.endswith("_section")]
@@ -95,10 +97,10 @@ def figures(options: argparse.Namespace) -> int:
             raise InputError(
                 f"--only: {', '.join(cut)}: needs a plane; give --plane x, or figures.plane of the case"
             )
-        drawn = draw_figures(options.directory, names=wanted, helpers=others, options=changed)
+        drawn = draw_figures(results, names=wanted, helpers=others, options=changed)
     for path in drawn:
         print(path)
-    failed = FigureFolder(options.directory).not_drawn()
+    failed = FigureFolder(results).not_drawn()
     if failed.keys() & set(wanted or failed):
         return 1
     if left := [name for name in wanted or () if name not in {path.stem for path in drawn}]:
@@ -153,8 +155,9 @@ def view(options: argparse.Namespace) -> int:
 
     spheres = sys.maxsize if options.all else options.spheres or MOST_SPHERES
     frames = sys.maxsize if options.all and options.frames is None else options.frames
-    with held(existing(options.directory).absolute(), way=""), as_wrong_input():
-        page = write_view(options.directory, options.output, spheres=spheres, frames=frames)
+    results = ResultDirectory(existing(options.directory))
+    with held(results, way=""), as_wrong_input():
+        page = write_view(results, options.output, spheres=spheres, frames=frames)
     print(page.path)
     print(f"{page.size / 1e6:.1f} MB, {page.n_spheres} {page.called}, {page.n_frames} snapshots")
     if page.note:

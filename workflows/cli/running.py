@@ -13,26 +13,21 @@ from typing import Any
 
 from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.summary_table import summary_table
-from granwave.lammps_inputs import ownership
-from granwave.lammps_inputs.contact.initial_dents import earlier_result
-from granwave.lammps_inputs.deck.deck import deck_files, read_deck, write_deck
-from granwave.lammps_inputs.directories import (
-    check_disk,
-    refuse_source,
-    restore_case,
-    results_directory,
-)
+from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
+from granwave.lammps_inputs.deck.deck import read_deck, write_deck
+from granwave.lammps_inputs.directories import check_disk, results_directory
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, RUN, SUMMARY_FILE
 from granwave.workflows import library
 from granwave.workflows.cli.results import as_wrong_input, existing
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.run import mpi, record
-from granwave.workflows.run.directory import decide, held, run_files
+from granwave.workflows.run.directory import RunDirectory, decide, held, run_files
 from granwave.workflows.solvers import CONTINUUM, solver_of
 
 _SMALL_DECK = 1e7  # bytes; smaller ones are written whole or not at all without a look at the disk
@@ -50,7 +45,7 @@ def run(options: argparse.Namespace) -> int:
     directory = results_directory(options.directory or case.name)
     how = _how(options)
     if starts_ranks:
-        decide(case, directory, n_ranks=options.ranks, **how)
+        decide(case, RunDirectory(directory), n_ranks=options.ranks, **how)
         return mpi.launch(options.ranks, _without_ranks(options.given))
 
     from granwave.workflows.run.driver import (
@@ -120,7 +115,7 @@ def continuum(options: argparse.Namespace) -> int:
     if not options.resume:  # a finished run needs no resources
         kind.afford(case, kind.cost(case, 1, options.figures), directory)
     assert kind.run is not None  # of continuum cases
-    with held(directory):
+    with held(ResultDirectory(directory)):
         summary = kind.run(case, directory, progress=True, **_how(options))
     print_json(summary) if options.json else print(
         f"{summary_table(summary, continuum=True)}\n\nresults in {directory}"
@@ -135,30 +130,32 @@ def write(options: argparse.Namespace) -> int:
     expected = plan(case)
     check_files(case)
     warn_of_lacks(case.name, lambda: afford(expected))
-    directory = results_directory(options.directory, force=options.force)
+    results = ResultDirectory(options.directory)
+    results.check(force=options.force)
     needed = expected_deck(assemble(case))
     if needed > _SMALL_DECK:
-        check_disk(directory, needed, what="the deck", remedy="make the packing smaller")
-    with held(directory, mpi.world()):
-        ownership.refuse_other_kind(directory, RUN)
+        check_disk(results.path, needed, what="the deck", remedy="make the packing smaller")
+    with held(results, mpi.world()):
+        results.refuse_other_kind(RUN)
         if not options.force:
-            ownership.refuse_results(directory, "--force removes them all")
-        ownership.refuse_foreign(directory, run_files(case, expected.schedule))
-        refuse_source(directory, case.name, earlier_result(case))
-        earlier = ownership.results_in(directory)
-        deck = write_deck(
-            case, options.directory
-        )  # whole or not at all; only then is removed what was there
-        ownership.clear(directory, set(earlier) - set(deck.written))
-        deck.dumps.mkdir(exist_ok=True)
-        ownership.claim(directory, deck_files(assemble(case), deck.schedule))
+            results.refuse_results("")
+        results.refuse_foreign(run_files(case, expected.schedule))
+        results.refuse_source(case.name, earlier_result(case))
+        if case.contact.initial_overlap:
+            dents_table(assemble(case))
+        old = results.make_room(force=options.force)
+        try:
+            deck = write_deck(case, results)
+        except BaseException:
+            results.put_back(old)
+            raise
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:
         steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
     assembly = assemble(deck.case)
-    print(f"{deck.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
-    print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
+    print(f"{options.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
+    print(f"run it by hand:  cd {options.directory} && lmp -in {deck.script.name}")
     return 0
 
 
@@ -171,22 +168,23 @@ def analyse(options: argparse.Namespace) -> int:
             options.ranks, _without_ranks(options.given), remedy="what LAMMPS wrote is as it was"
         )
     comm = mpi.world() if mpi.launched() else None
+    results = ResultDirectory(directory)
 
     def work(processes: Processes = ALONE) -> Mapping[str, Any]:
         from granwave.analysis.pipeline import analyse as analyse_directory
 
-        ownership.refuse_foreign(directory, [RESULT_FILE, SUMMARY_FILE])
-        ownership.clear_scratch(directory, [RESULT_FILE])
-        if restore_case(directory):
+        results.refuse_foreign([RESULT_FILE, SUMMARY_FILE])
+        results.clear_scratch([RESULT_FILE])
+        if results.restore_case():
             print(
                 f"granwave: {directory / CASE_FILE}: written again as it was run", file=sys.stderr
             )
         with as_wrong_input():
             return analyse_directory(
-                directory, progress=True, figures=options.figures, processes=processes
+                results, progress=True, figures=options.figures, processes=processes
             )
 
-    with held(directory.absolute(), comm, way=""):
+    with held(results, comm, way=""):
         if comm is None:
             summary = work()
         else:

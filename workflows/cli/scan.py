@@ -18,6 +18,7 @@ from granwave.lammps_inputs.case.schema import did_you_mean
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError, raise_all
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.check import expected_cut, static_stage_note, table
 from granwave.workflows.cli.terminal import columns, print_json
@@ -65,10 +66,11 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
     else:
         found = load_suite(options.scan, here=here)
     directory = results_directory(options.directory or found.name)
+    results = ResultDirectory(directory)
     if not options.plan:
         try:
-            decide(found, directory, **way) if isinstance(found, Scan) else check_suite(
-                found, directory, **way
+            decide(found, results, **way) if isinstance(found, Scan) else check_suite(
+                found, results, **way
             )
         except OSError as error:  # it cannot be looked into
             raise InputError(
@@ -98,7 +100,8 @@ def _plan_and_run(options: argparse.Namespace, profile: Profile | None, jobs: in
         print(f"suite {found.name}: {len(found.scans)} scans, about {duration(total)} in all\n")
     if options.plan:
         raise_all(
-            partial(check_points, part, place, force=options.force) for place, part in parts.items()
+            partial(check_points, part, ResultDirectory(place), force=options.force)
+            for place, part in parts.items()
         )
         if options.json:
             suite = {

@@ -31,14 +31,15 @@ import numpy as np
 
 from granwave import plugins
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, RESULT_FILE
 from granwave.workflows.cli.doctor import examine
 from granwave.workflows.cli.terminal import BOLD, GREEN, RED, coloured, print_json
 from granwave.workflows.run import mpi, record
+from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.leftovers import scratch_directory
@@ -298,7 +299,7 @@ def _ranks(scratch: Path, ranks: int, launcher: Sequence[str]) -> list[Check]:
     )
     if status:
         raise RunError(lines[-1] if lines else f"the ranks ended with status {status}")
-    n_ranks = read_summary(there)["n_ranks"]
+    n_ranks = ResultDirectory(there).summary()["n_ranks"]
     one = _fields(alone)
     several = _fields(there)
     same = sum(name in several and several[name] == content for name, content in one.items())
@@ -342,7 +343,7 @@ def _resumed(scratch: Path) -> list[Check]:
     """
     with _stopped_early(scratch / "resumed", scratch / "stop"):
         _run(scratch, "resumed", _PACKING)
-    half = record.read(scratch / "resumed")
+    half = RunDirectory(scratch / "resumed").read_record()
     if half is None or half.state != record.INTERRUPTED or half.checkpoint is None:
         return [
             Check(
@@ -354,7 +355,7 @@ def _resumed(scratch: Path) -> list[Check]:
             )
         ]
     resumed = _run(scratch, "resumed", _PACKING, resume=True)[1]
-    whole = read_summary(scratch / "packing")
+    whole = ResultDirectory(scratch / "packing").summary()
     values = {
         name: one
         for name, one in whole.items()

@@ -27,15 +27,10 @@ from typing import Any
 import tomli_w
 
 from granwave.analysis.figures.side_by_side import PROCESSES
-from granwave.lammps_inputs.directories import (
-    case_digest,
-    disk_space_message,
-    free_space,
-    tables_as_run,
-)
+from granwave.lammps_inputs.directories import disk_space_message, free_space
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, read_tables, replace_text
-from granwave.lammps_inputs.ownership import clear
+from granwave.lammps_inputs.result_directory import ResultDirectory, case_digest
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINT_CASE,
@@ -45,7 +40,7 @@ from granwave.lammps_inputs.run_directory import (
 )
 from granwave.workflows.cli.main import main as granwave
 from granwave.workflows.run import forks, mpi, record
-from granwave.workflows.run.directory import busy
+from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.slurm import end_of
 from granwave.workflows.solvers import GRANULAR, solver_of
@@ -122,14 +117,15 @@ class _Worker:
 
     def _attempt(self, point: dict[str, Any]) -> None:
         place = layout.unfinished(self.directory, point["id"])
-        while busy(place):  # a worker of an earlier scan is still there
+        results = RunDirectory(place)
+        while results.busy():  # a worker of an earlier scan is still there
             if self.stopping.wait(_POLL):
                 return
         if layout.is_done(self.directory, point["id"]) or not self._room(point):
             return
         seen = layout.state(self.directory, point["id"])
         before = seen.get("attempts", 0)
-        begun = record.read(place)
+        begun = results.read_record()
         # finished by a process whose worker was killed
         ended = (begun is not None and begun.state == record.FINISHED) or (
             place / SUMMARY_FILE
@@ -240,7 +236,8 @@ def _name(point: dict[str, Any], place: Path) -> str:
     """Return the name of the point's case as first run; clear the directory if its case cannot be
     read.
     """
-    tables = tables_as_run(place) or read_tables(place / CASE_FILE)
+    results = ResultDirectory(place)
+    tables = results.tables_as_run() or read_tables(place / CASE_FILE)
     try:
         if tables is not None:
             return str(solver_of(tables).stored(tables, place / CASE_FILE).name)
@@ -249,7 +246,7 @@ def _name(point: dict[str, Any], place: Path) -> str:
     if (
         tables is None and (place / CASE_FILE).exists()
     ):  # the machine crashed while the file was written
-        clear(place)
+        results.clear()
     return str(point["case"]["name"])
 
 

@@ -12,16 +12,10 @@ from pathlib import Path
 
 from granwave.analysis.document.model import is_number
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.directories import check_directory, read_summary, results_directory
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
-from granwave.lammps_inputs.ownership import (
-    claim,
-    clear,
-    refuse_foreign,
-    refuse_other_kind,
-    refuse_results,
-)
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     BEST_DESIGNS,
     DESIGN,
@@ -89,7 +83,7 @@ def run_design(
     resume
         Go on with an earlier start of the same search.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
     progress
         Show a bar (on a terminal) or lines (in a log).
 
@@ -104,37 +98,44 @@ def run_design(
         The directory holds results, another search, or files of others; no design meets the limits;
         or scikit-learn is missing.
     """
-    directory = results_directory(directory)
+    results = ResultDirectory(results_directory(directory))
     if find_spec("sklearn") is None:
         raise InputError(
             "granwave design: scikit-learn is not installed; pip install 'granwave[design]'"
         )
-    with held(directory), Interrupts() as stop:
-        check_directory(directory, resume=resume, force=force)
-        refuse_other_kind(directory, DESIGN)
+    with held(results), Interrupts() as stop:
+        results.check(resume=resume, force=force)
+        results.refuse_other_kind(DESIGN)
         if not resume and not force:
-            refuse_results(directory)
-        refuse_foreign(directory, [*_FILES, f"{POINTS}/"])
-        study = Study(problem, directory) if force else read_study(problem, directory)
+            results.refuse_results()
+        results.refuse_foreign([*_FILES, f"{POINTS}/"])
+        study = Study(problem, results.path) if force else read_study(problem, results.path)
         first_design(study)
         if force:
-            clear(directory)
-        claim(directory, _FILES, kind=DESIGN)
+            results.make_room(force=True)
+        results.claim(_FILES, kind=DESIGN)
         study.write()
-        _Search(study, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
+        _Search(study, results, jobs or default_jobs(ranks), ranks, stop, show=progress).run()
         return study, bool(stop.count)
 
 
 class _Search:
     def __init__(
-        self, study: Study, jobs: int, ranks: int, stop: Interrupts, *, show: bool
+        self,
+        study: Study,
+        results: ResultDirectory,
+        jobs: int,
+        ranks: int,
+        stop: Interrupts,
+        *,
+        show: bool,
     ) -> None:
         self.study = study
         self.problem = study.problem
         self.jobs = jobs
         self.stop = stop
         self.show = show
-        self.points = Points(study.directory / POINTS, ranks)
+        self.points = Points(results, ranks)
         self.queue: deque[tuple[Design, int]] = deque()  # runs to be started: design and sample
         self.at_work: dict[str, tuple[Design, int]] = {}
 
@@ -146,7 +147,9 @@ class _Search:
         total = self.problem.search.evaluations
         for design in study.designs:
             lost = [
-                name for name in design.runs if not read_summary(study.directory / POINTS / name)
+                name
+                for name in design.runs
+                if not ResultDirectory(study.directory / POINTS / name).summary()
             ]
             if lost and design.state in (COMPLETE, PRUNED):
                 logger.warning(

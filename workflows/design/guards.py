@@ -19,12 +19,11 @@ import numpy as np
 
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
-from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
 from granwave.workflows.design.points import Points, names
 from granwave.workflows.design.problem import (
@@ -79,14 +78,12 @@ def check_best(
     problem = study.problem
     before = (read_json(study.directory / DESIGN_OUTCOME) or {}).get("best") or {}
     if before.get("variables") != best.values:  # further runs of another design
-        clear(
-            study.directory,
-            [f"{POINTS}/{path.name}/" for path in (study.directory / POINTS).glob("best-*")],
-        )
+        further = (study.directory / POINTS).glob("best-*")
+        points.results.clear([f"{POINTS}/{path.name}/" for path in further])
     first = names(best.number, problem.samples)[0]
     run = best.runs[first]
     place = study.directory / POINTS / first
-    findings = [*findings_without_runs(problem, best, read_summary(place), place)]
+    findings = [*findings_without_runs(problem, best, ResultDirectory(place).summary(), place)]
     findings += of_neighbours(problem, best, study.designs)
     waiting = deque(further_runs(problem, best, run["longer"]) if problem.search.guards else ())
     total = len(waiting)

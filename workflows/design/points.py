@@ -22,12 +22,18 @@ from typing import Any
 import tomli_w
 
 from granwave.analysis.figures.side_by_side import PROCESSES
-from granwave.lammps_inputs.directories import case_digest, read_summary, tables_as_run
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.ownership import claim
-from granwave.lammps_inputs.run_directory import POINT_CASE, POINT_FILES, POINT_LOG, POINT_STOP
+from granwave.lammps_inputs.result_directory import ResultDirectory, case_digest
+from granwave.lammps_inputs.run_directory import (
+    POINT_CASE,
+    POINT_FILES,
+    POINT_LOG,
+    POINT_STOP,
+    POINTS,
+)
 from granwave.workflows.run import forks, mpi, record
+from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.launchers import of_this_machine
 
 _POLL = 0.05  # s
@@ -64,14 +70,15 @@ class Points:
 
     Parameters
     ----------
-    folder
-        Folder of their directories.
+    results
+        Directory of the search; those of the runs are in a folder of it.
     ranks
         MPI ranks of each run.
     """
 
-    def __init__(self, folder: Path, ranks: int) -> None:
-        self.folder = folder
+    def __init__(self, results: ResultDirectory, ranks: int) -> None:
+        self.results = results
+        self.folder = results / POINTS
         self.ranks = ranks
         self._running: dict[str, tuple[int, float]] = {}  # process id and start time, by name
         self._processes: dict[str, subprocess.Popen[bytes]] = {}
@@ -84,22 +91,24 @@ class Points:
         """Start the run of a case, or go on with what is in its directory."""
         place = self.folder / name
         place.mkdir(parents=True, exist_ok=True)
-        claim(self.folder.parent, [f"{self.folder.name}/{name}/"])
-        claim(place, POINT_FILES)
+        self.results.claim([f"{self.folder.name}/{name}/"])
+        results = RunDirectory(place)
+        results.claim(POINT_FILES)
         (place / POINT_STOP).unlink(missing_ok=True)
         tables = case_from_dict(
             {**tables, "name": f"{self.folder.parent.name}-{name}"}, place / POINT_CASE
         ).to_dict()
         replace_text(place / POINT_CASE, tomli_w.dumps(tables))
-        there = tables_as_run(place)
-        anew = there is not None and case_digest(there) != case_digest(tables)
+        there = results.tables_as_run()
+        if there is not None and case_digest(there) != case_digest(tables):
+            results.clear()
         words = [
             "run",
             str(place / POINT_CASE),
             "-o",
             str(place),
             "--no-figures",
-            "--force" if anew else "--resume",
+            "--resume",
         ]
         with (place / POINT_LOG).open("wb") as log:
             steps = nodes_of_job() > 1
@@ -121,7 +130,7 @@ class Points:
                 )
                 process = self._processes[name].pid
             else:
-                process = forks.fork(lambda: _run(tables, place, anew=anew), log.fileno())
+                process = forks.fork(lambda: _run(tables, place), log.fileno())
         self._running[name] = (process, time.monotonic())
 
     def wait(self) -> list[Ended]:
@@ -142,13 +151,14 @@ class Points:
 
     def _ended(self, name: str, status: int, seconds: float) -> Ended:
         place = self.folder / name
-        state = record.read(place)
+        results = RunDirectory(place)
+        state = results.read_record()
         log = place / POINT_LOG
         stopped = state is not None and state.state == record.INTERRUPTED
         if stopped or status in (130, -signal.SIGTERM, -signal.SIGINT):
             return Ended(name, {}, "", True, seconds)
         if status == 0:
-            return Ended(name, read_summary(place), "", False, seconds)
+            return Ended(name, results.summary(), "", False, seconds)
         reason = "the energy balance did not close"
         if state is None or state.state != record.REFUSED:
             lines = log.read_text(encoding="utf-8", errors="replace").strip().splitlines()
@@ -193,12 +203,12 @@ def load() -> None:
         forks.load()
 
 
-def _run(tables: Mapping[str, Any], place: Path, *, anew: bool) -> int:
+def _run(tables: Mapping[str, Any], place: Path) -> int:
     from granwave.workflows.run.driver import run_case
 
     try:
         case = case_from_dict(tables, place / POINT_CASE)
-        outcome = run_case(case, place, resume=not anew, force=anew, figures=False)
+        outcome = run_case(case, place, resume=True, figures=False)
     except BaseException as error:
         print(f"granwave: {type(error).__name__}: {error}", file=sys.stderr)
         return 1

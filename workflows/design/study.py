@@ -22,6 +22,7 @@ from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     BEST_DESIGNS,
     DESIGN_OUTCOME,
@@ -292,7 +293,7 @@ def read_study(problem: Problem, directory: Path) -> Study:
     if differences := list(_differences(there, comparable(problem.record))):
         raise InputError(
             f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to --resume, "
-            "--force replaces it, or choose another directory with -o"
+            f"{ResultDirectory(directory).by_force}"
         )
     return Study(problem, directory, designs, exhausted)
 

@@ -27,18 +27,11 @@ from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
 from granwave.analysis.versions import versions_of
-from granwave.lammps_inputs.directories import (
-    changed_result,
-    decide,
-    note_files,
-    read_summary,
-    restore_case,
-    result_fault,
-    results_directory,
-)
+from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.files import plain, regular, replace_text
-from granwave.lammps_inputs.ownership import claim, clear, figure_files, refuse_foreign
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     CONTINUUM,
@@ -68,13 +61,13 @@ class ElementResult:
         It is damaged.
     """
 
-    def __init__(self, directory: str | Path) -> None:
+    def __init__(self, directory: AnyPath) -> None:
         path = Path(directory) / RESULT_FILE
         if not path.exists():
             raise MissingOutputError(
                 f"{path} is missing: make it with  granwave continuum CASE -o {directory}"
             )
-        if changed := changed_result(path.parent):
+        if changed := ResultDirectory.at(directory).changed_result():
             raise OutputFormatError(changed)
         try:
             with h5py.File(regular(path), "r") as file:
@@ -224,7 +217,7 @@ def run_elements(
     progress
         Show a bar on a terminal.
     force
-        Replace the results that are there.
+        Move the results that are there into NAME.old.
     resume
         Accept the finished results of the same case that are there; an unfinished run begins anew.
     figures
@@ -243,8 +236,8 @@ def run_elements(
     RunError
         The energy balance was refused; what was computed is kept.
     """
-    directory = results_directory(directory)
-    there = _begin(kind, case, directory, resume=resume, force=force, figures=figures)
+    results = ResultDirectory(results_directory(directory))
+    there = _begin(kind, case, results, resume=resume, force=force, figures=figures)
     if there is not None:
         return there
     run = kind(case)
@@ -263,25 +256,25 @@ def run_elements(
     finally:
         if len(run.rows) > 1:
             summary: dict[str, Any] = plain(run.summarise(time.perf_counter() - started))
-            run.write(directory, summary)
+            run.write(results.path, summary)
             replace_text(
-                directory / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n"
+                results / SUMMARY_FILE, json.dumps(summary, indent=2, allow_nan=False) + "\n"
             )
-            note_files(directory, [RESULT_FILE, SUMMARY_FILE])
+            results.note_files(name for name in kind.RESULTS if name != CASE_FILE)
     if words := run.warning(summary):
         logger.warning("%s: %s", case.name, words)
     if figures:
-        draw_figures(kind, directory)
+        draw_figures(kind, results)
     if run.end_reason == "refused":
         off, remedy = run.refusal()
         raise RunError(
-            f"{case.name}: the energy balance is off by {off} is accepted; what was computed is kept in {directory}. "
+            f"{case.name}: the energy balance is off by {off} is accepted; what was computed is kept in {results}. "
             f"{remedy}"
         )
     return summary
 
 
-def draw_figures(kind: type[ElementRun], directory: Path) -> list[Path]:
+def draw_figures(kind: type[ElementRun], directory: AnyPath) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``; return the paths of the PNG files.
 
     Raises
@@ -316,7 +309,7 @@ def advance(shown: float, place: float, total: float | None, digits: int) -> flo
 def _begin(
     kind: type[ElementRun],
     case: ElementCase,
-    directory: Path,
+    results: ResultDirectory,
     *,
     resume: bool,
     force: bool,
@@ -328,28 +321,28 @@ def _begin(
 
     def there(tables: Mapping[str, Any]) -> Mapping[str, Any]:
         try:
-            return type(case).from_dict(tables, directory / CASE_FILE).to_dict()
+            return type(case).from_dict(tables, results / CASE_FILE).to_dict()
         except InputError:
             return {}  # of another kind: another case in any event
 
     names = list(kind.RESULTS)
-    if figures and os.path.lexists(directory / FIGURES_DIRECTORY):
+    if figures and os.path.lexists(results / FIGURES_DIRECTORY):
         names += [file for name in kind.figures().FIGURES for file in figure_files(name)]
-    if decide(
-        directory, CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there
+    if results.decide(
+        CONTINUUM, names, resume=resume, force=force, case=case.to_dict(), read=there
     ):
-        summary = read_summary(directory)
-        fault = result_fault(directory)
+        summary = results.summary()
+        fault = results.fault()
         if summary.get("end_reason") in kind.FINISHED:
             if not fault:
-                restore_case(directory)
+                results.restore_case()
                 return summary
             logger.warning("%s; the case is run again", fault)
-        refuse_foreign(directory, names)
+        results.refuse_foreign(names)
     check_memory(case)
-    clear(directory)
-    directory.mkdir(parents=True, exist_ok=True)
+    results.make_room(force=force)
+    results.path.mkdir(parents=True, exist_ok=True)
     text = case.to_toml()
-    claim(directory, kind.RESULTS, kind=CONTINUUM, case=text)
-    replace_text(directory / CASE_FILE, text)
+    results.claim(kind.RESULTS, kind=CONTINUUM, case=text)
+    replace_text(results / CASE_FILE, text)
     return None

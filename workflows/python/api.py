@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.python.contacts import (
     contact_energy,
     contact_force,
@@ -42,7 +43,7 @@ from granwave.workflows.python.inputs import (
 )
 from granwave.workflows.python.spectra import bands, modes, transmission
 from granwave.workflows.run import mpi, record
-from granwave.workflows.run.directory import decide, held
+from granwave.workflows.run.directory import RunDirectory, decide, held
 from granwave.workflows.run.leftovers import scratch_directory
 from granwave.workflows.run.turns import turn
 from granwave.workflows.solvers import GRANULAR
@@ -182,7 +183,7 @@ def run(
                 )
             if not resume:
                 kind.afford(found, kind.cost(found, 1, figures), place)
-            with held(place), turn(place):
+            with held(ResultDirectory(place)), turn(place):
                 kind.run(found, place, **how)
         elif ranks > 1 and not mpi.launched():
             _run_on_ranks(found, place, ranks, checkpoint, **how)
@@ -190,7 +191,7 @@ def run(
             from granwave.workflows.run.driver import run_case
 
             run_case(found, place, checkpoint_interval=checkpoint, **how)
-        state = getattr(record.read(place), "state", "") if kind is GRANULAR else ""
+        state = getattr(RunDirectory(place).read_record(), "state", "") if kind is GRANULAR else ""
         if state == record.INTERRUPTED:
             raise KeyboardInterrupt(_STOPPED.format(place))
         if state == record.REFUSED:
@@ -311,7 +312,8 @@ def _run_on_ranks(
         The run was interrupted; it wrote a checkpoint.
     """
     mpi.check_cores(ranks)
-    decide(found, place, n_ranks=ranks, **how)
+    results = RunDirectory(place)
+    decide(found, results, n_ranks=ranks, **how)
     options = {
         "--force": how["force"],
         "--resume": how["resume"],
@@ -332,7 +334,7 @@ def _run_on_ranks(
     errors = mpi.errors_in(lines)
     if status == 2:
         raise InputError(errors or f"{place}: the ranks refused their input")
-    state = record.read(place)
+    state = results.read_record()
     if status and (state is None or state.state not in (record.REFUSED, record.INTERRUPTED)):
         reason = errors[-1] if errors else f"the ranks ended with status {status}"
         raise RunError((state.reason if state else None) or reason)

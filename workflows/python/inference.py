@@ -94,7 +94,7 @@ def infer(
             repeat=None if repeat is None else int(_number("repeat", repeat, whole=True)),
         )
         if place is not None:
-            inference.save(found, place, figures=figures)
+            inference.save(found, place, force=force, figures=figures)
     return InferredForces(found.summary, found.forces, found.grains, found.measurement)
 
 

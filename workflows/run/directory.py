@@ -1,29 +1,35 @@
-"""Directory of a run: start, continue or refuse, by the rules of `lammps_inputs.directories`; and
-its lock.
+"""Directory of a run: its record and checkpoint; start, continue or refuse, by the rules of
+`lammps_inputs.result_directory`; its lock.
 """
 
 from __future__ import annotations
 
 import contextlib
-import fcntl
+import dataclasses
+import json
 import logging
 import os
+import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.lammps_inputs import directories, ownership
+from granwave import __version__
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.files import checksum, read_json, replace_text
 from granwave.lammps_inputs.load_case import stored_case
+from granwave.lammps_inputs.own_files import figure_files
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.run import record
 from granwave.workflows.run.mpi import on_first
 
@@ -37,10 +43,108 @@ CONTINUE = "continue"
 ANALYSE = "analyse"
 FINISHED = "finished"
 
+# in the name of the file that LAMMPS writes beside the parts, in place of the number of a rank
+_BASE = "base"
+_CHECKPOINT = re.compile(
+    re.escape(files.CHECKPOINT_FILE).replace(r"\{\}", rf"\d+(\.({files.RANK}|{_BASE}))?")
+)
+
+
+class RunDirectory(ResultDirectory):
+    """Directory of a run by the driver, which holds its record and checkpoint too."""
+
+    def read_record(self) -> record.Record | None:
+        """Read the record; None if missing or damaged."""
+        return record.record_of(read_json(self / files.RECORD_FILE))
+
+    def write_record(self, content: record.Record) -> None:
+        """Replace the record atomically."""
+        text = json.dumps(dataclasses.asdict(content), indent=2) + "\n"
+        replace_text(self / files.RECORD_FILE, text)
+
+    def recovered_record(self) -> record.Record | None:
+        """Read the record in result.h5, as of the analysis; None if there is none."""
+        from granwave.analysis.result.reader import (
+            Result,
+        )  # h5py takes longer to load than most commands need
+
+        try:
+            with Result(self) as result:
+                return record.record_of(result.record)
+        except (MissingOutputError, OutputFormatError, KeyError, ValueError):
+            return None
+
+    def keep_checkpoint(self, checkpoint: dict[str, Any] | None) -> None:
+        """Remove the restart files of all checkpoints but this one."""
+        kept = checkpoint_files(checkpoint["file"]) if checkpoint else []
+        there = [name for name in self.marker.files if _CHECKPOINT.fullmatch(name)]
+        self.clear([name for name in there if name not in kept])
+
+    def checkpoint_fault(self, checkpoint: dict[str, Any], processes: Processes = ALONE) -> str:
+        """Describe why a run cannot go on from a checkpoint; empty if it can. ``processes`` read
+        its files.
+
+        It is of another minor version, whose restart files may differ, or a file is not what the
+        run wrote. Output files may have grown.
+        """
+        try:
+            made = str(checkpoint["version"])
+            if made.split(".")[:2] != __version__.split(".")[:2]:
+                return (
+                    f"{self}: its checkpoint is of granwave {made}, expected one of {__version__}"
+                )
+            return self._changed_since(checkpoint, processes)
+        except (AttributeError, KeyError, TypeError):
+            return f"{self / files.RECORD_FILE}: its checkpoint cannot be read"
+
+    def _changed_since(self, checkpoint: dict[str, Any], processes: Processes) -> str:
+        """Describe the first file that is not what it was at a checkpoint; empty if none."""
+        whole = checkpoint["whole"]
+        sums = checkpoint.get("sums", {})
+        sizes = whole | checkpoint["sizes"]
+        for name, size in sizes.items():
+            path = self / name
+            if not path.is_file():
+                return f"{path}: is missing"
+            now = path.stat().st_size
+            if now < size or (now != size and name in whole):
+                return f"{path}: has {now} bytes, had {size} at the checkpoint"
+        tasks = [(self / name, sizes[name], (0, 0)) for name in sums]
+        now_sums = processes.map(sum_of_part, tasks)
+        for name, now, before in zip(sums, now_sums, sums.values(), strict=True):
+            if now != before:
+                return f"{self / name}: is not what the run wrote: its checksum differs"
+        return ""
+
+    def cut_back(self, checkpoint: dict[str, Any]) -> None:
+        """Truncate the output files to their sizes at the checkpoint."""
+        for name in self.output_names():
+            path = self.own_path(name)
+            if path is not None and name in checkpoint["sizes"]:
+                os.truncate(path, checkpoint["sizes"][name])
+            elif path is not None:
+                path.unlink()
+
+
+def checkpoint_files(name: str) -> list[str]:
+    """Return the names of the files of a checkpoint: of parts, also the file beside them."""
+    return list(dict.fromkeys([name, name.replace(files.RANK, _BASE)]))
+
+
+def sum_of_part(task: tuple[Path, int, tuple[int, int]]) -> int:
+    """Return the CRC-32 of the first bytes of a file: path, number of bytes, and size and CRC-32 of
+    a part that was read before.
+    """
+    path, size, after = task
+    return checksum(path, size, after=after)
+
+
+# ---------------------------------------------------------------------- start or continue
+
 
 def decide(
     case: Case,
-    directory: Path,
+    results: RunDirectory,
     *,
     resume: bool,
     force: bool,
@@ -48,7 +152,7 @@ def decide(
     figures: bool = True,
     processes: Processes = ALONE,
 ) -> str:
-    """Decide what to do in ``directory``: START, CONTINUE from its checkpoint, ANALYSE, or nothing
+    """Decide what to do in a directory: START, CONTINUE from its checkpoint, ANALYSE, or nothing
     (FINISHED).
 
     Changes nothing. ``processes`` read the files of the checkpoint.
@@ -65,33 +169,31 @@ def decide(
     if figures:
         names += [files.FILM_FILE.format(case.figures.film)] if case.figures.film != "none" else []
         names += [files.VIEW_FILE] if case.figures.view else []
-        if os.path.lexists(directory / files.FIGURES_DIRECTORY):
-            names += [file for name in FIGURE_NAMES for file in ownership.figure_files(name)]
+        if os.path.lexists(results / files.FIGURES_DIRECTORY):
+            names += [file for name in FIGURE_NAMES for file in figure_files(name)]
 
     def read(tables: Any) -> dict[str, Any]:
-        return _without_figures(stored_case(tables, directory / files.CASE_FILE))
+        return _without_figures(stored_case(tables, results / files.CASE_FILE))
 
     asked = _without_figures(case)
-    if directories.decide(
-        directory, files.RUN, names, resume=resume, force=force, case=asked, read=read
-    ):
-        found = _remaining_work(directory, processes)
+    if results.decide(files.RUN, names, resume=resume, force=force, case=asked, read=read):
+        found = _remaining_work(results, processes)
         if found == FINISHED:
             return found
-        ownership.refuse_foreign(directory, names)
+        results.refuse_foreign(names)
         if found != START:
             return found
     raise_all(
         [
             lambda: check_files(case),
-            lambda: afford(expected, directory),
-            lambda: directories.refuse_source(directory, case.name, earlier_result(case)),
+            lambda: afford(expected, results.path),
+            lambda: results.refuse_source(case.name, earlier_result(case)),
         ]
     )
     return START
 
 
-def _remaining_work(directory: Path, processes: Processes) -> str:
+def _remaining_work(results: RunDirectory, processes: Processes) -> str:
     """Decide what remains to be done in the directory of a run of the same case; warn about damaged
     files.
 
@@ -100,28 +202,24 @@ def _remaining_work(directory: Path, processes: Processes) -> str:
     InputError
         LAMMPS was run on the deck by hand, so that it is unknown whether that run finished.
     """
-    marker = ownership.read_marker(directory)
-    outputs = [name for name in ownership.output_names(directory) if (directory / name).is_file()]
+    marker = results.marker
+    outputs = [name for name in results.output_names() if (results / name).is_file()]
     if marker.kind and files.RECORD_FILE not in marker.files and outputs:
         raise InputError(
-            f"{directory}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
-            f"granwave analyse {directory}  makes the results, --force runs the case again"
+            f"{results}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
+            f"granwave analyse {results}  makes the results, --force runs the case again"
         )
-    there = record.read(directory)
-    fault = directories.result_fault(directory)
-    seen = there or record.recover(directory) or record.Record(state="")
+    there = results.read_record()
+    fault = results.fault()
+    seen = there or results.recovered_record() or record.Record(state="")
     if seen.state == record.FINISHED and not fault:
-        lost = not (directory / files.RESULT_FILE).exists() and directories.outputs_complete(
-            directory
-        )
+        lost = not (results / files.RESULT_FILE).exists() and results.outputs_complete()
         return ANALYSE if lost else FINISHED
-    if seen.state in (record.FINISHED, record.INTEGRATED) and directories.outputs_complete(
-        directory
-    ):
+    if seen.state in (record.FINISHED, record.INTEGRATED) and results.outputs_complete():
         way = ANALYSE
     else:
         saved = seen.checkpoint
-        useless = record.checkpoint_fault(directory, saved, processes) if saved else ""
+        useless = results.checkpoint_fault(saved, processes) if saved else ""
         way = CONTINUE if saved and not useless else START
         if useless:
             logger.warning("%s; the run begins again, as its checkpoint is of no use", useless)
@@ -147,47 +245,39 @@ def run_files(case: Case, schedule: Schedule) -> list[str]:
     ]
 
 
-def start(case: Case, directory: Path) -> None:
-    """Remove the results of an earlier run, after checking that the deck can be written; make it a
-    run's directory.
+def start(case: Case, results: RunDirectory, *, force: bool = False) -> None:
+    """Make room for a run, after checking that its deck can be written; make it a run's directory.
+
+    Parameters
+    ----------
+    force
+        True to move earlier results into NAME.old; else they are removed.
 
     Raises
     ------
     InputError
         The initial dents cannot be read; nothing was removed.
     """
-    directories.refuse_source(directory, case.name, earlier_result(case))
+    results.refuse_source(case.name, earlier_result(case))
     if case.contact.initial_overlap:
         dents_table(assemble(case))
-    ownership.clear(directory)
-    ownership.claim(directory, [files.RECORD_FILE], kind=files.RUN)
-
-
-# ---------------------------------------------------------------------- one process at a time
-
-
-def busy(directory: Path) -> bool:
-    """Return True if another process has locked the directory."""
-    try:
-        with (directory / files.LOCK_FILE).open("r") as lock:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-    except BlockingIOError:
-        return True
-    except OSError:
-        pass
-    return False
+    results.make_room(force=force)
+    results.claim([files.RECORD_FILE], kind=files.RUN)
 
 
 @contextlib.contextmanager
 def held(
-    directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o"
+    results: ResultDirectory,
+    comm: Intracomm | None = None,
+    way: str = "; choose another with -o",
 ) -> Iterator[None]:
     """Lock a directory against other runs within a ``with`` block; create it if necessary.
 
     Parameters
     ----------
     comm
-        Communicator of all ranks, which call this together; None without MPI.
+        Communicator of all ranks, which call this together: the first takes the lock for all. None
+        without MPI.
     way
         Advice in the message if the directory cannot be written to.
 
@@ -196,42 +286,11 @@ def held(
     InputError
         Another run uses the directory, or it cannot be written to.
     """
-    made = [path for path in (directory, *directory.parents) if not path.exists()]
-    locks: list[int] = []
-
-    def take() -> None:
-        try:
-            directory.mkdir(parents=True, exist_ok=True)
-            locks.append(_lock(directory / files.LOCK_FILE))
-        except BlockingIOError:
-            raise InputError(
-                f"{directory}: another run or scan is at work there; wait for it, or choose another with -o"
-            ) from None
-        except OSError as error:
-            raise InputError(f"{directory}: cannot be written to: {error.strerror}{way}") from None
-
-    on_first(comm, take) if comm is not None else take()
+    if comm is None:
+        results.lock(way)
+    else:
+        on_first(comm, lambda: results.lock(way))
     try:
         yield
     finally:
-        for lock in locks:
-            (directory / files.LOCK_FILE).unlink(missing_ok=True)
-            os.close(lock)
-        with contextlib.suppress(OSError):
-            for path in made if locks else ():
-                path.rmdir()  # succeeds only if still empty
-
-
-def _lock(path: Path) -> int:
-    """Open and lock a file; try again if its previous holder removed it meanwhile."""
-    while True:
-        lock = os.open(path, os.O_RDWR | os.O_CREAT | os.O_NOFOLLOW, 0o666)
-        try:
-            fcntl.flock(lock, fcntl.LOCK_EX | fcntl.LOCK_NB)
-            with contextlib.suppress(FileNotFoundError):
-                if os.path.samestat(os.fstat(lock), os.lstat(path)):
-                    return lock
-        except OSError:
-            os.close(lock)
-            raise
-        os.close(lock)
+        results.unlock()

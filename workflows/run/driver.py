@@ -19,12 +19,11 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.lammps_inputs import directories, ownership
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
-from granwave.lammps_inputs.directories import free_space
+from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import GranwaveError, RunError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -42,7 +41,17 @@ from granwave.lammps_inputs.run_directory import (
     RESULT_FILE,
 )
 from granwave.workflows.run import checks, record
-from granwave.workflows.run.directory import ANALYSE, CONTINUE, FINISHED, START, decide, held, start
+from granwave.workflows.run.checkpoint import write_checkpoint
+from granwave.workflows.run.directory import (
+    ANALYSE,
+    CONTINUE,
+    FINISHED,
+    START,
+    RunDirectory,
+    decide,
+    held,
+    start,
+)
 from granwave.workflows.run.initial_state import make_spheres
 from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_engine
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
@@ -98,7 +107,7 @@ def run_case(
         Continue existing results; a finished run is not changed, and an empty directory is a new
         run.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
     progress
         Show a bar (on a terminal) or lines (in a log).
     checkpoint_interval
@@ -117,13 +126,13 @@ def run_case(
         LAMMPS failed; results so far are kept.
     """
     comm = world() if comm is None else comm
-    directory = directories.results_directory(directory)
+    results = RunDirectory(results_directory(directory))
 
     def prepare(ranks: Processes) -> str:
         n_ranks = comm.size
         what = decide(
             case,
-            directory,
+            results,
             resume=resume,
             force=force,
             figures=figures,
@@ -131,32 +140,28 @@ def run_case(
             processes=ranks,
         )
         if what == START:
-            start(case, directory)
-        elif directories.restore_case(directory):
+            start(case, results, force=force)
+        elif results.restore_case():
             logger.warning(
-                "%s was missing or damaged: written again as it was run", directory / CASE_FILE
+                "%s was missing or damaged: written again as it was run", results / CASE_FILE
             )
         return what
 
     refuse_threads_of_ranks(comm)
-    with held(directory, comm), turn(directory):
+    with held(results, comm), turn(results.path):
         what = shared(comm, prepare)
-        run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
+        run = _Run(case, results, comm, progress, figures, checkpoint_interval)
         if what == ANALYSE:
             try:
                 return run.analyse(take_up=True)
             except (MissingOutputError, OutputFormatError) as error:
                 if comm.rank == 0:
                     logger.warning("%s; the case is run again", error)
-                on_first(comm, lambda: start(case, directory))
+                on_first(comm, lambda: start(case, results))
                 what = START
-                run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
+                run = _Run(case, results, comm, progress, figures, checkpoint_interval)
         if what == FINISHED:
-            return Outcome(
-                directory,
-                record.FINISHED,
-                on_first(comm, lambda: directories.read_summary(directory)),
-            )
+            return Outcome(results.path, record.FINISHED, on_first(comm, results.summary))
         if run.show:
             announce(plan(case, n_ranks=comm.size, figures=figures))
         try:
@@ -173,14 +178,15 @@ class _Run:
     def __init__(
         self,
         case: Case,
-        directory: Path,
+        results: RunDirectory,
         comm: Intracomm,
         show: bool,
         figures: bool,
         checkpoint_interval: float,
     ) -> None:
         self.case = case
-        self.directory = directory
+        self.results = results
+        self.directory = results.path
         self.comm = comm
         self.figures = figures
         self.assembly = assemble(case)
@@ -189,7 +195,7 @@ class _Run:
         self.record = record.Record(name=case.name, n_ranks=comm.size)
         accepted = case.run.accepted_balance_error
         self.balance = checks.Balance(
-            directory / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
+            results / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
         self.reserve = on_first(
@@ -204,9 +210,7 @@ class _Run:
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
         """Integrate in time; halve an automatic timestep as long as the balance does not close."""
         if go_on:
-            self.record = on_first(
-                self.comm, lambda: record.read(self.directory) or record.Record()
-            )
+            self.record = on_first(self.comm, lambda: self.results.read_record() or record.Record())
         self.record.energy_balance_accepted = self.balance.accepted
         timestep = None
         chosen = self.case.run.timestep == "auto"
@@ -235,8 +239,8 @@ class _Run:
                 f"the energy balance misses by {misses:.1e} of the input; "
                 f"once more with half the timestep, {timestep:.3g} s"
             )
-        outputs = [DATA_FILE, *ownership.output_names(self.directory)]
-        on_first(self.comm, lambda: directories.note_files(self.directory, outputs))
+        outputs = [DATA_FILE, *self.results.output_names()]
+        on_first(self.comm, lambda: self.results.note_files(outputs))
         self._note(state=self.state if self.state == record.INTERRUPTED else record.INTEGRATED)
 
     def _fail(self, error: RunError | OSError) -> NoReturn:
@@ -246,9 +250,8 @@ class _Run:
         failure = self._with_advice(error)
         if isinstance(failure, SingleRankError) and self.comm.size > 1:
             # the first rank may be waiting inside LAMMPS: this rank writes the record and ends all
-            dataclasses.replace(self.record, state=record.FAILED, reason=str(failure)).write(
-                self.directory
-            )
+            failed = dataclasses.replace(self.record, state=record.FAILED, reason=str(failure))
+            self.results.write_record(failed)
             abort(self.comm, str(failure))
         with contextlib.suppress(OSError):  # on a full disk the last record remains
             self._note(state=record.FAILED, reason=str(failure))
@@ -290,11 +293,9 @@ class _Run:
     def analyse(self, *, take_up: bool = False) -> Outcome:
         """Analyse the output; ``take_up``: that of an earlier session."""
         if take_up:
-            there = on_first(self.comm, lambda: record.read(self.directory))
+            there = on_first(self.comm, self.results.read_record)
             self.record = (
-                there
-                or on_first(self.comm, lambda: record.recover(self.directory))
-                or record.Record()
+                there or on_first(self.comm, self.results.recovered_record) or record.Record()
             )
             if there is None:  # it was damaged
                 self._note()
@@ -303,10 +304,8 @@ class _Run:
             )
 
         def work(ranks: Processes) -> dict[str, Any]:
-            ownership.clear_scratch(self.directory, [RESULT_FILE])  # of an analysis that was killed
-            return analyse(
-                self.directory, progress=self.show, figures=self.figures, processes=ranks
-            )
+            self.results.clear_scratch([RESULT_FILE])  # of an analysis that was killed
+            return analyse(self.results, progress=self.show, figures=self.figures, processes=ranks)
 
         try:
             most = analysing_ranks(assemble(self.case), self.comm.size)
@@ -321,16 +320,16 @@ class _Run:
             ) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:
-            record.keep_checkpoint(self.directory, None)
+            self.results.keep_checkpoint(None)
         return Outcome(self.directory, self.record.state, summary)
 
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
         def write(ranks: Processes) -> Deck:
             if go_on:
                 return read_deck(self.directory)
-            record.keep_checkpoint(self.directory, None)
-            ownership.clear(self.directory, ownership.output_names(self.directory))
-            return write_deck(self.case, self.directory, timestep=timestep, processes=ranks)
+            self.results.keep_checkpoint(None)
+            self.results.clear(self.results.output_names())
+            return write_deck(self.case, self.results, timestep=timestep, processes=ranks)
 
         deck = shared(self.comm, write)
         if not go_on:
@@ -362,10 +361,8 @@ class _Run:
                 added = f"{DUMPS}/{frames_file(self.assembly, saved['file'])}"
 
                 def cut_back() -> str:
-                    record.cut_back(self.directory, saved)
-                    ownership.claim(
-                        self.directory, [added, *ownership.output_names(self.directory)]
-                    )
+                    self.results.cut_back(saved)
+                    self.results.claim([added, *self.results.output_names()])
                     return input_script(self.assembly, deck.schedule, restart_from=saved["file"])
 
                 script = on_first(self.comm, cut_back)
@@ -408,7 +405,7 @@ class _Run:
             if self.comm.size == 1:
                 return engine.end_command()
             if self.comm.rank == 0:  # LAMMPS cannot end a command at the same step on all ranks
-                dataclasses.replace(self.record, **interrupted).write(self.directory)
+                self.results.write_record(dataclasses.replace(self.record, **interrupted))
             else:
                 time.sleep(_FIRST_ENDS)
             abort(self.comm, "stopped", 130)
@@ -476,7 +473,7 @@ class _Run:
                     last_checkpoint = time.monotonic()
                     fresh = True
                 if full and self.state == record.RUNNING:
-                    message = directories.disk_space_message(
+                    message = disk_space_message(
                         "a snapshot and a checkpoint", self.reserve, 0.0, free
                     )
                     raise RunError(f"stopped at step {engine.step}: {message}")
@@ -512,14 +509,14 @@ class _Run:
 
     def _checkpoint(self, engine: Engine) -> None:
         parts = written_in_parts(self.assembly)
-        saved = record.write_checkpoint(
-            engine, self.comm, self.directory, self.record.checkpoint, parts=parts
+        saved = write_checkpoint(
+            engine, self.comm, self.results, self.record.checkpoint, parts=parts
         )
         self.record.checkpoint = saved | {"lost_before_block": self.lost_before_block}
 
         def keep() -> None:
-            self.record.write(self.directory)
-            record.keep_checkpoint(self.directory, saved)
+            self.results.write_record(self.record)
+            self.results.keep_checkpoint(saved)
 
         on_first(self.comm, keep)
 
@@ -528,7 +525,7 @@ class _Run:
     def _note(self, **changes: Any) -> None:
         self.record = dataclasses.replace(self.record, **changes)
         if self.comm.rank == 0:
-            self.record.write(self.directory)
+            self.results.write_record(self.record)
 
     def _log(self, text: str) -> None:
         if self.comm.rank == 0:

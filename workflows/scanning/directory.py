@@ -14,18 +14,11 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
-from granwave.lammps_inputs.directories import check_directory, check_disk, refuse_source
+from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import replace_text
-from granwave.lammps_inputs.ownership import (
-    claim,
-    refuse_foreign,
-    refuse_other_kind,
-    refuse_results,
-    results_in,
-)
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_WORK, is_scan
-from granwave.workflows.run.directory import busy
 from granwave.workflows.scanning import layout, slurm
 from granwave.workflows.scanning.scan_file import Point, Scan
 
@@ -52,20 +45,20 @@ def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Poi
     return found
 
 
-def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
+def check_points(scan: Scan, results: ResultDirectory, *, force: bool) -> None:
     """Check that the remaining points can be run: files that they name, and disk space.
 
     Parameters
     ----------
     force
-        True to replace the points in ``directory``.
+        True to move the points that are there into NAME.old.
 
     Raises
     ------
     InputError
         The points cannot be run; the message lists all faults.
     """
-    points = sorted(points_left(scan, directory, fresh=force), key=lambda point: point.number)
+    points = sorted(points_left(scan, results.path, fresh=force), key=lambda point: point.number)
     needed = scan.scale * sum(point.plan.disk for point in points)
     spare = layout.LEAST_FREE + max((point.plan.disk_reserve for point in points), default=0.0)
     cases = [point.case for point in points if force and isinstance(point.case, Case)]
@@ -92,8 +85,8 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
     raise_all(
         [
             check_files,
-            lambda: check_disk(directory, needed, what="the points", spare=spare),
-            *(partial(refuse_source, directory, name, source) for source, name in sources.items()),
+            lambda: check_disk(results.path, needed, what="the points", spare=spare),
+            *(partial(results.refuse_source, name, source) for source, name in sources.items()),
         ]
     )
 
@@ -101,8 +94,8 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
 logger = logging.getLogger(__name__)
 
 
-def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
-    """May the scan be run in ``directory``? Changes nothing.
+def decide(scan: Scan, results: ResultDirectory, *, resume: bool, force: bool) -> None:
+    """May the scan be run in a directory? Changes nothing.
 
     Raises
     ------
@@ -110,28 +103,28 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
         It holds results and neither resume nor force was given, or holds something else, or files
         that granwave did not write and would overwrite; or the case.toml of a point was changed.
     """
-    check_directory(directory, resume=resume, force=force)
-    refuse_other_kind(directory, SCAN)
+    results.check(resume=resume, force=force)
+    results.refuse_other_kind(SCAN)
     if not resume and not force:
-        refuse_results(directory, "--resume does what is missing, --force replaces them")
-    refuse_foreign(directory, [*layout.files(scan.distinct), f"{SCAN_WORK}/"])
-    if resume and is_scan(directory):
+        results.refuse_results("--resume does what is missing, ")
+    results.refuse_foreign([*layout.files(scan.distinct), f"{SCAN_WORK}/"])
+    if resume and is_scan(results):
         there = None
         with contextlib.suppress(OutputFormatError):  # a damaged index is written anew
-            there = ScanResult(directory)
+            there = ScanResult(results)
         if (
             there
             and there.name != scan.name
             and not {point.id for point in there.points} & set(scan.distinct)
         ):
             raise InputError(
-                f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
-                "--force replaces it, or choose another directory with -o"
+                f"{results}: holds another scan ({there.name}), without a point of {scan.name}; "
+                f"{results.by_force}"
             )
-    check_points(scan, directory, force=force)
+    check_points(scan, results, force=force)
 
 
-def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
+def prepare(scan: Scan, results: ResultDirectory, *, on_cluster: bool) -> None:
     """Write the index of a scan, and open the points that are damaged, failed or were killed.
 
     Parameters
@@ -139,7 +132,8 @@ def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
     on_cluster
         Points of jobs that an earlier start left there stay as they are.
     """
-    claim(directory, layout.files(scan.distinct), kind=SCAN)
+    results.claim(layout.files(scan.distinct), kind=SCAN)
+    directory = results.path
     for name in (layout.BATCHES, layout.DONE, layout.LOGS):
         (directory / name).mkdir(parents=True, exist_ok=True)
     (directory / layout.STOP).unlink(missing_ok=True)
@@ -149,9 +143,9 @@ def prepare(scan: Scan, directory: Path, *, on_cluster: bool) -> None:
         {name for job in slurm.jobs_of(directory) for name in job.points} if on_cluster else set()
     )
     for point in scan.distinct:
-        in_work = point in adopted or busy(layout.unfinished(directory, point))
+        in_work = point in adopted or ResultDirectory(layout.unfinished(directory, point)).busy()
         if not in_work and (fault := layout.fault(directory, point)):
-            if results_in(layout.finished(directory, point)):
+            if ResultDirectory(layout.finished(directory, point)).result_names():
                 logger.warning("%s; the point is analysed again, or run again", fault)
             layout.reopen(directory, point)
         state = layout.state(directory, point)

@@ -17,7 +17,7 @@ from granwave.analysis.scans.table import ScanData, read_scan, write_scan_table
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.interrupts import Interrupts
-from granwave.lammps_inputs.ownership import clear
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
@@ -99,7 +99,7 @@ def run_scan(
     resume
         Run missing points only; points that failed are tried again.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
     progress
         Show a bar (on a terminal) or lines (in a log).
     slowness
@@ -113,19 +113,19 @@ def run_scan(
     RunError
         No job could start a point.
     """
-    directory = results_directory(directory)
+    results = ResultDirectory(results_directory(directory))
     if executor == SLURM:
         slurm.check_slurm()
         profile = profile or Profile()
     else:
         profile = None
-    with held(directory), Interrupts() as stop:
-        decide(scan, directory, resume=resume, force=force)
+    with held(results), Interrupts() as stop:
+        decide(scan, results, resume=resume, force=force)
         if force:
-            clear(directory)
-        prepare(scan, directory, on_cluster=profile is not None)
+            results.make_room(force=True)
+        prepare(scan, results, on_cluster=profile is not None)
         machine = Machine(jobs or default_jobs(profile), profile, slowness)
-        run = _ScanRun(scan, directory, machine, stop, show=progress)
+        run = _ScanRun(scan, results, machine, stop, show=progress)
         run.work()
         return run.outcome()
 
@@ -139,21 +139,30 @@ def default_jobs(profile: Profile | None) -> int:
 
 class _ScanRun:
     def __init__(
-        self, scan: Scan, directory: Path, machine: Machine, stop: Interrupts, *, show: bool
+        self,
+        scan: Scan,
+        results: ResultDirectory,
+        machine: Machine,
+        stop: Interrupts,
+        *,
+        show: bool,
     ) -> None:
         self.scan = scan
-        self.directory = directory
+        self.results = results
+        self.directory = results.path
         self.machine = machine
         self.stop = stop
         self.show = show
         self.open = dict(scan.distinct)  # points not known to be done or failed
         self.running: dict[str, float] = {}  # start times of running points, by id
-        self.result = ScanResult(directory)
+        self.result = ScanResult(results)
         self.drawn = self.tabled = time.monotonic()
         self.changed = True
         self.stopped: str | None = None
         self.n_done = 0  # points
-        left = [point for name, point in self.open.items() if not layout.is_done(directory, name)]
+        left = [
+            point for name, point in self.open.items() if not layout.is_done(results.path, name)
+        ]
         self.outlook = Outlook(left, machine)
 
     def work(self) -> None:
@@ -182,7 +191,7 @@ class _ScanRun:
         write_scan_table(self.result)
         if not self.stop.count:  # figures would delay the stop
             _draw(self.result)
-            publish(self.directory, self.scan.study)
+            publish(self.results, self.scan.study)
 
     def _round(self, points: Sequence[Point], prefix: str) -> None:
         batches = self.machine.batches(points, prefix)
@@ -291,7 +300,7 @@ class _ScanRun:
         return ScanOutcome(self.directory, done, failed, missing, self.stopped)
 
 
-def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> None:
+def publish(results: ResultDirectory, studies: Sequence[str], *, suite: bool = False) -> None:
     """Draw the figures of studies, and of the comparison of the scans of a suite, and write the
     report.
     """
@@ -301,10 +310,11 @@ def publish(directory: Path, studies: Sequence[str], *, suite: bool = False) -> 
     from granwave.analysis.reports.studies import comparison_of, studies_of
     from granwave.analysis.studies.study import draw_studies, write_rows
 
+    directory = results.path
     inputs = read_inputs([directory], directory, studies)
     found = [*(comparison_of(inputs) if suite else ()), *studies_of(inputs)]
-    draw_studies(found, directory)
-    write_rows(found, directory)
+    draw_studies(found, results)
+    write_rows(found, results)
     write_report([directory], directory / SCAN_REPORT, study_files=studies)
 
 

@@ -10,10 +10,9 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.scans.result import other_point, read_point
-from granwave.lammps_inputs.directories import check_case, read_summary, result_fault, tables_as_run
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_tables, replace_text
-from granwave.lammps_inputs.ownership import claim, clear
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
     POINT_FILE,
@@ -65,7 +64,7 @@ def files(points: Iterable[str]) -> list[str]:
 
 def is_done(directory: Path, point: str) -> bool:
     """Return True if the point was finished and analysed, so that its summary can be read."""
-    return bool(read_summary(finished(directory, point)))
+    return bool(ResultDirectory(finished(directory, point)).summary())
 
 
 def fault(directory: Path, point: str) -> str:
@@ -80,13 +79,14 @@ def fault(directory: Path, point: str) -> str:
     place = finished(directory, point)
     if not place.is_dir():
         return ""
-    check_case(place)
+    results = ResultDirectory(place)
+    results.check_case()
     if other := other_point(place):
         raise InputError(other)
     case = place / CASE_FILE
-    if read_tables(case) is None and tables_as_run(place) is not None:
+    if read_tables(case) is None and results.tables_as_run() is not None:
         return f"{case}: is damaged, or missing"
-    return result_fault(place)
+    return results.fault()
 
 
 def is_whole(directory: Path, point: str) -> bool:
@@ -102,7 +102,6 @@ def reopen(directory: Path, point: str) -> None:
     InputError
         Files that granwave did not write are in the way.
     """
-    # an earlier version may have restarted the point there, so that the target exists
     _move(finished(directory, point), unfinished(directory, point))
 
 
@@ -114,8 +113,9 @@ def close(directory: Path, point: str) -> None:
 def _move(place: Path, target: Path) -> None:
     """Move the directory of a point; results of granwave in the target are replaced."""
     if target.is_dir() and not target.is_symlink():
-        clear(target)
-        clear(target, POINT_FILES)
+        replaced = ResultDirectory(target)
+        replaced.clear()
+        replaced.clear(POINT_FILES)
         with contextlib.suppress(OSError):
             target.rmdir()
     if os.path.lexists(target):
@@ -141,7 +141,7 @@ def write_state(place: Path, **record: Any) -> None:
     is in its place.
     """
     place.mkdir(parents=True, exist_ok=True)
-    claim(place, POINT_FILES)
+    ResultDirectory(place).claim(POINT_FILES)
     replace_text(place / POINT_FILE, json.dumps({**record, "id": place.name}, indent=1) + "\n")
 
 

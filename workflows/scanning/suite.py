@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml, replace_text
-from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     SCAN_FILE,
     SCAN_REPORT,
@@ -174,12 +174,13 @@ def run_suite(
     InputError, RunError
         As in `run_scan`; no scan was run if any directory holds other results.
     """
-    directory = results_directory(directory)
-    with held(directory):
-        check_suite(suite, directory, resume=resume, force=force)
+    results = ResultDirectory(results_directory(directory))
+    directory = results.path
+    with held(results):
+        check_suite(suite, results, resume=resume, force=force)
         if force:
-            clear(directory)
-        claim(directory, _FILES, kind=SUITE)
+            _make_room(suite, results)
+        results.claim(_FILES, kind=SUITE)
         replace_text(directory / SCAN_FILE, suite.text)
         names = [scan.name for scan in suite.scans]
         index = {
@@ -203,19 +204,30 @@ def run_suite(
                 for names in (suite.study, *(scan.study for scan in suite.scans))
                 for name in names
             ]
-            publish(directory, studies, suite=True)
+            publish(results, studies, suite=True)
         complete = len(outcomes) == len(suite.scans) and all(
             outcome.complete for outcome in outcomes
         )
         return SuiteOutcome(directory, tuple(outcomes), complete, stopped)
 
 
-def check_suite(suite: Suite, directory: Path, *, resume: bool, force: bool) -> None:
-    """Raise InputError if a suite cannot be run in ``directory``, see `decide`, without changing
+def check_suite(suite: Suite, results: ResultDirectory, *, resume: bool, force: bool) -> None:
+    """Raise InputError if a suite cannot be run in a directory, see `decide`, without changing
     anything.
     """
-    results_directory(directory, force=force)
-    refuse_other_kind(directory, SUITE)
+    results.check(force=force)
+    results.refuse_other_kind(SUITE)
+    scans = {scan.name: ResultDirectory(results / scan.name) for scan in suite.scans}
+    if force and any(scan.result_names() for scan in scans.values()):
+        results.refuse_immovable()
     for scan in suite.scans:
-        decide(scan, directory / scan.name, resume=resume, force=force)
-    refuse_foreign(directory, _FILES)
+        decide(scan, scans[scan.name], resume=resume, force=force)
+    results.refuse_foreign(_FILES)
+
+
+def _make_room(suite: Suite, results: ResultDirectory) -> None:
+    """Move the suite that was there, with its scans, into NAME.old."""
+    old = results.free_old_path()
+    results.make_room(force=True)
+    for scan in suite.scans:
+        ResultDirectory(results / scan.name).set_aside(into=old / scan.name)

@@ -9,7 +9,7 @@ import pytest
 from granwave.analysis import Result
 from granwave.analysis.exports.export import export, staged
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.helpers import synthetic_scan
 from tests.helpers.export_inputs import write_walled_run
 
@@ -49,7 +49,7 @@ def test_failure_leaves_the_old_files_and_nothing_else(run, tmp_path, monkeypatc
 
 def test_outdated_files_go_and_others_stay(run, tmp_path):
     export(run, "csv", tmp_path)
-    claim(tmp_path, ["snapshot_0099.csv", "walls_xlo.csv"])
+    ResultDirectory(tmp_path).claim(["snapshot_0099.csv", "walls_xlo.csv"])
     for name in (
         "snapshot_0099.csv",
         "snapshot_0098.csv",

@@ -19,8 +19,8 @@ import pytest
 from granwave.analysis import MissingOutputError, OutputFormatError, Result, analyse
 from granwave.analysis.exports.export import export
 from granwave.analysis.reports.report import write_report
-from granwave.lammps_inputs.directories import changed_files
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import run_case
 from tests.helpers import synthetic
 from tests.helpers.export_inputs import write_walled_run
@@ -446,4 +446,4 @@ def test_directories_without_digests(by_hand):
     marker = by_hand / ".granwave"
     marker.write_text(marker.read_text().replace('"digests"', '"other"'))
     (by_hand / SCRIPT).write_text("")
-    assert changed_files(by_hand) == []
+    assert ResultDirectory(by_hand).changed_deck() == []

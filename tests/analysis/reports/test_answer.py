@@ -18,6 +18,7 @@ from granwave.analysis.reports.studies import leads, verdicts
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.studies.study import Row, Study
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.helpers.chromium import Browser
 from tests.helpers.synthetic_report import NASTY, build, draw, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
@@ -179,11 +180,19 @@ def test_a_packing_and_a_block(tmp_path):
         "run.end_time": "auto",
     }
     runs = [
-        Run("packing", "run", tmp_path, "done", summary | {"n_plastic_spheres": 3}, packing, {}),
+        Run(
+            "packing",
+            "run",
+            ResultDirectory(tmp_path),
+            "done",
+            summary | {"n_plastic_spheres": 3},
+            packing,
+            {},
+        ),
         Run(
             "block",
             "continuum",
-            tmp_path,
+            ResultDirectory(tmp_path),
             "done",
             summary | {"dissipated_fraction": 0.2},
             block,

@@ -20,13 +20,14 @@ from granwave.analysis.reports.results import compact_table, value_rows
 from granwave.analysis.reports.setting import setting_of, symbols_note
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.helpers.synthetic_report import build, write_run
 
 MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 
 
 def run_with(case=None, **summary):
-    return Run("one", "run", Path(), "done", summary, case or {}, {})
+    return Run("one", "run", ResultDirectory(Path()), "done", summary, case or {}, {})
 
 
 def labels(run):

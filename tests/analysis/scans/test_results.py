@@ -29,7 +29,7 @@ from granwave.analysis.scans.table import (
     write_scan_table,
 )
 from granwave.lammps_inputs import load_case, sphere_contact, write_deck
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import library
 from tests.helpers import synthetic
 from tests.helpers.synthetic_report import build
@@ -333,7 +333,7 @@ def test_figures_that_make_no_sense_any_more_go(tmp_path):
     write_scan(tmp_path, grid(load__velocity=[1, 2], contact__law=["hertz"]))
     folder = tmp_path / "figures"
     folder.mkdir()
-    claim(tmp_path, ["figures/plastic_spheres_vs_load_velocity.png"])
+    ResultDirectory(tmp_path).claim(["figures/plastic_spheres_vs_load_velocity.png"])
     for name in ("plastic_spheres_vs_load_velocity.png", "mine_vs_theirs.png", "own.png"):
         (folder / name).touch()
     assert stems(draw_scan_figures(tmp_path, pdf=False)) == {

@@ -24,9 +24,8 @@ from granwave.analysis.studies.packing_and_block import study, zone
 from granwave.analysis.studies.packing_and_block.impacts import Impacts, collect
 from granwave.analysis.studies.packing_and_block.study import select
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
-from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.ownership import claim
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import RUN
 from granwave.workflows import library, load_scan
 from granwave.workflows.cli.main import main
@@ -89,7 +88,7 @@ def test_refused_runs_are_left_out_of_the_comparison(
         shutil.copytree(point, tmp_path / "bad")
     values = json.loads((tmp_path / "bad" / "summary.json").read_text())
     (tmp_path / "bad" / "summary.json").write_text(json.dumps(values | {"end_reason": "refused"}))
-    note_files(tmp_path / "bad", ["summary.json"])
+    ResultDirectory(tmp_path / "bad").note_files(["summary.json"])
     inputs = read_inputs([suite, tmp_path / "bad"], tmp_path)
     assert [run.label for run in inputs.whole() if run.status == "refused"] == ["bad (refused)"]
     section = comparison.comparison_section(inputs)
@@ -396,7 +395,7 @@ def test_nothing_runs_where_one_directory_is_taken(suite: Path, tmp_path: Path) 
     small = load_suite(suite.parent / "suite.toml")
     taken = tmp_path / "continuum"
     taken.mkdir()
-    claim(taken, ["case.toml"], kind=RUN)
+    ResultDirectory(taken).claim(["case.toml"], kind=RUN)
     (taken / "case.toml").write_text("", encoding="utf-8")
     with pytest.raises(InputError, match="holds a run"):
         run_suite(small, tmp_path)

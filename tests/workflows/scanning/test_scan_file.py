@@ -10,6 +10,7 @@ from pathlib import Path
 import pytest
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.scan import plan_text, plan_values
 from granwave.workflows.scanning.batches import Machine
@@ -341,7 +342,7 @@ def test_a_plan_of_100_000_points_is_made_of_some(tmp_path: Path, load: Load) ->
         2000 * sum(point.plan.disk for point in scan.points)
     )
     with pytest.raises(InputError, match="the points need about"):
-        check_points(scan, tmp_path, force=False)
+        check_points(scan, ResultDirectory(tmp_path), force=False)
     whole = load(SMALL + VELOCITIES, most=50)
     assert (whole.n_points, whole.scale) == (2, 1)
     assert "planned from" not in plan_text(

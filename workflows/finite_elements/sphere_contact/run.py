@@ -43,7 +43,6 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import write_csv
-from granwave.lammps_inputs.directories import note_files
 from granwave.lammps_inputs.files import replacing
 from granwave.lammps_inputs.run_directory import CONTACT_TABLE
 from granwave.workflows.finite_elements.material import STRAIN, Elastoplastic
@@ -318,7 +317,6 @@ class ContactRun(ElementRun):
         with replacing(directory / CONTACT_TABLE) as scratch:
             write_csv(contact_table(self.case, self.history), scratch)
         super().write(directory, summary)
-        note_files(directory, [CONTACT_TABLE])
 
     def warning(self, summary: Mapping[str, Any]) -> str:
         if (summary["kinetic_share_max"] or 0.0) <= _MOST_KINETIC:
