@@ -26,7 +26,6 @@ from granwave.analysis.spectra.states import State, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import dampers_of, losses_of, transmission
 from granwave.lammps_inputs.case.boundary import Damper
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text, replacing
@@ -37,7 +36,7 @@ from granwave.lammps_inputs.ownership import (
     refuse_other_kind,
     results_in,
 )
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
 
@@ -60,7 +59,7 @@ _FIGURES = {
 
 
 def check_place(
-    directory: Path | None, name: str, source: Case | Path, *, force: bool
+    directory: Path | None, name: str, source: Assembly | Path, *, force: bool
 ) -> Path | None:
     """Return the absolute path of a directory for results of this name; None if there is none.
 
@@ -72,8 +71,8 @@ def check_place(
     """
     if directory is None:
         return None
-    if isinstance(source, Case):
-        case = source.to_toml()
+    if isinstance(source, Assembly):
+        case = source.case.to_toml()
     else:
         with Result(source) as result:
             case = result.case.to_toml()
@@ -155,7 +154,7 @@ class SmallWaves:
 
 
 def bands(
-    source: Case | Path,
+    source: Assembly | Path,
     directory: Path | None,
     path: str = "",
     *,
@@ -198,7 +197,7 @@ def bands(
 
 
 def modes(
-    source: Case | Path,
+    source: Assembly | Path,
     directory: Path | None,
     *,
     n_modes: int | None = None,
@@ -261,7 +260,7 @@ def modes(
 
 
 def steady(
-    source: Case | Path,
+    source: Assembly | Path,
     directory: Path | None,
     *,
     drive: int | Sequence[int],
@@ -297,7 +296,7 @@ def steady(
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
-    assembly = assemble(state.case)
+    assembly = state.assembly
     support = state.case.boundary.bottom_support
     damping = support.damping if isinstance(support, Damper) else None
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
@@ -349,7 +348,7 @@ def steady(
     return waves, waves.write(place, figures=figures)
 
 
-def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:
+def _finite(source: Assembly | Path, directions: str, *, damped: bool = False) -> State:
     if set(directions) - set("xyz"):
         raise InputError(
             f'--directions: found "{directions}", expected some of the letters x, y and z'

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.spectra.network import Array, Ints, Network, Springs, across, joined
 from granwave.analysis.spectra.pair_laws import PairLaws, Part
-from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
 
@@ -63,6 +63,8 @@ class Bodies:
 
     Attributes
     ----------
+    assembly
+        All bodies of their case.
     ids
         Ids: (n,).
     position
@@ -90,7 +92,7 @@ class Bodies:
         Directions in which grains move under the static load: (n, 3); None: as ``moves``.
     """
 
-    case: Case
+    assembly: Assembly
     laws: PairLaws
     ids: Ints
     position: Array
@@ -293,7 +295,7 @@ class Bodies:
         for law, rows, scale in self.laws_of(contacts):
             overlap = contacts.overlap[rows]
             force[rows], stiffness[rows], tangential[rows] = law.small(overlap, most[rows], scale)
-            if self.case.has_resistance:
+            if self.assembly.case.has_resistance:
                 rolling[rows], twisting[rows] = law.resisting(overlap, most[rows], scale)
         lever = np.where(
             np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0

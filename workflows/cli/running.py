@@ -46,20 +46,21 @@ def run(options: argparse.Namespace) -> int:
         logging.getLogger("granwave").setLevel(
             logging.ERROR
         )  # the ranks will give the warnings of the case
-    case = library.load_case(options.case, options.overrides)
+    assembly = library.load_assembly(options.case, options.overrides)
+    case = assembly.case
     directory = results_directory(options.directory or case.name)
     how = _how(options)
     if starts_ranks:
-        decide(case, directory, n_ranks=options.ranks, **how)
+        decide(assembly, directory, n_ranks=options.ranks, **how)
         return mpi.launch(options.ranks, _without_ranks(options.given))
 
     from granwave.workflows.run.driver import (
-        run_case,
+        run_assembly,
     )  # loads the analysis, which starting ranks does without
 
     comm = mpi.world()
-    outcome = run_case(
-        case, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how
+    outcome = run_assembly(
+        assembly, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how
     )
     if comm.rank == 0:
         summary = outcome.summary
@@ -131,32 +132,32 @@ def continuum(options: argparse.Namespace) -> int:
 
 def write(options: argparse.Namespace) -> int:
     """Execute ``granwave write``."""
-    case = library.load_case(options.case, options.overrides)
-    expected = plan(case)
-    check_files(case)
+    assembly = library.load_assembly(options.case, options.overrides)
+    case = assembly.case
+    expected = plan(assembly)
+    check_files(assembly)
     warn_of_lacks(case.name, lambda: afford(expected))
     directory = results_directory(options.directory, force=options.force)
-    needed = expected_deck(assemble(case))
+    needed = expected_deck(assembly)
     if needed > _SMALL_DECK:
         check_disk(directory, needed, what="the deck", remedy="make the packing smaller")
     with held(directory, mpi.world()):
         ownership.refuse_other_kind(directory, RUN)
         if not options.force:
             ownership.refuse_results(directory, "--force removes them all")
-        ownership.refuse_foreign(directory, run_files(case, expected.schedule))
+        ownership.refuse_foreign(directory, run_files(assembly, expected.schedule))
         refuse_source(directory, case.name, earlier_result(case))
         earlier = ownership.results_in(directory)
         deck = write_deck(
-            case, options.directory
+            assembly, options.directory
         )  # whole or not at all; only then is removed what was there
         ownership.clear(directory, set(earlier) - set(deck.written))
         deck.dumps.mkdir(exist_ok=True)
-        ownership.claim(directory, deck_files(assemble(case), deck.schedule))
+        ownership.claim(directory, deck_files(assembly, deck.schedule))
     schedule = deck.schedule
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:
         steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
-    assembly = assemble(deck.case)
     print(f"{deck.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
     print(f"run it by hand:  cd {deck.directory} && lmp -in {deck.script.name}")
     return 0

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.python.contacts import (
     contact_energy,
     contact_force,
@@ -311,7 +312,7 @@ def _run_on_ranks(
         The run was interrupted; it wrote a checkpoint.
     """
     mpi.check_cores(ranks)
-    decide(found, place, n_ranks=ranks, **how)
+    decide(assemble(found), place, n_ranks=ranks, **how)
     options = {
         "--force": how["force"],
         "--resume": how["resume"],

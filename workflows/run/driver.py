@@ -27,7 +27,7 @@ from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
 from granwave.lammps_inputs.directories import free_space
 from granwave.lammps_inputs.errors import GranwaveError, RunError
 from granwave.lammps_inputs.files import DISK_IS_FULL
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
@@ -77,8 +77,13 @@ class Outcome:
     summary: dict[str, Any]
 
 
-def run_case(
-    case: Case,
+def run_case(case: Case, directory: str | Path, **options: Any) -> Outcome:
+    """Run a case and analyse it; options and errors as of `run_assembly`."""
+    return run_assembly(assemble(case), directory, **options)
+
+
+def run_assembly(
+    assembly: Assembly,
     directory: str | Path,
     *,
     resume: bool = False,
@@ -88,7 +93,7 @@ def run_case(
     figures: bool = True,
     comm: Intracomm | None = None,
 ) -> Outcome:
-    """Run a case and analyse it.
+    """Run the case of an assembly and analyse it.
 
     Parameters
     ----------
@@ -122,7 +127,7 @@ def run_case(
     def prepare(ranks: Processes) -> str:
         n_ranks = comm.size
         what = decide(
-            case,
+            assembly,
             directory,
             resume=resume,
             force=force,
@@ -131,7 +136,7 @@ def run_case(
             processes=ranks,
         )
         if what == START:
-            start(case, directory)
+            start(assembly, directory)
         elif directories.restore_case(directory):
             logger.warning(
                 "%s was missing or damaged: written again as it was run", directory / CASE_FILE
@@ -141,16 +146,16 @@ def run_case(
     refuse_threads_of_ranks(comm)
     with held(directory, comm), turn(directory):
         what = shared(comm, prepare)
-        run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
+        run = _Run(assembly, directory, comm, progress, figures, checkpoint_interval)
         if what == ANALYSE:
             try:
                 return run.analyse(take_up=True)
             except (MissingOutputError, OutputFormatError) as error:
                 if comm.rank == 0:
                     logger.warning("%s; the case is run again", error)
-                on_first(comm, lambda: start(case, directory))
+                on_first(comm, lambda: start(assembly, directory))
                 what = START
-                run = _Run(case, directory, comm, progress, figures, checkpoint_interval)
+                run = _Run(assembly, directory, comm, progress, figures, checkpoint_interval)
         if what == FINISHED:
             return Outcome(
                 directory,
@@ -158,7 +163,7 @@ def run_case(
                 on_first(comm, lambda: directories.read_summary(directory)),
             )
         if run.show:
-            announce(plan(case, n_ranks=comm.size, figures=figures))
+            announce(plan(assembly, n_ranks=comm.size, figures=figures))
         try:
             with StopRequest(comm) as stop:
                 run.integrate(stop, go_on=what == CONTINUE)
@@ -172,28 +177,28 @@ def run_case(
 class _Run:
     def __init__(
         self,
-        case: Case,
+        assembly: Assembly,
         directory: Path,
         comm: Intracomm,
         show: bool,
         figures: bool,
         checkpoint_interval: float,
     ) -> None:
-        self.case = case
+        self.assembly = assembly
+        self.case = assembly.case
         self.directory = directory
         self.comm = comm
         self.figures = figures
-        self.assembly = assemble(case)
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
-        self.record = record.Record(name=case.name, n_ranks=comm.size)
-        accepted = case.run.accepted_balance_error
+        self.record = record.Record(name=self.case.name, n_ranks=comm.size)
+        accepted = self.case.run.accepted_balance_error
         self.balance = checks.Balance(
             directory / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
         self.reserve = on_first(
-            comm, lambda: plan(case).disk_reserve
+            comm, lambda: plan(assembly).disk_reserve
         )  # disk space to keep free, bytes
         # dissipated energy at the start of the current block of end_time = "auto", J
         self.lost_before_block = 0.0
@@ -305,11 +310,15 @@ class _Run:
         def work(ranks: Processes) -> dict[str, Any]:
             ownership.clear_scratch(self.directory, [RESULT_FILE])  # of an analysis that was killed
             return analyse(
-                self.directory, progress=self.show, figures=self.figures, processes=ranks
+                self.directory,
+                progress=self.show,
+                figures=self.figures,
+                processes=ranks,
+                assembly=self.assembly,
             )
 
         try:
-            most = analysing_ranks(assemble(self.case), self.comm.size)
+            most = analysing_ranks(self.assembly, self.comm.size)
             summary = shared(self.comm, work, most=most)
         except MissingOutputError:
             raise
@@ -327,10 +336,10 @@ class _Run:
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
         def write(ranks: Processes) -> Deck:
             if go_on:
-                return read_deck(self.directory)
+                return read_deck(self.directory, self.case)
             record.keep_checkpoint(self.directory, None)
             ownership.clear(self.directory, ownership.output_names(self.directory))
-            return write_deck(self.case, self.directory, timestep=timestep, processes=ranks)
+            return write_deck(self.assembly, self.directory, timestep=timestep, processes=ranks)
 
         deck = shared(self.comm, write)
         if not go_on:
@@ -383,14 +392,14 @@ class _Run:
             self.began = True
             if not saved and self.case.precompression:
                 found = on_first(
-                    self.comm, lambda: checks.check_equilibrium(self.case, self.directory)
+                    self.comm, lambda: checks.check_equilibrium(self.assembly, self.directory)
                 )
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
                     self._log(
                         f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression"
                     )
             elif not saved:
-                expected = on_first(self.comm, lambda: checks.expected_neighbours(self.case))
+                expected = on_first(self.comm, lambda: checks.expected_neighbours(self.assembly))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
             self._advance(engine, deck.schedule, stop)
             engine.commands(part(script, "end"))
