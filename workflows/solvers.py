@@ -71,8 +71,8 @@ class Kind:
     stored
         Function that makes the case of a run that was made, as `stored_case`.
     assemble
-        Function that makes of a case what `size` and `cost` take: all bodies of a packing; a case of
-        finite elements is that itself.
+        Function that makes of a case what `size` and `cost` take: all bodies of a packing; a case
+        of finite elements is that itself.
     size
         Function that returns the number of parts.
     cost

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.spectra.network import Array, Ints, Network, Springs, across, joined
 from granwave.analysis.spectra.pair_laws import PairLaws, Part
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
@@ -107,6 +108,11 @@ class Bodies:
     touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
     presses: dict[tuple[str, ...], float] = dataclasses.field(default_factory=dict)
     settles: NDArray[np.bool_] | None = None
+
+    @property
+    def case(self) -> Case:
+        """Their case."""
+        return self.assembly.case
 
     @property
     def inertia(self) -> Array:
@@ -295,7 +301,7 @@ class Bodies:
         for law, rows, scale in self.laws_of(contacts):
             overlap = contacts.overlap[rows]
             force[rows], stiffness[rows], tangential[rows] = law.small(overlap, most[rows], scale)
-            if self.assembly.case.has_resistance:
+            if self.case.has_resistance:
                 rolling[rows], twisting[rows] = law.resisting(overlap, most[rows], scale)
         lever = np.where(
             np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0

@@ -293,8 +293,8 @@ def packing_bodies(assembly: Assembly) -> Bodies:
     } if stage else {}  # fmt: skip
     acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
-        assembly, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
-        assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
+        assembly, PairLaws(case, tuple(kinds)), ids, position,
+        assembly.sphere_diameters()[inside] / 2, assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
         np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
         presses=presses,
     )  # fmt: skip

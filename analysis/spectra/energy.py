@@ -141,7 +141,7 @@ class Problem:
         too.
         """
         bodies = self.bodies
-        gap = TOUCHING * bodies.spacing + bodies.assembly.case.packing.diameter_scatter
+        gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
         contacts = bodies.near(bodies.position, bodies.periods, gap, MARGIN * bodies.spacing)
         stretch = self._stretch(contacts, contacts.normal, walls=True)
         gradient = np.zeros(self.n)

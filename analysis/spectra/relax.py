@@ -98,7 +98,7 @@ def relax(bodies: Bodies) -> Balance:
     """
     if not bodies.presses:
         return _balance(Problem(bodies))[0]
-    elastic = PairLaws(elastic_case(bodies.assembly.case), bodies.laws.bodies)
+    elastic = PairLaws(elastic_case(bodies.case), bodies.laws.bodies)
     pressed, x = _balance(Problem(dataclasses.replace(bodies, laws=elastic)))
     n = len(x) - len(bodies.presses)
     held = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
@@ -120,7 +120,7 @@ def _check_presses(bodies: Bodies, state: Balance, distances: Array) -> None:
     InputError
         They do not, or have.
     """
-    name = bodies.assembly.case.name
+    name = bodies.case.name
     contacts = state.bodies.near(state.position, state.periods, 0.0)
     springs = state.bodies.springs(contacts)
     for distance, (walls, asked) in zip(distances, bodies.presses.items(), strict=True):
@@ -158,7 +158,7 @@ def _balance(problem: Problem, start: Array | None = None) -> tuple[Balance, Arr
     residual = net / now.largest if now.largest else 0.0
     if now.largest and not _balanced(problem, now):
         raise RunError(
-            f"{problem.bodies.assembly.case.name}: found no static state: a net force of {residual:.2g} of "
+            f"{problem.bodies.case.name}: found no static state: a net force of {residual:.2g} of "
             "the largest contact force remains; a larger load, or less scatter, makes the packing "
             "rigid; or run the case, and give the directory of the run"
         )
@@ -299,7 +299,7 @@ def _start(problem: Problem) -> Array:
         high *= 4
         if high > _LARGEST_STRAIN:
             raise InputError(
-                f"{problem.bodies.assembly.case.name}: precompression: would shorten the cell by more than "
+                f"{problem.bodies.case.name}: precompression: would shorten the cell by more than "
                 f"{100 * _LARGEST_STRAIN:g} %; give a smaller load, or a cell across which the grains touch"
             )
     low = high / 4 if high > _FIRST_STRAIN else 0.0

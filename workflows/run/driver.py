@@ -162,16 +162,7 @@ def run_assembly(
                 record.FINISHED,
                 on_first(comm, lambda: directories.read_summary(directory)),
             )
-        if run.show:
-            announce(plan(assembly, n_ranks=comm.size, figures=figures))
-        try:
-            with StopRequest(comm) as stop:
-                run.integrate(stop, go_on=what == CONTINUE)
-            return run.analyse()
-        except (OSError, GranwaveError) as error:
-            if gone := run.gone():
-                raise RunError(gone) from error
-            raise
+        return run.complete(go_on=what == CONTINUE)
 
 
 class _Run:
@@ -205,6 +196,19 @@ class _Run:
         self.began = False  # LAMMPS has opened its output
 
     # ------------------------------------------------------------------ attempts
+
+    def complete(self, *, go_on: bool) -> Outcome:
+        """Integrate in time, and analyse."""
+        if self.show:
+            announce(plan(self.assembly, n_ranks=self.comm.size, figures=self.figures))
+        try:
+            with StopRequest(self.comm) as stop:
+                self.integrate(stop, go_on=go_on)
+            return self.analyse()
+        except (OSError, GranwaveError) as error:
+            if gone := self.gone():
+                raise RunError(gone) from error
+            raise
 
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
         """Integrate in time; halve an automatic timestep as long as the balance does not close."""

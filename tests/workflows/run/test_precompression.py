@@ -15,10 +15,10 @@ from scipy.optimize import brentq
 from granwave._contact_laws import ContactLaw
 from granwave.analysis import MissingOutputError, OutputFormatError
 from granwave.analysis.result.writer import write_result
-from granwave.lammps_inputs import flat_contact, pair_contact, write_deck
+from granwave.lammps_inputs import flat_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
-from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -302,7 +302,7 @@ class TestYield:
             dented = [row for row in rows if row[3] > 0]
         assert len(dented) >= 20
         for i, j, force, dent in dented:
-            law = pair_contact(assembly.case, int(i), int(j))
+            law = pair_contact(assembly, int(i), int(j))
             assert force > law.yield_force
             assert dent == pytest.approx(overlap_of(law, force), rel=1e-9)
 
