@@ -6,9 +6,7 @@ from granwave.lammps_inputs.case.material import Material, load_materials, mater
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.deck.deck import Deck
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
-from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.load_case import load_case
-from granwave.lammps_inputs.of_case import (
+from granwave.lammps_inputs.functions_of_case import (
     auto_timestep,
     build_packing,
     expected_peak_overlap,
@@ -19,6 +17,8 @@ from granwave.lammps_inputs.of_case import (
     walls,
     write_deck,
 )
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.packing import Packing
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.packing.walls import Wall

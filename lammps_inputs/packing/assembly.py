@@ -9,10 +9,11 @@ rows in the order of `Assembly.ids`. A packing of like spheres costs nothing, ho
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, wraps
-from typing import Any, TypeVar
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -32,6 +33,7 @@ from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, balanced_overlap, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
 
+Others = ParamSpec("Others")
 Value = TypeVar("Value")
 
 
@@ -402,3 +404,19 @@ def assemble(case: Case) -> Assembly:
         bars.append(place_bar(case, BAR, first, assembly.bottom(), lattice.n_spheres))
     species += [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
     return dataclasses.replace(assembly, bars=tuple(bars), species=tuple(species))
+
+
+def of_case(
+    function: Callable[Concatenate[Assembly, Others], Value],
+) -> Callable[Concatenate[Case, Others], Value]:
+    """Make a function of a case, for users, from one whose first argument is its assembly."""
+
+    @wraps(function)
+    def assembled(case: Case, *args: Others.args, **kwargs: Others.kwargs) -> Value:
+        return function(assemble(case), *args, **kwargs)
+
+    signature = inspect.signature(function)
+    _, *others = signature.parameters.values()
+    first = inspect.Parameter("case", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation="Case")
+    cast(Any, assembled).__signature__ = signature.replace(parameters=[first, *others])
+    return assembled

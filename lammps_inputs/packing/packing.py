@@ -127,7 +127,7 @@ class Packing:
 
 
 def build_packing(assembly: Assembly) -> Packing:
-    """Build the packing of an assembly, with its walls."""
+    """Build a packing, with its walls."""
     lattice = assembly.lattice
     low, high = assembly.lattice_bounds()
     atoms = ase.Atoms(

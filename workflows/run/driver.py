@@ -20,14 +20,13 @@ from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs import directories, ownership
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
 from granwave.lammps_inputs.directories import free_space
 from granwave.lammps_inputs.errors import GranwaveError, RunError
 from granwave.lammps_inputs.files import DISK_IS_FULL
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
@@ -77,11 +76,6 @@ class Outcome:
     summary: dict[str, Any]
 
 
-def run_case(case: Case, directory: str | Path, **options: Any) -> Outcome:
-    """Run a case and analyse it; options and errors as of `run_assembly`."""
-    return run_assembly(assemble(case), directory, **options)
-
-
 def run_assembly(
     assembly: Assembly,
     directory: str | Path,
@@ -93,7 +87,7 @@ def run_assembly(
     figures: bool = True,
     comm: Intracomm | None = None,
 ) -> Outcome:
-    """Run the case of an assembly and analyse it.
+    """Run a case and analyse it.
 
     Parameters
     ----------
@@ -163,6 +157,9 @@ def run_assembly(
                 on_first(comm, lambda: directories.read_summary(directory)),
             )
         return run.complete(go_on=what == CONTINUE)
+
+
+run_case = of_case(run_assembly)
 
 
 class _Run:
