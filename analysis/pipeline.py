@@ -17,8 +17,10 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.own_files import AnyPath
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import MOST_DRAWN
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -51,6 +53,7 @@ def analyse(
     figures: bool = True,
     at_once: int = AT_ONCE,
     processes: Processes = ALONE,
+    assembly: Assembly | None = None,
 ) -> Summary:
     """Analyse a run; what an earlier analysis left is replaced.
 
@@ -69,6 +72,8 @@ def analyse(
         not depend on it.
     processes
         Processes that share the work. Nor do the values depend on them.
+    assembly
+        All bodies of the case that was run, if it was read before.
 
     Returns
     -------
@@ -86,7 +91,8 @@ def analyse(
         granwave did not write.
     """
     if callable(progress):
-        return _analyse(ResultDirectory.at(directory), progress, figures, at_once, processes)
+        results = ResultDirectory.at(directory)
+        return _analyse(results, progress, figures, at_once, processes, assembly)
     parts = 2 + (len(FIGURE_NAMES) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
@@ -95,7 +101,8 @@ def analyse(
             bar.set_postfix_str(part)
             bar.update()
 
-        return _analyse(ResultDirectory.at(directory), report, figures, at_once, processes)
+        results = ResultDirectory.at(directory)
+        return _analyse(results, report, figures, at_once, processes, assembly)
 
 
 def _drawn(directory: Path, n_spheres: int) -> tuple[str, ...] | None:
@@ -119,12 +126,15 @@ def _analyse(
     figures: bool,
     at_once: int,
     processes: Processes,
+    assembly: Assembly | None,
 ) -> Summary:
     directory = results.path
     if not (directory / CASE_FILE).exists() or is_continuum(directory):
         raise MissingOutputError(why_no_run(directory))
     results.check_case()
-    case = check_complete(directory)
+    deck = read_deck(directory, None if assembly is None else assembly.case)
+    assembly = assembly or assemble(deck.case)
+    check_complete(directory, assembly, deck.schedule)
     try:
         results.check_deck()
     except InputError:
@@ -133,15 +143,16 @@ def _analyse(
     check_unchanged(results, processes)
     with helpers(USUAL_FIGURES if figures else 0) as others:
         report("result.h5")
-        write_result(results, at_once=at_once, case=case, processes=processes)
+        write_result(results, at_once=at_once, assembly=assembly, processes=processes)
         report("summary.json")
-        summary = summarise(results, at_once=at_once, case=case, processes=processes)
+        summary = summarise(results, at_once=at_once, assembly=assembly, processes=processes)
         results.note_files([RESULT_FILE, SUMMARY_FILE])
         if figures:
             # the drawing library takes longer to load than many a small run to compute
             from granwave.analysis.figures.run_figures import draw_figures
 
-            draw_figures(results, report, _drawn(directory, summary["n_spheres"]), helpers=others)
+            drawn = _drawn(directory, summary["n_spheres"])
+            draw_figures(results, report, drawn, helpers=others, assembly=assembly)
     if figures:
         _film_and_page(results, report)
     return summary

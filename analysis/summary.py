@@ -33,11 +33,10 @@ from granwave.analysis.measures.zone_size import HALF_LAW_LIMIT, LAW_LIMIT, zone
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import velocity_normalised
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.own_files import AnyPath
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
@@ -66,7 +65,7 @@ def summarise(
     directory: AnyPath,
     *,
     at_once: int = AT_ONCE,
-    case: Case | None = None,
+    assembly: Assembly | None = None,
     processes: Processes = ALONE,
 ) -> Summary:
     """Sum up the ``result.h5`` of a run, and write the summary to ``summary.json`` beside it.
@@ -75,8 +74,8 @@ def summarise(
     ----------
     at_once
         Largest number of spheres or contacts in memory. The values do not depend on it.
-    case
-        Case that was run, if it was read before.
+    assembly
+        All bodies of the case that was run, if it was read before.
     processes
         Processes that read the contacts.
 
@@ -93,7 +92,7 @@ def summarise(
         There is a summary.json that granwave did not write.
     """
     results = ResultDirectory.at(directory)
-    with Result(results, at_once, case) as result:
+    with Result(results, at_once, assembly) as result:
         summary = summary_of(result, processes)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
     results.claim([SUMMARY_FILE])
@@ -179,7 +178,7 @@ def restitution(result: Result) -> float | None:
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
     if (
         load.kind != "impact"
-        or not assemble(case).plain
+        or not result.assembly.plain
         or moves
         or case.precompression is not None
     ):
@@ -190,7 +189,7 @@ def restitution(result: Result) -> float | None:
         return None
     left = (
         float(result["energy/struck_velocity"][-1])
-        / velocities_of(assemble(case))[result.struck[0]][2]
+        / velocities_of(result.assembly)[result.struck[0]][2]
     )
     if result.n_spheres == 2 and case.packing.kind == "chain" and boundary.bottom == "free":
         return 1 - 2 * left
@@ -250,7 +249,7 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
     else:
         parts = list(
             processes.map(
-                partial(_of_block, result.path, size, result.case), range(0, n_rows, size)
+                partial(_of_block, result.path, size, result.assembly), range(0, n_rows, size)
             )
         )
     found: dict[str, Any] = {
@@ -265,8 +264,8 @@ def _of_contacts(result: Result, processes: Processes) -> dict[str, Any]:
     return found
 
 
-def _of_block(path: Path, size: int, case: Case, first: int) -> dict[str, float]:
-    with Result(path, size, case) as result:
+def _of_block(path: Path, size: int, assembly: Assembly, first: int) -> dict[str, float]:
+    with Result(path, size, assembly) as result:
         return _of_rows(_columns(result, slice(first, first + size)))
 
 
@@ -353,7 +352,7 @@ def _walls(result: Result) -> Summary:
     brings.
     """
     found = reached(result)
-    bare = unprotected(result.case, float(result["energy/time"][-1])) if found else None
+    bare = unprotected(result.assembly, float(result["energy/time"][-1])) if found else None
     ground, moved = (found.ground_force, found.displacement) if found else (None, None)
     peak, ground_peak = (bare.peak_force, bare.ground_peak_force) if bare else (None, None)
 

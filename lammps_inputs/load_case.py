@@ -1,5 +1,5 @@
-"""Loading of a case file: read, check, warn; and reading of the case of a finished run, which is
-parsed and no more.
+"""Loading of a case file: read, check, warn, with the assembly that the checks made; and reading of
+the case of a finished run, which is parsed and no more.
 
 What a finished run holds was checked before it ran. Its case is neither checked again nor compared
 with the memory, the cores or the disk of this machine: a result opens wherever it is copied to.
@@ -17,6 +17,7 @@ from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import centred
 
 
@@ -34,6 +35,11 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     InputError
         The file or an override is wrong; the message lists all faults.
     """
+    return load_assembly(path, overrides).case
+
+
+def load_assembly(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Assembly:
+    """Read a case file as `load_case` does, and return all bodies of the case."""
     changes = parse_overrides(overrides)
     record = [key for key in changes if key.split(".")[0] == RECORD]
     if record:
@@ -41,7 +47,7 @@ def load_case(path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
             f"--set: {key}: [{RECORD}] is a record of a run, it cannot be set" for key in record
         )
     data = apply_overrides(read_toml(path), changes)
-    return case_from_dict(data, path, overridden=changes)
+    return assembly_from_dict(data, path, overridden=changes)
 
 
 def case_from_dict(
@@ -62,6 +68,13 @@ def case_from_dict(
     InputError
         The case is wrong; the message lists all faults.
     """
+    return assembly_from_dict(data, source, overridden).case
+
+
+def assembly_from_dict(
+    data: Mapping[str, Any], source: str | Path = "case", overridden: Iterable[str] = ()
+) -> Assembly:
+    """Make a case as `case_from_dict` does, and return all its bodies."""
     errors = ErrorList(str(source), tuple(overridden), case_keys())
     parts = parse_case(data, source, errors)
     check_together(PartialCase(parts), errors)
@@ -72,7 +85,7 @@ def case_from_dict(
     errors.report(case.name)
     assert assembly is not None  # it is None only with errors
     warn_about(assembly, chose_yield_factor="yield_factor" in data.get("contact", {}))
-    return case
+    return assembly
 
 
 def read_stored_case(path: str | Path) -> Case:

@@ -19,10 +19,9 @@ from typing import Any
 import numpy as np
 from scipy.spatial import cKDTree
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import write_data
-from granwave.lammps_inputs.load_case import load_case
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.load_case import load_assembly
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
@@ -138,8 +137,9 @@ def compare_styles(repeats: int) -> dict[str, Any]:
     """
     from mpi4py import MPI
 
-    case = load_case(library.find(STUDY))
-    n = assemble(case).lattice.n_spheres
+    assembly = load_assembly(library.find(STUDY))
+    case = assembly.case
+    n = assembly.lattice.n_spheres
     results: dict[str, Any] = {"n_spheres": n}
     with (
         scratch_directory("granwave-bench-") as scratch,
@@ -148,13 +148,13 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         data = scratch / "data.granwave"
         engines = {}
         logs = {style: scratch / f"log.{k}" for k, style in enumerate(STYLES)}
-        write_data(assemble(case), data)
+        write_data(assembly, data)
         for style, log in logs.items():
             engines[style] = opened.enter_context(open_engine(MPI.COMM_SELF, log=str(log)))
-            engines[style].commands(_script(case, data, style))
+            engines[style].commands(_script(assembly, data, style))
         ours = engines[OURS]
         print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")
-        ours.commands(f"run {round(IMPACT_TIME / auto_timestep(case))} post no")
+        ours.commands(f"run {round(IMPACT_TIME / auto_timestep(assembly))} post no")
         for name in ("struck", "rattling"):
             if name == "rattling":
                 _rattle(ours, seed=0)
@@ -188,8 +188,9 @@ def compare_styles(repeats: int) -> dict[str, Any]:
     return results
 
 
-def _script(case: Case, data: Path, style: str) -> str:
+def _script(assembly: Assembly, data: Path, style: str) -> str:
     """Return the LAMMPS commands of a struck packing under a pair style."""
+    case = assembly.case
     material = case.material
     gap = 0.1 * case.packing.diameter
     lines, motion, _ = STYLES[style]
@@ -212,8 +213,8 @@ neighbor {gap} bin
 neigh_modify delay 0 every 10 check yes
 {coefficients}
 fix motion all {motion}
-timestep {auto_timestep(case)}
-group struck id {struck_spheres(assemble(case).lattice, 1)[0]}
+timestep {auto_timestep(assembly)}
+group struck id {struck_spheres(assembly.lattice, 1)[0]}
 velocity struck set 0.0 0.0 {case.load.velocity} units box
 thermo 1000000
 {totals if "hysteretic" in lines else ""}
@@ -264,13 +265,13 @@ def time_rattling(size: list[int], repeats: int) -> dict[str, Any]:
         that a rank gets in each step.
     """
     comm = mpi.world()
-    case = load_case(library.find(STUDY), {"packing.size": size})
-    n = assemble(case).lattice.n_spheres
+    assembly = load_assembly(library.find(STUDY), {"packing.size": size})
+    n = assembly.lattice.n_spheres
     with scratch_directory("granwave-bench-") as scratch:
         data = Path(mpi.on_first(comm, lambda: scratch)) / "data.granwave"
-        mpi.on_first(comm, lambda: write_data(assemble(case), data))
+        mpi.on_first(comm, lambda: write_data(assembly, data))
         with open_engine(comm, log="none") as engine:
-            engine.commands(_script(case, data, OURS))
+            engine.commands(_script(assembly, data, OURS))
             _rattle(engine, seed=comm.rank)
             rates = [n * STEPS / _seconds(engine) for _ in range(repeats)]
             ghosts = max(comm.allgather(engine.lammps.extract_setting("nghost")))

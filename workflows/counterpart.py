@@ -17,7 +17,7 @@ from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
 from granwave.lammps_inputs.contact.law import sphere_contact, velocity_normalised
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
@@ -91,10 +91,11 @@ def energy_unit(material: Material, diameter: float) -> float | None:
     return material.yield_strength**2 * diameter**3 / material.youngs_modulus
 
 
-def inputs_of_packing(case: Case) -> Inputs:
-    """Return the inputs of the impact of a case."""
+def inputs_of_packing(assembly: Assembly) -> Inputs:
+    """Return the inputs of the impact on a packing."""
+    case = assembly.case
     law = sphere_contact(case)
-    energy = expected_energy(assemble(case))
+    energy = expected_energy(assembly)
     unit = energy_unit(case.material, case.packing.diameter)
     if not case.contact.yields or unit is None:
         return Inputs(energy, None, None, None)
@@ -112,17 +113,18 @@ def inputs_of_continuum(case: ContinuumCase) -> Inputs:
     return Inputs(energy, None, energy / case.energy_unit, None)
 
 
-def continuum_of(case: Case) -> Counterpart:
+def continuum_of(assembly: Assembly) -> Counterpart:
     """Return the continuum case of equal input: a punch with the mass and velocity of the struck
     spheres.
 
     The block is as high as the packing, and as wide as its narrower side.
     """
-    lattice = assemble(case).lattice
+    case = assembly.case
+    lattice = assembly.lattice
     diameter = case.packing.diameter
     if not case.contact.yields or case.material.yield_strength is None:
         return Counterpart(reason="the contacts do not yield")
-    if not _strikes_along_z(case):
+    if not _strikes_along_z(assembly):
         return Counterpart(reason="it is made for impacts and strikers along z alone")
     low, high = lattice.bounds()
     width = min(high[:2] - low[:2]) + diameter
@@ -131,7 +133,6 @@ def continuum_of(case: Case) -> Counterpart:
         return Counterpart(
             reason="the packing is no block: a chain or a single layer, or too narrow"
         )
-    assembly = assemble(case)
     mass = sum(map(assembly.mass_of, struck_of(assembly)))
     velocity = math.sqrt(2 * expected_energy(assembly) / mass)
     taper = TAPER * diameter
@@ -151,14 +152,14 @@ def continuum_of(case: Case) -> Counterpart:
     )
 
 
-def _strikes_along_z(case: Case) -> bool:
+def _strikes_along_z(assembly: Assembly) -> bool:
     """Return True for struck spheres, or one striker, that move along z into a packing at rest."""
-    if case.load.kind not in ("impact", "striker"):
+    load = assembly.case.load
+    if load.kind not in ("impact", "striker"):
         return False
-    assembly = assemble(case)
     moving = velocities_of(assembly)
     struck = struck_of(assembly)
-    one = case.load.kind == "impact" or len(struck) == 1
+    one = load.kind == "impact" or len(struck) == 1
     return (
         one
         and set(moving) == set(struck)

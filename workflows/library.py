@@ -13,7 +13,8 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.load_case import load_case as load_case_file
+from granwave.lammps_inputs.load_case import load_assembly as load_assembly_file
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
@@ -167,7 +168,12 @@ def load_case(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = (
     InputError
         There is no such case, or it is wrong; the message lists all faults.
     """
-    return load_case_file(find_for(str(case), GRANULAR.verb), overrides)
+    return load_assembly(case, overrides).case
+
+
+def load_assembly(case: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Assembly:
+    """Read a case as `load_case` does, and return all bodies of the case."""
+    return load_assembly_file(find_for(str(case), GRANULAR.verb), overrides)
 
 
 class Entry(NamedTuple):

@@ -8,7 +8,9 @@ from collections.abc import Callable, Iterable, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
+from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import raise_all
 from granwave.lammps_inputs.files import read_toml
@@ -68,10 +70,13 @@ class Kind:
         Function that makes a case, as `case_from_dict`.
     stored
         Function that makes the case of a run that was made, as `stored_case`.
+    assemble
+        Function that makes of a case what `size` and `cost` take: all bodies of a packing; a case
+        of finite elements is that itself.
     size
-        Function that returns the number of parts of a case.
+        Function that returns the number of parts.
     cost
-        Function that returns the cost of a case on a number of ranks, with figures or without.
+        Function that returns the cost on a number of ranks, with figures or without.
     check
         Function that raises InputError if files that a case names are not what it needs.
     afford
@@ -89,6 +94,7 @@ class Kind:
     versions: tuple[str, ...]
     read: Callable[..., Any]
     stored: Callable[..., Any]
+    assemble: Callable[[Any], Any]
     size: Callable[[Any], int]
     cost: Callable[[Any, int, bool], Any]
     check: Callable[[Any], None]
@@ -134,6 +140,7 @@ def _continuum_kind(package: str, case: str, run: str) -> Kind:
         versions=("granwave",),
         read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
         stored=lambda data, source: part("case", case).from_dict(data, source),
+        assemble=lambda found: found,
         size=lambda found: found.run.elements,
         cost=lambda found, *_: part("mesh", "plan")(found),
         check=lambda _: None,  # such a case names no files
@@ -142,15 +149,21 @@ def _continuum_kind(package: str, case: str, run: str) -> Kind:
     )
 
 
+def _check_files(case: Case) -> None:
+    if earlier_result(case) is not None:
+        check_files(assemble(case))
+
+
 GRANULAR = Kind(
     verb="run",
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
     read=case_from_dict,
     stored=stored_case,
-    size=lambda case: assemble(case).n_spheres,
-    cost=lambda case, n_ranks, figures: plan(case, n_ranks=n_ranks, figures=figures),
-    check=check_files,
+    assemble=assemble,
+    size=lambda assembly: assembly.n_spheres,
+    cost=lambda assembly, n_ranks, figures: plan(assembly, n_ranks=n_ranks, figures=figures),
+    check=_check_files,
     afford=lambda _, expected, directory: afford(expected, directory),
     parallel=True,
 )

@@ -26,12 +26,11 @@ from granwave.analysis.spectra.states import State, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import dampers_of, losses_of, transmission
 from granwave.lammps_inputs.case.boundary import Damper
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.own_files import figure_files
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
@@ -55,7 +54,7 @@ _FIGURES = {
 
 
 def check_place(
-    directory: Path | None, name: str, source: Case | Path, *, force: bool
+    directory: Path | None, name: str, source: Assembly | Path, *, force: bool
 ) -> ResultDirectory | None:
     """Return the directory for results of this name; None if there is none.
 
@@ -67,8 +66,8 @@ def check_place(
     """
     if directory is None:
         return None
-    if isinstance(source, Case):
-        case = source.to_toml()
+    if isinstance(source, Assembly):
+        case = source.case.to_toml()
     else:
         with Result(source) as result:
             case = result.case.to_toml()
@@ -154,7 +153,7 @@ class SmallWaves:
 
 
 def bands(
-    source: Case | Path,
+    source: Assembly | Path,
     directory: Path | None,
     path: str = "",
     *,
@@ -197,7 +196,7 @@ def bands(
 
 
 def modes(
-    source: Case | Path,
+    source: Assembly | Path,
     directory: Path | None,
     *,
     n_modes: int | None = None,
@@ -260,7 +259,7 @@ def modes(
 
 
 def steady(
-    source: Case | Path,
+    source: Assembly | Path,
     directory: Path | None,
     *,
     drive: int | Sequence[int],
@@ -296,7 +295,7 @@ def steady(
     axis = axis or ("z" if state.network.moves[:, 2].any() else "x")
     if axis not in ("x", "y", "z"):
         raise InputError(f'--axis: found "{axis}", expected x, y or z')
-    assembly = assemble(state.case)
+    assembly = state.assembly
     support = state.case.boundary.bottom_support
     damping = support.damping if isinstance(support, Damper) else None
     dampers = dampers_of(assembly, state.network) if state.case.absorb else None
@@ -348,7 +347,7 @@ def steady(
     return waves, waves.write(place, force=force, figures=figures)
 
 
-def _finite(source: Case | Path, directions: str, *, damped: bool = False) -> State:
+def _finite(source: Assembly | Path, directions: str, *, damped: bool = False) -> State:
     if set(directions) - set("xyz"):
         raise InputError(
             f'--directions: found "{directions}", expected some of the letters x, y and z'

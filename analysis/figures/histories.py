@@ -284,7 +284,7 @@ def target(result: Result) -> Drawing | None:
     found = reached(result)
     if found is None or not np.any(found.force):
         return None
-    without = unprotected(result.case, float(result["energy/time"][-1]))
+    without = unprotected(result.assembly, float(result["energy/time"][-1]))
     moves = found.displacement is not None
     if not moves and without is None:
         return None

@@ -22,6 +22,7 @@ from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, sty
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.own_files import AnyPath
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 
 @dataclasses.dataclass(frozen=True)
@@ -151,6 +152,7 @@ def draw_figures(
     names: tuple[str, ...] | None = None,
     helpers: Helpers | None = None,
     options: Figures | None = None,
+    assembly: Assembly | None = None,
 ) -> list[Path]:
     """Draw the figures of a run from its ``result.h5``.
 
@@ -168,6 +170,8 @@ def draw_figures(
         up to four.
     options
         How they are drawn; by default as ``[figures]`` of the case.toml there says.
+    assembly
+        All bodies of the case that was run, if it was read before.
 
     Returns
     -------
@@ -192,7 +196,7 @@ def draw_figures(
     if names is None:
         folder.remove(*(name for name in FIGURES if name not in chosen))
     started = nullcontext(helpers) if helpers else start_helpers(len(chosen))
-    with painter(directory, options) as draw, started as others:
+    with painter(directory, options, assembly) as draw, started as others:
         request = (Path(directory).absolute(), chosen, options)
         outcomes = others.draw(chosen, draw, request, _shares(chosen))
         for name in chosen:
@@ -216,7 +220,7 @@ def _shares(names: Sequence[str]) -> list[list[int]]:
 
 @contextmanager
 def painter(
-    directory: AnyPath, options: Figures
+    directory: AnyPath, options: Figures, assembly: Assembly | None = None
 ) -> Iterator[Callable[[str], dict[str, bytes] | None]]:
     """Open a run; give a function that draws the figure of a name, as contents of its files by
     suffix.
@@ -225,6 +229,8 @@ def painter(
     ----------
     options
         How figures are drawn.
+    assembly
+        As of `draw_figures`.
 
     Raises
     ------
@@ -235,7 +241,7 @@ def painter(
     def draw(name: str) -> dict[str, bytes] | None:
         return files_of(partial(FIGURES[name].draw, result), name, options.formats)
 
-    with Result(directory) as result, style(options.width):
+    with Result(directory, assembly=assembly) as result, style(options.width):
         result.figure_options = options
         yield draw
 

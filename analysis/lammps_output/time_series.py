@@ -17,12 +17,11 @@ from numpy.typing import NDArray
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, CUT, read_rows
 from granwave.lammps_inputs import run_directory as files
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck import columns
-from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.files import read_json
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
@@ -138,26 +137,25 @@ def read_record(directory: str | Path) -> dict[str, Any]:
     return record
 
 
-def check_complete(directory: Path) -> Case:
-    """Compare the tables of a run with each other and with its record; return its case.
+def check_complete(directory: Path, assembly: Assembly, schedule: Schedule) -> None:
+    """Compare the tables of a run with each other and with its record.
 
     Raises
     ------
     MissingOutputError, OutputFormatError
         A file is missing, lacks a column, or ends before the run did.
     """
-    deck = read_deck(directory)
     dumps = directory / files.DUMPS
-    case = deck.case
-    every = deck.schedule.ledger_every
+    case = assembly.case
+    every = schedule.ledger_every
     last = int(read_energy(directory)["step"][-1])
     recorded = read_record(directory).get("n_steps")  # None for a deck that was run by hand
     if recorded is not None and last < recorded - every:
         raise OutputFormatError(
             f"{dumps / files.ENERGY_FILE} ends at step {last}, the run at step {recorded}: {CUT}"
         )
-    found = walls(case)
-    columns = [wall.name for wall in found] + [bar.name for bar in assemble(case).bars]
+    found = walls(assembly)
+    columns = [wall.name for wall in found] + [bar.name for bar in assembly.bars]
     if columns:
         _check_series(directory, files.WALLS_FILE, columns, last, every)
     if case.probes:
@@ -167,16 +165,13 @@ def check_complete(directory: Path) -> Case:
             if probe.contact is not None
         ]
         columns += [f"sphere_{probe.sphere}_ux" for probe in case.probes if probe.contact is None]
-        _check_series(
-            directory, files.PROBES_FILE, columns, last, max(every, deck.schedule.probe_every)
-        )
+        _check_series(directory, files.PROBES_FILE, columns, last, max(every, schedule.probe_every))
     needed = [files.LINES_FILE] if case.line else []
     needed += [files.STATIC_STAGE_FILE] if case.precompression else []
     for wall in (wall for wall in found if not wall.held_layer):
         needed += [files.WALL_CONTACTS_FILE.format(name) for name, _, _ in wall.fixes]
     if missing := [dumps / name for name in needed if not (dumps / name).exists()]:
         raise MissingOutputError(f"{missing[0]} is missing; {AGAIN}")
-    return case
 
 
 def check_unchanged(results: ResultDirectory, processes: Processes = ALONE) -> None:

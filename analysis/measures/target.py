@@ -30,11 +30,10 @@ import numpy as np
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array
 from granwave.lammps_inputs.case.boundary import Plate
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import flat_contact
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import BAR
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.packing.walls import footprint_radius
@@ -190,9 +189,9 @@ class Impactors:
         return 3 * self.largest_overlap / self.velocity
 
 
-def no_bare_target(case: Case) -> str:
-    """Return why a case has no bare target to compare with; empty if it has one."""
-    load = case.load
+def no_bare_target(assembly: Assembly) -> str:
+    """Return why a packing has no bare target to compare with; empty if it has one."""
+    load = assembly.case.load
     if load.kind == "plate":
         return 'load.kind = "plate" strikes all grains of the top: there is no like load on the bare target'
     if load.kind == "displacement":
@@ -201,15 +200,15 @@ def no_bare_target(case: Case) -> str:
         return "the load oscillates: what a packing passes on of it is its transmission"
     if load.way[2] <= 0:
         return "the force does not push towards the target"
-    target = target_of(case)
+    target = target_of(assembly)
     if target is None:
         return "there is nothing below the packing"
-    if load.kind != "force" and not impactors_of(case, target.material):
+    if load.kind != "force" and not impactors_of(assembly, target.material):
         return "nothing moves towards the target"
     return ""
 
 
-def unprotected(case: Case, end_time: float) -> Reached | None:
+def unprotected(assembly: Assembly, end_time: float) -> Reached | None:
     """The load of a case directly on its target; None where there is no target, or nothing that
     would hit it.
 
@@ -221,26 +220,28 @@ def unprotected(case: Case, end_time: float) -> Reached | None:
     end_time
         When it ends at the latest, s; not before the first collision is over.
     """
-    target = target_of(case)
-    if target is None or no_bare_target(case):
+    load = assembly.case.load
+    target = target_of(assembly)
+    if target is None or no_bare_target(assembly):
         return None
-    if case.load.kind == "force":
-        return _pushed(case.load, target, end_time)
-    groups = impactors_of(case, target.material)
+    if load.kind == "force":
+        return _pushed(load, target, end_time)
+    groups = impactors_of(assembly, target.material)
     if len(groups) == 1 and not target.moves:
         return _rebound(groups[0])
     return _hit(groups, target, end_time)
 
 
-def target_of(case: Case) -> Target | None:
-    """Target of a case: the plane below it, the bar at a chain's end, or a rigid base.
+def target_of(assembly: Assembly) -> Target | None:
+    """Target of a packing: the plane below it, the bar at a chain's end, or a rigid base.
 
     A last layer that is held in place stands for a rigid base. None if there is nothing below.
     """
-    support = case.boundary.bottom_support
-    material = case.boundary.bottom_material
+    boundary = assembly.case.boundary
+    support = boundary.bottom_support
+    material = boundary.bottom_material
     if support is not None:
-        behind = support.backing(material, footprint_radius(assemble(case)))
+        behind = support.backing(material, footprint_radius(assembly))
         if not behind.elements:
             return Target(material, np.array([behind.mass]), 0.0, behind.stiffness, behind.damping)
         masses = np.full(behind.elements + 1, behind.mass / behind.elements)
@@ -254,20 +255,19 @@ def target_of(case: Case) -> Target | None:
             0.0,
             0.0 if isinstance(behind.end, str) else behind.end,
         )
-    if case.boundary.bottom != "free":
+    if boundary.bottom != "free":
         return Target(material, np.empty(0))
-    bar = next((bar for bar in assemble(case).bars if bar.name == BAR), None)
+    bar = next((bar for bar in assembly.bars if bar.name == BAR), None)
     return None if bar is None else Target(bar.material, bar.mass, bar.stiffness)
 
 
-def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
+def impactors_of(assembly: Assembly, material: Material | None) -> list[Impactors]:
     """The spheres that the load sets in motion, as far as they go towards the target, like ones
     together.
     """
-    assembly = assemble(case)
-    velocities = velocities_of(assemble(case))
+    velocities = velocities_of(assembly)
     kinds: dict[tuple[Material, float, float], list[int]] = {}
-    for sphere in struck_of(assemble(case)):
+    for sphere in struck_of(assembly):
         velocity = velocities[sphere][2]
         if velocity > 0:
             kind = assembly.material_of(sphere), assembly.diameter_of(sphere), velocity
@@ -277,7 +277,7 @@ def impactors_of(case: Case, material: Material | None) -> list[Impactors]:
             len(spheres),
             assembly.mass_of(spheres[0]),
             velocity,
-            flat_contact(case, spheres[0], material),
+            flat_contact(assembly, spheres[0], material),
         )
         for (_, _, velocity), spheres in kinds.items()
     ]

@@ -30,6 +30,7 @@ from granwave.analysis.measures.target import Reached, period_of
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact
+from granwave.lammps_inputs.packing.assembly import assemble
 
 _POINTS = 2000  # of Hertz's force in time
 
@@ -58,7 +59,7 @@ class HertzImpact:
     @classmethod
     def of(cls, case: Case) -> HertzImpact:
         """The impact of a case's first sphere on its bottom, held in place."""
-        law = flat_contact(case, 1, case.boundary.bottom_material)
+        law = flat_contact(assemble(case), 1, case.boundary.bottom_material)
         stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
         return cls(
             case.sphere_mass,

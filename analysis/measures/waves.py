@@ -19,8 +19,6 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import reached
 from granwave.analysis.result.contacts import ARRIVED
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.motion import struck_of
 
 AXIS_ANGLE = 15.0  # degrees around a direction of contacts that count as along it
 LAYER_BINS = 72  # of 5 degrees
@@ -69,14 +67,14 @@ class Spread:
 def struck_rows(result: Result) -> NDArray[np.int64]:
     """Rows of the spheres of the packing that are struck: by strikers, or by the load."""
     case = result.case
-    n = assemble(case).lattice.n_spheres
+    n = result.assembly.lattice.n_spheres
     if case.striker:
         return result.rows(
             np.array(
                 sorted({one for striker in case.striker for one in striker.touches if one <= n})
             )
         )
-    return result.rows(np.array(struck_of(assemble(case))))
+    return result.rows(np.array(result.struck))
 
 
 def directions(result: Result) -> Array:

@@ -20,10 +20,9 @@ from numpy.typing import NDArray
 
 from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.hdf5_file import rows_of, sorted_once
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 # peak overlap over alpha_y from which on pairs that did not touch at the start are listed
 LISTED_FROM = 1e-6
@@ -297,7 +296,7 @@ def sphere_values(
 
 
 def pair_laws(
-    case: Case, types: NDArray[np.int64], radii: NDArray[np.float64]
+    assembly: Assembly, types: NDArray[np.int64], radii: NDArray[np.float64]
 ) -> dict[str, NDArray[np.float64]]:
     """Return the constants of pairs of spheres; every array is (n_pairs,).
 
@@ -318,7 +317,8 @@ def pair_laws(
         beyond which a contact has yielded, m, infinite if the law does not yield; ``share`` of the
         first sphere in the dissipation by yielding: half, or all or none if yield strengths differ.
     """
-    species = assemble(case).species
+    case = assembly.case
+    species = assembly.species
     usual = case.packing.diameter / 2
     found = {name: np.empty(len(types)) for name in ("yield_overlap", "yielded_from", "share")}
     found["effective_radius"] = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)

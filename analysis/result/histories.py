@@ -35,9 +35,8 @@ from numpy.typing import ArrayLike, NDArray
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.dumps import read_instants, refuse_ids
 from granwave.analysis.lammps_output.frame import AGAIN, CUT, Frame
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import HISTORY, LINES, names
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, line_ids, velocities_of
 from granwave.lammps_inputs.run_directory import DUMPS, FORCES_FILE, HISTORY_FILE, LINES_FILE
 
@@ -46,7 +45,9 @@ Groups = dict[str, dict[str, NDArray]]
 _MOTION = {"displacement": "u", "velocity": "v", "force_sums": "sum_f", "angular_velocity": "omega"}
 
 
-def read_chain(directory: Path, case: Case, start: Frame, timestep: float, last: int) -> Groups:
+def read_chain(
+    directory: Path, assembly: Assembly, start: Frame, timestep: float, last: int
+) -> Groups:
     """Read the recorded history of a chain as groups by name.
 
     Parameters
@@ -69,7 +70,6 @@ def read_chain(directory: Path, case: Case, start: Frame, timestep: float, last:
         f"{len(start)} of data.granwave",
     )  # fmt: skip
     displacement, velocity = (np.stack([frame[name] for frame in frames]) for name in ("uz", "vz"))
-    assembly = assemble(case)
     z = start["z"]
     beads = np.argsort(z[: assembly.n_spheres], kind="stable")
     order = (beads + 1).tolist()  # ids along the chain, with the faces of bars

@@ -84,8 +84,8 @@ class Result:
         Directory of a run, or its result.h5.
     at_once
         Largest number of rows that `blocks` gives.
-    case
-        Case that was run, if it was read before.
+    assembly
+        All bodies of the case that was run, if it was read before.
 
     Raises
     ------
@@ -95,10 +95,12 @@ class Result:
         The file is not the result of a run.
     """
 
-    def __init__(self, source: AnyPath, at_once: int = AT_ONCE, case: Case | None = None) -> None:
+    def __init__(
+        self, source: AnyPath, at_once: int = AT_ONCE, assembly: Assembly | None = None
+    ) -> None:
         path = Path(source)
         self.at_once = at_once
-        self._case = case
+        self._assembly = assembly
         self.path = path / RESULT_FILE if path.is_dir() else path
         self.results = ResultDirectory.at(source if path.is_dir() else path.parent)
         if not self.path.exists():
@@ -237,9 +239,9 @@ class Result:
     @cached_property
     def case(self) -> Case:
         """Case that was run."""
-        return self._case or stored_case(
-            tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE
-        )
+        if self._assembly is not None:
+            return self._assembly.case
+        return stored_case(tomllib.loads(self.file.attrs["case"]), self.path.parent / CASE_FILE)
 
     @cached_property
     def figure_options(self) -> Figures:
@@ -257,7 +259,7 @@ class Result:
     @cached_property
     def assembly(self) -> Assembly:
         """All bodies of the case."""
-        return assemble(self.case)
+        return self._assembly or assemble(self.case)
 
     @cached_property
     def record(self) -> dict[str, Any]:

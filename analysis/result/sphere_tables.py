@@ -24,10 +24,9 @@ from granwave.analysis.result import hdf5_file as hdf5
 from granwave.analysis.result.contacts import Contacts
 from granwave.analysis.result.hdf5_file import Encoded
 from granwave.analysis.result.start import Dents, Start, periodic
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -96,7 +95,7 @@ def _force_on_wall(
 
 def write_tables(
     file: h5py.File,
-    case: Case,
+    assembly: Assembly,
     start: Start,
     dents: Dents,
     planes: Mapping[str, Frame],
@@ -114,11 +113,11 @@ def write_tables(
     processes
         Processes that make the parts.
     """
-    wall_contacts = _wall_contacts(case, planes, dents.at_bars, initial)
+    wall_contacts = _wall_contacts(assembly, planes, dents.at_bars, initial)
     pairs.leave_out_rounding(wall_contacts, start.box)
     hdf5.write_group(file, "wall_contacts", wall_contacts)
     at_walls = start.rows(wall_contacts["id"])
-    losses = _losses_at_walls(case, wall_contacts)
+    losses = _losses_at_walls(assembly, wall_contacts)
     forces = wall_contacts["peak_force"]
 
     def task(part: int) -> _Part:
@@ -135,7 +134,7 @@ def write_tables(
 
     if start.n_parts == 1:
         for name, columns in zip(
-            ("contacts", "spheres"), _tables(case, start, task(0)), strict=True
+            ("contacts", "spheres"), _tables(assembly, start, task(0)), strict=True
         ):
             hdf5.write_group(file, name, columns)
         return
@@ -145,7 +144,7 @@ def write_tables(
     ):  # so that no process holds more than one part
         parts = range(begin, min(begin + processes.number, start.n_parts))
         places = []
-        made = processes.map(partial(_make, case, start), map(task, parts))
+        made = processes.map(partial(_make, assembly, start), map(task, parts))
         for part, (n_rows, spheres) in zip(parts, made, strict=True):
             hdf5.append_columns(file, "spheres", spheres, start.range(part)[1])
             places.append(n_contacts)
@@ -170,11 +169,11 @@ _made: list[
 ] = []  # contacts of the part that this process has made, whose place in the file is not known yet
 
 
-def _make(case: Case, start: Start, part: _Part) -> tuple[int, dict[str, Encoded]]:
+def _make(assembly: Assembly, start: Start, part: _Part) -> tuple[int, dict[str, Encoded]]:
     """Make the tables of a part; return the number of its contacts, which `_encode` then encodes,
     and its spheres.
     """
-    contacts, spheres = _tables(case, start, part)
+    contacts, spheres = _tables(assembly, start, part)
     _made[:] = [contacts]
     return len(contacts["i"]), hdf5.encoded_columns(spheres, start.range(part.number)[0])
 
@@ -187,9 +186,9 @@ def _encode(first: int) -> tuple[int, dict[str, Encoded]]:
     return first + len(contacts["i"]), hdf5.encoded_columns(contacts, first)
 
 
-def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, NDArray]]:
+def _tables(assembly: Assembly, start: Start, part: _Part) -> tuple[Contacts, dict[str, NDArray]]:
     """Make the tables of the contacts and spheres of a part."""
-    contacts, share = _contacts_of(case, start, part.number, part.dents)
+    contacts, share = _contacts_of(assembly, start, part.number, part.dents)
     if part.initial is not None:
         contacts[COLUMN] = _force_of_pairs(part.initial(), contacts)
     rows = slice(*start.range(part.number))
@@ -203,7 +202,7 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
     own = slice(*np.searchsorted(everyone, [ids[0], ids[-1] + 1]))
     columns: dict[str, NDArray] = {
         "id": ids,
-        "position": spheres.vector("x", "y", "z") + assemble(case).deck_origin,
+        "position": spheres.vector("x", "y", "z") + assembly.deck_origin,
         "radius": spheres["diameter"] / 2,
         "mass": spheres["density"] * np.pi / 6 * spheres["diameter"] ** 3,
         **{
@@ -225,13 +224,13 @@ def _tables(case: Case, start: Start, part: _Part) -> tuple[Contacts, dict[str, 
 
 
 def _contacts_of(
-    case: Case, start: Start, part: int, dents: Callable[[], Frame]
+    assembly: Assembly, start: Start, part: int, dents: Callable[[], Frame]
 ) -> tuple[Contacts, NDArray[np.float64]]:
     """Return all contacts of the spheres of a part, and the share of the first sphere in what each
     dissipated.
     """
-    tolerance = TOUCHING * case.packing.diameter
-    sides = periodic(case)
+    tolerance = TOUCHING * assembly.case.packing.diameter
+    sides = periodic(assembly.case)
     merged = pairs.merge_dents(dents())
     near = start.around(part, np.concatenate([merged["i"], merged["j"]]), tolerance, sides)
     near_ids = near["id"].astype(np.int64)
@@ -239,12 +238,12 @@ def _contacts_of(
 
     def laws_of(contacts: Contacts) -> dict[str, NDArray[np.float64]]:
         rows = hdf5.rows_of(near_ids, np.stack([contacts["i"], contacts["j"]], axis=1))
-        return pairs.pair_laws(case, near["type"].astype(np.int64)[rows], radii[rows])
+        return pairs.pair_laws(assembly, near["type"].astype(np.int64)[rows], radii[rows])
 
     lengths = start.box[:, 1] - start.box[:, 0]
     periods = tuple(length * goes_on for length, goes_on in zip(lengths, sides, strict=True))
-    if assemble(case).has_cylinders:  # they touch at other distances
-        touching = np.unique(assemble(case).contacts(), axis=0)
+    if assembly.has_cylinders:  # they touch at other distances
+        touching = np.unique(assembly.contacts(), axis=0)
     else:
         touching = pairs.touching_pairs(
             near_ids, near.vector("x", "y", "z"), radii, tolerance, periods, start.low
@@ -261,12 +260,12 @@ def _contacts_of(
     ]
 
 
-def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
+def _losses_at_walls(assembly: Assembly, wall_contacts: Contacts) -> dict[str, NDArray[np.float64]]:
     """Return the dissipation in the sphere of each wall contact; a rigid wall dissipates nothing."""
-    materials: dict[str, Material | None] = {bar.name: bar.material for bar in assemble(case).bars}
-    materials |= {wall.name: wall.material for wall in walls(case)}
+    materials: dict[str, Material | None] = {bar.name: bar.material for bar in assembly.bars}
+    materials |= {wall.name: wall.material for wall in walls(assembly)}
     partners = [materials[wall] for wall in wall_contacts["wall"].tolist()]
-    spheres = [assemble(case).material_of(sphere) for sphere in wall_contacts["id"].tolist()]
+    spheres = [assembly.material_of(sphere) for sphere in wall_contacts["id"].tolist()]
     plastic_share = np.array(
         [pairs.dissipated_share(*pair) for pair in zip(spheres, partners, strict=True)]
     )
@@ -284,14 +283,17 @@ def _losses_at_walls(case: Case, wall_contacts: Contacts) -> dict[str, NDArray[n
 
 
 def _wall_contacts(
-    case: Case, planes: Mapping[str, Frame], at_bars: Frame, initial: AfterStaticStage | None
+    assembly: Assembly,
+    planes: Mapping[str, Frame],
+    at_bars: Frame,
+    initial: AfterStaticStage | None,
 ) -> Contacts:
     """Return the contacts with walls, and of beads with the faces of bars, as one table; times in s
     (NaN: never).
     """
     columns = (
         *_OF_WALL_CONTACTS,
-        *(["viscous_energy"] if case.has_loss else []),
+        *(["viscous_energy"] if assembly.case.has_loss else []),
         *([COLUMN] if initial else []),
     )
     empty: Contacts = {"wall": np.empty(0, dtype=object), "id": np.empty(0, dtype=np.int64)}
@@ -318,7 +320,7 @@ def _wall_contacts(
     merged = pairs.merge_dents(at_bars)
     if initial is not None:
         merged[COLUMN] = _force_of_pairs(initial.contacts.at_bars, merged)
-    for bar in assemble(case).bars:
+    for bar in assembly.bars:
         part = {name: column[merged["j"] == bar.face] for name, column in merged.items()}
         parts.append(
             part | {"wall": np.full(len(part["i"]), bar.name, dtype=object), "id": part["i"]}

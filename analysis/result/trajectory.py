@@ -27,8 +27,7 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK, Encoded, encoded, store
 from granwave.analysis.result.start import Start, periodic
-from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.processes import ALONE, Processes
 
 GROUP = "particles/spheres"
@@ -65,7 +64,7 @@ def write_metadata(file: h5py.File, version: str) -> None:
 
 def write_trajectory(
     file: h5py.File,
-    case: Case,
+    assembly: Assembly,
     start: Start,
     frames: Iterable[Frame],
     timestep: float,
@@ -97,9 +96,10 @@ def write_trajectory(
     OutputFormatError
         A snapshot has other spheres than the data file.
     """
+    case = assembly.case
     group = file.create_group(GROUP)
     n_spheres = start.n_spheres
-    origin = assemble(case).deck_origin
+    origin = assembly.deck_origin
     box = group.create_group("box")
     box.attrs["dimension"] = 3
     box.attrs["boundary"] = [

@@ -45,12 +45,11 @@ from granwave.analysis.result.start import Dents, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.columns import MOVING_WALL, names
 from granwave.lammps_inputs.files import regular, scratch_files
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.own_files import AnyPath
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
@@ -62,7 +61,7 @@ def write_result(
     directory: AnyPath,
     *,
     at_once: int = AT_ONCE,
-    case: Case | None = None,
+    assembly: Assembly | None = None,
     processes: Processes = ALONE,
 ) -> Path:
     """Write the output of a run to ``result.h5``; an older file is replaced when the new one is
@@ -78,8 +77,8 @@ def write_result(
         Directory of the run, with case.toml, data.granwave and dumps/, and optionally run.json.
     at_once
         Largest number of spheres in a part. The values do not depend on it.
-    case
-        Case that was run, if it was read before.
+    assembly
+        All bodies of the case that was run, if it was read before.
     processes
         Processes that share the work. The values do not depend on them.
 
@@ -109,7 +108,9 @@ def write_result(
                 f"{case_file} is missing: {directory} is not the directory of a run"
             )
         text = regular(case_file).read_text(encoding="utf-8")
-        case = case or read_stored_case(case_file)
+        if assembly is None:
+            assembly = assemble(read_stored_case(case_file))
+        case = assembly.case
         resolved = tomllib.loads(text).get("resolved", {})
         ledger = read_energy(directory)
         contacts = contacts_at_end(
@@ -135,17 +136,18 @@ def write_result(
         frames = read_frames(
             results, at_once, partial=False, unread=start.n_particles == start.n_spheres
         )
-        end = write_trajectory(file, case, start, frames, timestep, snapshots, processes)
+        end = write_trajectory(file, assembly, start, frames, timestep, snapshots, processes)
         if end < n_steps:  # the end of a run is always a snapshot
             ends = f"{snapshots} ends with the snapshot of step {end}, the run at step {n_steps}"
             raise OutputFormatError(f"{ends}: {CUT}")
         if every := resolved.get("history_every"):
             _write_groups(
-                file, read_chain(directory, case, start.read(), timestep, n_steps - n_steps % every)
+                file,
+                read_chain(directory, assembly, start.read(), timestep, n_steps - n_steps % every),
             )
         if every := resolved.get("line_every"):
             _write_groups(
-                file, line_groups(directory, assemble(case), timestep, n_steps - n_steps % every)
+                file, line_groups(directory, assembly, timestep, n_steps - n_steps % every)
             )
         planes = read_wall_contacts(results)
         for name, frame in planes.items():
@@ -154,7 +156,7 @@ def write_result(
         initial = (
             after_static_stage(results, start, scratch, processes) if case.precompression else None
         )
-        write_tables(file, case, start, dents, planes, initial, processes)
+        write_tables(file, assembly, start, dents, planes, initial, processes)
         tables = {"energy": ledger, "prestage": read_table(directory, files.STATIC_STAGE_FILE)}
         tables |= {"probes": read_table(directory, files.PROBES_FILE)}
         _write_groups(file, tables | _walls(read_table(directory, files.WALLS_FILE)))

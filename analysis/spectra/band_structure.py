@@ -24,8 +24,8 @@ from granwave.analysis.spectra.quantities import POINTS
 from granwave.analysis.spectra.states import State, cell_state
 from granwave.analysis.spectra.stiffness import Stiffness, stiffness_of
 from granwave.analysis.spectra.wave_vectors import ComplexBands, complex_bands, make_path
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 _LONG = 1e-3  # |k| times the largest period: long waves, whose dispersion is 1e-7
@@ -213,7 +213,7 @@ class BandStructure:
 
 
 def band_structure(
-    source: Case | FilePath | State,
+    source: Assembly | FilePath | State,
     path: str = "",
     *,
     points: int = POINTS,
@@ -223,7 +223,7 @@ def band_structure(
     allow_floppy: bool = False,
     slab: bool = False,
 ) -> BandStructure:
-    """Find the bands of a case, of a finished run, or of a state.
+    """Find the bands of a packing, of a finished run, or of a state.
 
     Parameters
     ----------

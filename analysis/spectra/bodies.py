@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from granwave.analysis.spectra.network import Array, Ints, Network, Springs, across, joined
 from granwave.analysis.spectra.pair_laws import PairLaws, Part
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
 
@@ -63,6 +64,8 @@ class Bodies:
 
     Attributes
     ----------
+    assembly
+        All bodies of their case.
     ids
         Ids: (n,).
     position
@@ -90,7 +93,7 @@ class Bodies:
         Directions in which grains move under the static load: (n, 3); None: as ``moves``.
     """
 
-    case: Case
+    assembly: Assembly
     laws: PairLaws
     ids: Ints
     position: Array
@@ -105,6 +108,11 @@ class Bodies:
     touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
     presses: dict[tuple[str, ...], float] = dataclasses.field(default_factory=dict)
     settles: NDArray[np.bool_] | None = None
+
+    @property
+    def case(self) -> Case:
+        """Their case."""
+        return self.assembly.case
 
     @property
     def inertia(self) -> Array:

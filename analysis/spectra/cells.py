@@ -25,7 +25,7 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, pressed_walls, touched_by, walls
 
@@ -177,15 +177,15 @@ def holds_some(case: Case) -> bool:
     )
 
 
-def cell_bodies(case: Case) -> Bodies:
-    """Return the grains of the unit cell of a case, with their loads.
+def cell_bodies(assembly: Assembly) -> Bodies:
+    """Return the grains of the unit cell of a packing, with their loads.
 
     Raises
     ------
     InputError
         The packing does not repeat, or its load is not the same everywhere, or there is none.
     """
-    assembly = assemble(case)
+    case = assembly.case
     cell = unit_cell(assembly)
     stage = case.precompression
     if stage is None:
@@ -293,8 +293,8 @@ def packing_bodies(assembly: Assembly) -> Bodies:
     } if stage else {}  # fmt: skip
     acts = {wall.name: touched_by(assembly, wall) for wall in around}
     return Bodies(
-        case, PairLaws(case, tuple(kinds)), ids, position, assembly.sphere_diameters()[inside] / 2,
-        assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
+        assembly, PairLaws(case, tuple(kinds)), ids, position,
+        assembly.sphere_diameters()[inside] / 2, assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
         np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
         presses=presses,
     )  # fmt: skip

@@ -20,7 +20,6 @@ from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.assembly import assemble
 
 MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 # unknowns, factorised; more by conjugate gradients, except in slender packings
@@ -148,9 +147,7 @@ class Problem:
         gradient = np.zeros(self.n)
         gradient[: self.n_motions] = -bodies.dead_load[self.free]
         gradient[self.n_of_grains :] = [-force for force in bodies.presses.values()]
-        return newton_step(
-            static_stiffness(assemble(bodies.case)) * (stretch.T @ stretch), gradient
-        )
+        return newton_step(static_stiffness(bodies.assembly) * (stretch.T @ stretch), gradient)
 
     def _stretch(
         self, contacts: Contacts, direction: Array, *, walls: bool = False

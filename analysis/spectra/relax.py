@@ -30,7 +30,6 @@ from granwave.lammps_inputs.contact.law import elastic_case
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE
 from granwave.lammps_inputs.errors import InputError, RunError
-from granwave.lammps_inputs.packing.assembly import assemble
 
 _ROUNDS = 200
 # steps of grains that fall until they touch others; springs that hold them in a step: first and
@@ -232,7 +231,7 @@ def _fall(problem: Problem, x: Array) -> tuple[Array, Evaluation]:
         x = np.zeros(problem.n)
     now = problem.at(x)
     progress = _Progress(problem)
-    stiffness = float(static_stiffness(assemble(problem.bodies.case)))
+    stiffness = float(static_stiffness(problem.bodies.assembly))
     holding = _HOLDING * stiffness
     for _ in range(_ROUNDS_OF_FALL):
         if progress.ends(now):

@@ -19,7 +19,7 @@ from granwave.analysis.spectra.runs import as_left, mean_cell
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -30,8 +30,8 @@ class State:
     ----------
     name
         Name of the case.
-    case
-        The case.
+    assembly
+        All bodies of the case.
     network
         The springs.
     source
@@ -46,16 +46,21 @@ class State:
     """
 
     name: str
-    case: Case
+    assembly: Assembly
     network: Network
     source: str
     residual: float
     periods: Array
     spread: float = 0.0
 
+    @property
+    def case(self) -> Case:
+        """The case."""
+        return self.assembly.case
 
-def cell_state(source: Case | Path, *, slab: bool = False) -> State:
-    """Return the state of the unit cell of a case, or the mean one inside a finished run.
+
+def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
+    """Return the state of the unit cell of a packing, or the mean one inside a finished run.
 
     Parameters
     ----------
@@ -70,17 +75,17 @@ def cell_state(source: Case | Path, *, slab: bool = False) -> State:
     """
     if slab:
         return _slab_state(source)
-    if isinstance(source, Case):
+    if isinstance(source, Assembly):
         found = relax(cell_bodies(source))
         return _state(source, found.network, "case", found.residual, found.periods)
     with Result(source) as result:
         mean = mean_cell(result)
         network = mean.network
-        return _state(result.case, network, "run", np.nan, network.periods, mean.spread)
+        return _state(result.assembly, network, "run", np.nan, network.periods, mean.spread)
 
 
-def packing_state(source: Case | Path, *, damped: bool = False) -> State:
-    """Return the state of the whole packing of a case or of a finished run.
+def packing_state(source: Assembly | Path, *, damped: bool = False) -> State:
+    """Return the state of a whole packing, or that of a finished run.
 
     Parameters
     ----------
@@ -92,21 +97,26 @@ def packing_state(source: Case | Path, *, damped: bool = False) -> State:
     InputError
         It bears no load, or has parts that are no springs between grains.
     """
-    if isinstance(source, Case):
-        assembly = assemble(source)
-        refuse_parts(assembly, damped=damped)
-        return _in_own_cell(assembly, whole(assembly))
+    if isinstance(source, Assembly):
+        refuse_parts(source, damped=damped)
+        return _in_own_cell(source, whole(source))
     with Result(source) as result:
         refuse_parts(result.assembly, damped=damped)
         left = as_left(result)
         periods = left.bodies.periods
-        return _state(result.case, left.network, "run", np.nan, periods)
+        return _state(result.assembly, left.network, "run", np.nan, periods)
 
 
 def _state(
-    case: Case, network: Network, source: str, residual: float, periods: Array, spread: float = 0.0
+    assembly: Assembly,
+    network: Network,
+    source: str,
+    residual: float,
+    periods: Array,
+    spread: float = 0.0,
 ) -> State:
     """Return a state; raise InputError if no contact bears a force."""
+    case = assembly.case
     if not len(network.contacts):
         raise InputError(
             f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
@@ -117,7 +127,7 @@ def _state(
             f"{case.name}: precompression: no grain that can move bears a force; give a static load "
             "that closes their contacts"
         )
-    return State(case.name, case, network, source, residual, periods, spread)
+    return State(case.name, assembly, network, source, residual, periods, spread)
 
 
 def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
@@ -131,16 +141,16 @@ def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
     network = found.network
     refuse_moved(assembly, bodies, network, found.position)
     refuse_pushed(assembly, network, found.position)
-    return _state(case, network, "case", found.residual, found.periods)
+    return _state(assembly, network, "case", found.residual, found.periods)
 
 
-def _slab_state(source: Case | Path) -> State:
+def _slab_state(source: Assembly | Path) -> State:
     """Return the state of a column of a packing that repeats sideways, or of all of it where its
     grains differ.
     """
-    found = source if isinstance(source, Case) else packing_state(source)
-    case = found if isinstance(found, Case) else found.case
-    assembly = assemble(case)
+    found = source if isinstance(source, Assembly) else packing_state(source)
+    assembly = found if isinstance(found, Assembly) else found.assembly
+    case = assembly.case
     refuse_parts(assembly)
     bodies = whole(assembly)
     if not len(bodies.periods):

@@ -41,7 +41,8 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.lattices import KINDS, Kind
-from granwave.lammps_inputs.load_case import case_from_dict, stored_case
+from granwave.lammps_inputs.load_case import assembly_from_dict, stored_case
+from granwave.lammps_inputs.packing.assembly import Assembly
 
 TITLE = "Bands of precompressed packings, and the transforms of their runs"
 TEXT = (
@@ -70,8 +71,8 @@ class Wave(FinishedRun):
         )
         edge = math.pi / (spacing * self.case.packing.diameter)
         path = f"0,0,0; {edge!r},0,0" if self.along_x else f"0,0,0; 0,0,{edge!r}"
-        case = without_scatter(self.case) if self.scattered else self.case
-        return band_structure(case, path, points=_POINTS, allow_floppy=True)
+        packing = without_scatter(self.case) if self.scattered else self.assembly
+        return band_structure(packing, path, points=_POINTS, allow_floppy=True)
 
     @property
     def _rule(self) -> Kind:
@@ -269,7 +270,7 @@ def pictures(runs: Sequence[Wave]) -> Iterator[Picture]:
         yield Picture(name, caption, Drawing(figure, columns))
 
 
-def without_scatter(case: Case) -> Case:
+def without_scatter(case: Case) -> Assembly:
     """Return the case with like spheres."""
     return _changed(case, {"diameter_scatter": 0.0}, {})
 
@@ -305,14 +306,14 @@ def _piece(case: str) -> Stiffness:
     )
 
 
-def _changed(case: Case, packing: dict[str, object], boundary: dict[str, object]) -> Case:
+def _changed(case: Case, packing: dict[str, object], boundary: dict[str, object]) -> Assembly:
     data = case.to_dict()
     keep = {
         name: data[name]
         for name in ("name", "material", "contact", "precompression")
         if name in data
     }
-    return case_from_dict(
+    return assembly_from_dict(
         keep
         | {"packing": data["packing"] | packing, "boundary": data.get("boundary", {}) | boundary}
     )
@@ -322,8 +323,10 @@ def rows_of_square(like: Case) -> Iterator[Row]:
     """Edges at X of a square packing of such spheres with friction under pressure: closed forms, to
     rounding.
     """
-    case = _case(like, {"kind": "square", "size": [4, 4]}, 1e5, {"bottom": "free"}, friction=0.3)
-    network = cell_state(case).network
+    packing = _packing(
+        like, {"kind": "square", "size": [4, 4]}, 1e5, {"bottom": "free"}, friction=0.3
+    )
+    network = cell_state(packing).network
     springs = network.springs
     mass = float(network.mass[0])
     inertia = float(network.inertia[0])
@@ -357,8 +360,8 @@ def rows_of_scatter(like: Case) -> Iterator[Row]:
     direction = np.array([[0.0, 0.0, 1.0]])
     speeds = []
     for scatter in ({}, {"diameter_scatter": _SCATTER, "seed": _SEED}):
-        case = _case(like, {"kind": "fcc", "size": [6, 6, 6], **scatter}, 1e6, boundary)
-        speeds.append(long_wave_speeds(stiffness_of(cell_state(case).network), direction)[0])
+        packing = _packing(like, {"kind": "fcc", "size": [6, 6, 6], **scatter}, 1e6, boundary)
+        speeds.append(long_wave_speeds(stiffness_of(cell_state(packing).network), direction)[0])
     for name, place in (("transverse", 0), ("longitudinal", -1)):
         yield Row(
             f"Speed of {name} waves along [111] of FCC, 1e+06 Pa from all sides, scatter of 1 um", "m/s", None,
@@ -366,16 +369,16 @@ def rows_of_scatter(like: Case) -> Iterator[Row]:
         )  # fmt: skip
 
 
-def _case(
+def _packing(
     like: Case,
     packing: dict[str, Any],
     pressure: float,
     boundary: dict[str, Any],
     friction: float = 0.0,
-) -> Case:
-    """A case of spheres as those of another, under pressure from all sides."""
+) -> Assembly:
+    """A packing of spheres as those of another, under pressure from all sides."""
     material = like.to_dict()["material"]
-    return case_from_dict(
+    return assembly_from_dict(
         {
             "name": packing["kind"],
             "material": material,

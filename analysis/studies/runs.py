@@ -163,7 +163,7 @@ _SQUARE_CM = 1e4
 _LAWS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 
 
-def impact_title(case: Case, *, height: bool = True) -> str:
+def impact_title(assembly: Assembly, *, height: bool = True) -> str:
     """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm, elasto-plastic contacts, 5 m/s``.
 
     Parameters
@@ -171,18 +171,19 @@ def impact_title(case: Case, *, height: bool = True) -> str:
     height
         False: of packings that differ in it.
     """
-    law = _LAWS.get(case.contact.law, case.contact.law)
-    return f"{packing_title(case, height=height)}, {law} contacts, {load_label(case)}"
+    name = assembly.case.contact.law
+    law = _LAWS.get(name, name)
+    return f"{packing_title(assembly, height=height)}, {law} contacts, {load_label(assembly)}"
 
 
-def packing_title(case: Case, *, height: bool = True) -> str:
+def packing_title(assembly: Assembly, *, height: bool = True) -> str:
     """``FCC packing of 12 x 12 x 8 brass spheres of 10 mm``; of a single sphere ``Brass sphere of
     10 mm``.
     """
-    packing = case.packing
-    own = _materials(case)
+    packing = assembly.case.packing
+    own = _materials(assembly)
     diameter = f"of {1e3 * packing.diameter:.4g} mm"
-    if height and assemble(case).lattice.n_spheres == 1:
+    if height and assembly.lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
     whole = height or packing.kind == "square"  # which lies across the height
@@ -195,9 +196,9 @@ def packing_title(case: Case, *, height: bool = True) -> str:
 _MOST_MATERIALS = 3  # named; more are counted
 
 
-def _materials(case: Case) -> str:
+def _materials(assembly: Assembly) -> str:
     """Return the names of the materials of the spheres, ``steel and ptfe``."""
-    sites = assemble(case).sites
+    sites = assembly.sites
     present = np.unique(np.broadcast_to(sites.body, sites.present.shape)[sites.present])
     names = dict.fromkeys(sites.bodies[number][0].name or "" for number in present.tolist())
     if len(names) > _MOST_MATERIALS:
@@ -205,13 +206,15 @@ def _materials(case: Case) -> str:
     return " and ".join(filter(None, names))
 
 
-def load_label(case: Case) -> str:
+def load_label(assembly: Assembly) -> str:
     """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts
     on top.
     """
-    if case.load.driven:
-        return f"{case.load.kind} {f'along {list(case.load.direction or ())}' if case.load.slants else 'on top'}"
-    return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
+    load = assembly.case.load
+    if load.driven:
+        return f"{load.kind} {f'along {list(load.direction or ())}' if load.slants else 'on top'}"
+    speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
+    return f"{max(speeds, default=0.0):g} m/s"
 
 
 def bottom_label(case: Case) -> str:

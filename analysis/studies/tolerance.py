@@ -30,6 +30,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label, impact_title
 from granwave.analysis.studies.study import Picture, numeric, span, table_of
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import DEFAULT_SEED, is_random
 
 TEXT = (
@@ -160,7 +161,12 @@ class Packing:
     @property
     def case(self) -> Case:
         """Case of its least imperfect run."""
-        return next(iter(self.runs.values()))[0].case
+        return self.assembly.case
+
+    @property
+    def assembly(self) -> Assembly:
+        """All bodies of its least imperfect run."""
+        return next(iter(self.runs.values()))[0].assembly
 
     @cached_property
     def axes(self) -> list[Quantity]:
@@ -261,7 +267,9 @@ def select(runs: Sequence[FinishedRun]) -> list[Packing]:
         group.groupby("setting")["run"].agg(list).to_dict() for _, group in longest.groupby("what")
     ]
     found = [Packing(group) for group in groups if len(group) > 1]
-    titles = [f"{impact_title(packing.case)}, {bottom_label(packing.case)}" for packing in found]
+    titles = [
+        f"{impact_title(packing.assembly)}, {bottom_label(packing.case)}" for packing in found
+    ]
     parts = [title.split(", ") for title in titles]
     own = [
         ", ".join(part for part in words if not all(part in other for other in parts))

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
-from granwave.lammps_inputs.packing.places import layout_of, places_of
+from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
 
@@ -84,7 +84,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         )  # fmt: skip
         if len(errors.lines) > before:
             return
-    places = places_of(grains, packing.diameter, packing.period if periodic else None)
+    places = Places(grains, packing.diameter, packing.period if periodic else None)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
     if at_ends:
         text = ", which touch at the end of a cylinder{}; its side has a law, its end none: move them apart, or make the"

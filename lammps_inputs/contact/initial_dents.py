@@ -8,7 +8,6 @@ below first yield leave no dent, and neither do contacts whose law does not yiel
 
 from __future__ import annotations
 
-from functools import lru_cache
 from itertools import combinations_with_replacement
 from pathlib import Path
 from typing import NamedTuple
@@ -25,7 +24,7 @@ from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.lattices import TOUCHING
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
 from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing.walls import touched_by, walls
@@ -98,8 +97,7 @@ def dents_table(assembly: Assembly) -> str:
         An earlier result cannot be read, or is of another packing.
     """
     rows = ["# spheres i and j, or the fix of a wall and a sphere; largest overlap so far, m\n"]
-    path = earlier_result(assembly.case)
-    known = None if path is None else dents_of_result(assembly, path)
+    known = None if earlier_result(assembly.case) is None else dents_of_result(assembly)
     for near in contacts_at_start(assembly):
         law = near.law
         radius = near.effective_radius
@@ -159,16 +157,16 @@ def error_in_dents(assembly: Assembly) -> str:
     return ""
 
 
-def largest_dent(case: Case, law: ContactLaw) -> float:
+def largest_dent(assembly: Assembly, law: ContactLaw) -> float:
     """Return the largest initial dent of contacts of this law, m; 0 for a file that cannot be read."""
+    case = assembly.case
     given = case.contact.initial_overlap
     if not given or not law.entry.yields:
         return 0.0
-    path = earlier_result(case)
-    if path is None:
+    if earlier_result(case) is None:
         return _deepest(case, law)
     try:
-        earlier = _read_earlier(path)
+        earlier = _earlier(assembly)
     except _UNREADABLE:  # reported by `dents_of_result`
         return 0.0
     return float(
@@ -287,8 +285,9 @@ _COLUMNS: dict[
 }
 
 
-def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int], float]:
-    """Return the dents left by an earlier run, m; keys are two ids, or the fix of a wall and an id.
+def dents_of_result(assembly: Assembly) -> dict[tuple[int | str, int], float]:
+    """Return the dents left by the `earlier_result`, m; keys are two ids, or the fix of a wall and
+    an id.
 
     Raises
     ------
@@ -296,9 +295,9 @@ def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int
         The result.h5 is missing, damaged or of another packing.
     """
     case = assembly.case
-    source = f"{case.name}: {KEY}: {path}"
+    source = f"{case.name}: {KEY}: {earlier_result(case)}"
     try:
-        earlier = _read_earlier(path)
+        earlier = _earlier(assembly)
     except FileNotFoundError:
         hint = "expected the result.h5 of a run, or its directory"
         raise InputError(f"{source}: there is no such file; {hint}") from None
@@ -325,16 +324,12 @@ def dents_of_result(assembly: Assembly, path: Path) -> dict[tuple[int | str, int
     return found
 
 
-def _read_earlier(path: Path) -> dict[str, dict[str, NDArray]]:
-    """Read `_COLUMNS` of a result.h5, once until the file changes; raise one of `_UNREADABLE` for
-    other files.
-    """
-    state = path.stat()
-    return _read_once(path, state.st_mtime_ns, state.st_size)
-
-
-@lru_cache(maxsize=1)
-def _read_once(path: Path, _changed: int, _size: int) -> dict[str, dict[str, NDArray]]:
+@kept_by_assembly
+def _earlier(assembly: Assembly) -> dict[str, dict[str, NDArray]]:
+    """Read `_COLUMNS` of the `earlier_result`; raise one of `_UNREADABLE` for other files."""
+    path = earlier_result(assembly.case)
+    assert path is not None  # asked for only where dents come from a file
+    path.stat()  # raises FileNotFoundError, where h5py would raise another OSError
     import h5py  # takes longer to load than most commands need
 
     found: dict[str, dict[str, NDArray]] = {}

@@ -29,7 +29,7 @@ from granwave.lammps_inputs.case.contact import (
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import PlacedBar
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.packing.places import cohesive_law
@@ -59,17 +59,15 @@ def sphere_contact(case: Case) -> ContactLaw:
     return _law(case, grain, grain)
 
 
-def pair_contact(case: Case | Assembly, first: int, second: int) -> ContactLaw:
+def pair_contact(assembly: Assembly, first: int, second: int) -> ContactLaw:
     """Return the law between the two spheres with these ids."""
-    assembly = assemble(case)
     return _law(assembly.case, _grain(assembly, first), _grain(assembly, second))
 
 
-def flat_contact(case: Case | Assembly, sphere: int, partner: Material | None = None) -> ContactLaw:
+def flat_contact(assembly: Assembly, sphere: int, partner: Material | None = None) -> ContactLaw:
     """Return the law between a sphere and a flat: a wall or bar of a material, or a rigid wall
     (None).
     """
-    assembly = assemble(case)
     return _law(assembly.case, _grain(assembly, sphere), (partner, math.inf, None))
 
 

@@ -24,9 +24,9 @@ from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
-from granwave.lammps_inputs.load_case import read_stored_case
+from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.own_files import AnyPath
-from granwave.lammps_inputs.packing.assembly import Assembly, Species, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, Species
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
@@ -59,7 +59,7 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
     n_bonds = sum(bar.section.elements for bar in bars)
     bonds = f"{n_bonds} bonds\n{len(bars)} bond types\n2 extra bond per atom\n" if bars else ""
     writers = processes if assembly.plain else ALONE
-    batch = partial(_batch, assembly if writers is ALONE else assembly.case)
+    batch = partial(_batch, assembly)
     with path.open("w", encoding="ascii", newline="\n") as file:
         file.write(
             f"{_title(assembly)}\n\n"
@@ -111,8 +111,7 @@ def _title(assembly: Assembly) -> str:
     return ", ".join(filter(None, [f"granwave: {assembly.lattice.kind} packing, SI units", place]))
 
 
-def _batch(case: Case | Assembly, first: int) -> str:
-    assembly = assemble(case)
+def _batch(assembly: Assembly, first: int) -> str:
     last = min(first + _BATCH - 1, assembly.lattice.n_spheres)
     here = np.flatnonzero(assembly.sites.present[first - 1 : last])
     centres = assembly.sites.positions(first, last)[here] - assembly.deck_origin
@@ -195,13 +194,13 @@ class Deck:
 
 
 def write_deck(
-    case: Case | Assembly,
+    assembly: Assembly,
     directory: AnyPath,
     *,
     timestep: float | None = None,
     processes: Processes = ALONE,
 ) -> Deck:
-    """Write the deck of a case: case.toml, data.granwave, in.granwave, the tables that it reads,
+    """Write the deck of a packing: case.toml, data.granwave, in.granwave, the tables that it reads,
     and an empty dumps/.
 
     All files are replaced atomically, the script last. Files that granwave wrote there before are
@@ -220,13 +219,12 @@ def write_deck(
         The directory cannot be written to, holds files of such names that granwave did not write,
         or the initial dents cannot be read; see `dents_table`.
     """
-    assembly = assemble(case)
     case = assembly.case
     results = ResultDirectory.at(directory)
     tables = _tables(assembly)
     written = (run_directory.SCRIPT_FILE, run_directory.CASE_FILE, run_directory.DATA_FILE, *tables)
     deck = Deck(results.path, case, make_schedule(assembly, timestep), struck_of(assembly), written)
-    text = case.to_toml(resolved=resolved(deck))
+    text = case.to_toml(resolved=resolved(assembly, deck))
     try:
         results.path.mkdir(parents=True, exist_ok=True)
         before = results.marker.copy() if results.result_names() else None
@@ -298,8 +296,13 @@ _NEW = {
 }  # since 0.1
 
 
-def read_deck(directory: str | Path) -> Deck:
+def read_deck(directory: str | Path, case: Case | None = None) -> Deck:
     """Read the deck that `write_deck` wrote into a directory.
+
+    Parameters
+    ----------
+    case
+        Case that it was written for, if it was read before.
 
     Raises
     ------
@@ -308,8 +311,10 @@ def read_deck(directory: str | Path) -> Deck:
     """
     directory = Path(directory)
     path = directory / run_directory.CASE_FILE
-    case = read_stored_case(path)
-    table = read_toml(path).get("resolved", {})
+    tables = read_toml(path)
+    if case is None:
+        case = stored_case(tables, path)
+    table = tables.get("resolved", {})
     try:
         table = _NEW | table
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
@@ -321,15 +326,14 @@ def read_deck(directory: str | Path) -> Deck:
         ) from None
 
 
-def resolved(deck: Deck) -> dict[str, Any]:
+def resolved(assembly: Assembly, deck: Deck) -> dict[str, Any]:
     """Return the derived values: the table ``[resolved]`` of case.toml."""
-    case = deck.case
-    assembly = assemble(deck.case)
+    case = assembly.case
     return {
         "n_spheres": assembly.n_spheres,
         "n_contacts": assembly.n_contacts,
         "struck": deck.struck,
-        "walls": [wall.name for wall in walls(case)],
+        "walls": [wall.name for wall in walls(assembly)],
         "forget_gap_m": case.boundary.forget_gap * case.packing.diameter,
         **{
             name: value

@@ -152,7 +152,7 @@ def largest_move(assembly: Assembly) -> float:
         )
     overlap = 1.5 * force_of_contact(assembly) / static_stiffness(assembly)
     gap = max(stage.moves.values(), default=0.0) + case.packing.diameter_scatter
-    gap += largest_dent(case, sphere_contact(case))
+    gap += largest_dent(assembly, sphere_contact(case))
     return LARGEST_MOVE * case.packing.diameter + on_the_way * (overlap + gap)
 
 

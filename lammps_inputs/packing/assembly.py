@@ -9,10 +9,11 @@ rows in the order of `Assembly.ids`. A packing of like spheres costs nothing, ho
 from __future__ import annotations
 
 import dataclasses
+import inspect
 import math
-from collections.abc import Sequence
-from functools import cached_property, lru_cache
-from typing import Any
+from collections.abc import Callable, Sequence
+from functools import cached_property, wraps
+from typing import Any, Concatenate, ParamSpec, TypeVar, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -31,6 +32,9 @@ from granwave.lammps_inputs.packing.bodies import (
 from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, balanced_overlap, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
+
+Others = ParamSpec("Others")
+Value = TypeVar("Value")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -83,6 +87,13 @@ class Assembly:
     strikers: tuple[tuple[Striker, NDArray[np.float64]], ...]
     bars: tuple[PlacedBar, ...]
     species: tuple[Species, ...]
+    _values: dict[Callable[..., Any], Any] = dataclasses.field(
+        default_factory=dict, init=False, repr=False
+    )  # of functions that are `kept_by_assembly`
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        """Send an assembly to another process as its case, of which it is made again there."""
+        return assemble, (self.case,)
 
     @property
     def n_spheres(self) -> int:
@@ -346,19 +357,32 @@ class Assembly:
         return np.concatenate([of_sites, np.asarray(of_strikers, dtype=of_sites.dtype)])
 
 
-def assemble(case: Case | Assembly) -> Assembly:
-    """Place all bodies of a case; return an assembly unchanged. The last few results are cached.
+def kept_by_assembly(function: Callable[[Assembly], Value]) -> Callable[[Assembly], Value]:
+    """Make a function whose value an assembly keeps, so that it is computed once for each.
+
+    It serves values of rooms above this one, which `Assembly` cannot have as properties.
+    """
+
+    @wraps(function)
+    def kept(assembly: Assembly) -> Value:
+        if function not in assembly._values:
+            assembly._values[function] = function(assembly)
+        value: Value = assembly._values[function]
+        return value
+
+    return kept
+
+
+def assemble(case: Case) -> Assembly:
+    """Place all bodies of a case.
+
+    Whoever needs them more than once keeps the assembly, and hands it on.
 
     Raises
     ------
     ValueError
         A striker cannot be placed, or vacancies leave too few spheres.
     """
-    return case if isinstance(case, Assembly) else _assemble(case)
-
-
-@lru_cache(maxsize=4)
-def _assemble(case: Case) -> Assembly:
     lattice = layout_of(case.packing, case.boundary)
     if isinstance(lattice, Lattice) and case.has_cohesion:  # at rest, where contacts bear no force
         lattice = dataclasses.replace(lattice, overlap=balanced_overlap(case, case.material))
@@ -369,6 +393,8 @@ def _assemble(case: Case) -> Assembly:
     species = [Species(material, shape=shape) for material, shape in kinds]
     strikers = tuple(zip(case.striker, place_strikers(case, sites), strict=True))
     assembly = Assembly(case, lattice, case.material, sites, strikers, (), tuple(species))
+    if case.incident_bar is None and case.bar is None:
+        return assembly
     bars = list[PlacedBar]()
     first = assembly.last_sphere + 1
     if case.incident_bar is not None:
@@ -378,3 +404,19 @@ def _assemble(case: Case) -> Assembly:
         bars.append(place_bar(case, BAR, first, assembly.bottom(), lattice.n_spheres))
     species += [Species(bar.material, role, bar.name) for bar in bars for role in ("node", "face")]
     return dataclasses.replace(assembly, bars=tuple(bars), species=tuple(species))
+
+
+def of_case(
+    function: Callable[Concatenate[Assembly, Others], Value],
+) -> Callable[Concatenate[Case, Others], Value]:
+    """Make a function of a case, for users, from one whose first argument is its assembly."""
+
+    @wraps(function)
+    def assembled(case: Case, *args: Others.args, **kwargs: Others.kwargs) -> Value:
+        return function(assemble(case), *args, **kwargs)
+
+    signature = inspect.signature(function)
+    _, *others = signature.parameters.values()
+    first = inspect.Parameter("case", inspect.Parameter.POSITIONAL_OR_KEYWORD, annotation="Case")
+    cast(Any, assembled).__signature__ = signature.replace(parameters=[first, *others])
+    return assembled

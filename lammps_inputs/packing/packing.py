@@ -9,9 +9,8 @@ import ase
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
@@ -127,9 +126,8 @@ class Packing:
         return apart - (diameter[first] + diameter[second]) / 2
 
 
-def build_packing(case: Case | Assembly) -> Packing:
-    """Build the packing of a case, with its walls."""
-    assembly = assemble(case)
+def build_packing(assembly: Assembly) -> Packing:
+    """Build a packing, with its walls."""
     lattice = assembly.lattice
     low, high = assembly.lattice_bounds()
     atoms = ase.Atoms(

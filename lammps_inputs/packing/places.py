@@ -7,7 +7,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
-from functools import cached_property, lru_cache
+from functools import cached_property
 from itertools import combinations_with_replacement
 from typing import TypeAlias
 
@@ -205,20 +205,12 @@ def near_pairs(
 Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
 
 
-@lru_cache(maxsize=4)
-def places_of(grains: Grains, diameter: float, period: tuple[float, float] | None = None) -> Places:
-    """Return the places of grains; those of equal grains are the same, so that their contacts are
-    searched once.
-    """
-    return Places(grains, diameter, period)
-
-
 def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     """Return the lattice of a packing, or the places of its grains."""
     periodic = boundary.sides == "periodic"
     if packing.grains is None:
         return packing.lattice(periodic=periodic)
-    return places_of(packing.grains, packing.diameter, packing.period if periodic else None)
+    return Places(packing.grains, packing.diameter, packing.period if periodic else None)
 
 
 def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) -> ContactLaw:

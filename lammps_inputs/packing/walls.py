@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,7 +13,7 @@ from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.places import balanced_overlap
 from granwave.lammps_inputs.packing.sites import Sites
@@ -102,13 +101,9 @@ class Wall:
         )
 
 
-def walls(case: Case | Assembly) -> tuple[Wall, ...]:
-    """Return the walls of a case: the bottom first, then a plate on the top, then the sides."""
-    return _walls(assemble(case))
-
-
-@lru_cache(maxsize=4)
-def _walls(assembly: Assembly) -> tuple[Wall, ...]:
+@kept_by_assembly
+def walls(assembly: Assembly) -> tuple[Wall, ...]:
+    """Return the walls of a packing: the bottom first, then a plate on the top, then the sides."""
     case = assembly.case
     found = []
     boundary = case.boundary

@@ -25,7 +25,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from numpy.typing import NDArray
@@ -38,7 +38,7 @@ from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import Viscous, flat_contact, pair_contact, viscous_loss
 from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.motion import (
     held_against_load,
@@ -270,9 +270,9 @@ def some_encounters(assembly: Assembly) -> list[Encounter]:
     return found
 
 
-@lru_cache(maxsize=1)
+@kept_by_assembly
 def encounters(assembly: Assembly) -> list[Encounter]:
-    """Return the collisions that bound the overlaps of a run; those of the last assembly are kept."""
+    """Return the collisions that bound the overlaps of a run."""
     case = assembly.case
     plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
     found = _of_impact(assembly) if plain else _of_any(assembly)
@@ -287,7 +287,7 @@ def encounters(assembly: Assembly) -> list[Encounter]:
             for one, more in zip(found, stored, strict=True)
         ]
     if case.contact.initial_overlap:
-        found = [dataclasses.replace(one, dent=largest_dent(case, one.law)) for one in found]
+        found = [dataclasses.replace(one, dent=largest_dent(assembly, one.law)) for one in found]
     return [one for one in found if one.energy > 0]
 
 

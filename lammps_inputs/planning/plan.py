@@ -15,7 +15,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.directories import check_disk
 from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import refuse_too_large
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning import cost
 from granwave.lammps_inputs.planning import timestep as steps
 from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
@@ -128,8 +128,8 @@ class Plan:
         return self.times.total
 
 
-def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
-    """Plan the run of a case.
+def plan(assembly: Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
+    """Plan a run.
 
     Parameters
     ----------
@@ -141,7 +141,6 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
     InputError
         No timestep can be found for these values, or there are too many steps or snapshots.
     """
-    assembly = assemble(case)
     case = assembly.case
     _refuse_endless(case)
     steps.check_load_frequency(assembly)
@@ -156,7 +155,7 @@ def plan(case: Case | Assembly, *, n_ranks: int = 1, figures: bool = True) -> Pl
             f"{case.name}: run.timestep: none can be found for the values of material, contact and load ({error}); are "
             "they all in SI units (70 GPa is 70e9)?"
         ) from None
-    _note_times(case, schedule)
+    _note_times(assembly, schedule)
     _note_gaps(assembly)
     space = cost.expected_space(assembly, schedule, n_ranks)
     return Plan(
@@ -220,15 +219,16 @@ def _note_gaps(assembly: Assembly) -> None:
     )
 
 
-def _note_times(case: Case, schedule: Schedule) -> None:
+def _note_times(assembly: Assembly, schedule: Schedule) -> None:
     """Log warnings about a timestep that is far too long, and a probe interval shorter than the
     timestep.
     """
+    case = assembly.case
     given = case.run.timestep
     interval = case.output.probe_interval
     if not isinstance(given, str):
         with contextlib.suppress(ArithmeticError, ValueError):  # no automatic timestep exists
-            if given > _FAR_TOO_LONG * (best := steps.auto_timestep(case)):
+            if given > _FAR_TOO_LONG * (best := steps.auto_timestep(assembly)):
                 text = '%s: run.timestep: found %g s, "auto" takes %g s; the energy balance will hardly close'
                 _LOG.warning(text, case.name, given, best)
     if not isinstance(interval, str) and interval < schedule.first_timestep / 2:
@@ -238,7 +238,7 @@ def _note_times(case: Case, schedule: Schedule) -> None:
         _LOG.warning(text, case.name, interval, schedule.first_timestep)
 
 
-def check_files(case: Case) -> None:
+def check_files(assembly: Assembly) -> None:
     """Check the files that a run reads besides its case.
 
     Raises
@@ -246,9 +246,8 @@ def check_files(case: Case) -> None:
     InputError
         The earlier result with its indentations cannot be read, or is of another packing.
     """
-    earlier = earlier_result(case)
-    if earlier is not None:
-        dents_of_result(assemble(case), earlier)
+    if earlier_result(assembly.case) is not None:
+        dents_of_result(assembly)
 
 
 def afford(expected: Plan, directory: Path | None = None) -> None:

@@ -18,7 +18,7 @@ import numpy as np
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import AUTO, AUTO_END_TIME
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import chain_history, line_history
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.timestep import (
@@ -128,15 +128,14 @@ class Schedule:
         return 1 + sum(step * self.timestep <= time for step in self.frame_steps)
 
 
-def make_schedule(case: Case | Assembly, timestep: float | None = None) -> Schedule:
-    """Make the schedule of a case.
+def make_schedule(assembly: Assembly, timestep: float | None = None) -> Schedule:
+    """Make the schedule of a run.
 
     Parameters
     ----------
     timestep
         s; a fixed one, in the place of ``run.timestep``.
     """
-    assembly = assemble(case)
     case = assembly.case
     run = case.run
     output = case.output

@@ -32,12 +32,11 @@ import logging
 import math
 
 from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.planning.encounters import (
     BOTTOM,
@@ -64,16 +63,15 @@ _OF_LOAD = 0.01  # timestep over the duration or period of a load
 _OF_LOAD_ON_BAR = 5e-4
 
 
-def expected_peak_overlap(case: Case | Assembly) -> float:
+def expected_peak_overlap(assembly: Assembly) -> float:
     """Return an upper bound on the largest overlap of two spheres in the run, m."""
-    assembly = assemble(case)
     between = [
         encounter.overlap for encounter in encounters(assembly) if not encounter.against_wall
     ]
     return max(between, default=0.0)
 
 
-def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE) -> float:
+def auto_timestep(assembly: Assembly, *, tolerance: float = ENERGY_TOLERANCE) -> float:
     """The timestep for the stiffest contact expected, with which a run of an automatic timestep
     begins, s.
 
@@ -87,7 +85,7 @@ def auto_timestep(case: Case | Assembly, *, tolerance: float = ENERGY_TOLERANCE)
     ValueError
         No contact absorbs energy, or one has no stiffness at its overlap.
     """
-    step = timestep_limits(assemble(case), tolerance)[0].step
+    step = timestep_limits(assembly, tolerance)[0].step
     scale = 1 - math.floor(math.log10(step))
     return float(f"{math.floor(step * 10.0**scale * (1 + 1e-12))}e{-scale}")
 

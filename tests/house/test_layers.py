@@ -44,6 +44,7 @@ analysis/result
 analysis/lammps_output
 analysis/formatting
 analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar
+lammps_inputs/functions_of_case
 lammps_inputs/deck
 lammps_inputs/load_case
 lammps_inputs/planning lammps_inputs/checks

@@ -10,13 +10,13 @@ from typing import Any
 import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
+from granwave.lammps_inputs import make_schedule
 from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.parse import parse_override
 from granwave.lammps_inputs.case.run import FIGURE_NAMES, FRAMES_OF_A_FILM, CutPlane, Figures
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
-from granwave.lammps_inputs.planning.schedule import make_schedule
 from tests.helpers.small_cases import FILE, changed
 from tests.helpers.synthetic import make_case
 

@@ -12,10 +12,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
+from granwave.lammps_inputs import flat_contact, write_deck
 from granwave.lammps_inputs.case import contact
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
-from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.conftest import script_of

@@ -10,21 +10,22 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.lammps_inputs import (
+    auto_timestep,
+    build_packing,
+    expected_peak_overlap,
+    flat_contact,
+    make_schedule,
+    write_deck,
+)
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
-from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.deck.script import part
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.planning.arrival import expected_arrival
-from granwave.lammps_inputs.planning.schedule import make_schedule
-from granwave.lammps_inputs.planning.timestep import (
-    auto_timestep,
-    expected_peak_overlap,
-    largest_timestep,
-)
+from granwave.lammps_inputs.planning.timestep import largest_timestep
 from granwave.workflows.library import load_case as built_in_case
 
 

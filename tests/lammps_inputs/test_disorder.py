@@ -12,16 +12,13 @@ import numpy as np
 import pytest
 from scipy import stats
 
+from granwave.lammps_inputs import auto_timestep, build_packing, plan, walls
 from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import struck_spheres
-from granwave.lammps_inputs.packing.walls import walls
-from granwave.lammps_inputs.planning.plan import plan
-from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, run_case
 from tests.helpers.small_cases import (
     BALL,

@@ -13,6 +13,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import elliptic_radius
+from granwave.lammps_inputs import build_packing, plan
 from granwave.lammps_inputs.case.grains import parse_grains
 from granwave.lammps_inputs.contact.initial_dents import contacts_at_start
 from granwave.lammps_inputs.errors import InputError
@@ -21,9 +22,7 @@ from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.cylinders import grains_called, in_grains
 from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows.cli.check import plan_table
 
 ROW = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.01,0.01\n0,0,0.0225,0.015\n"
@@ -242,7 +241,7 @@ def test_a_material_of_added_grains_by_value() -> None:
 def test_check_tells_the_coordination_found() -> None:
     case = case_from_dict(case_of(), "mine")
     assert "contacts of a grain    1.33 in the mean: 1 on 2 grains, 2 on 1 grain" in plan_table(
-        case, plan(case)
+        assemble(case), plan(case)
     )
 
 

@@ -14,7 +14,7 @@ from typing import Any
 
 import pytest
 
-from granwave.lammps_inputs import files
+from granwave.lammps_inputs import files, make_schedule, plan
 from granwave.lammps_inputs.case import added_grains, case, packing
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.hints import (
@@ -28,8 +28,6 @@ from granwave.lammps_inputs.case.hints import (
 from granwave.lammps_inputs.case.material import Material, presets
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.planning.plan import plan
-from granwave.lammps_inputs.planning.schedule import make_schedule
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.main import main
 from granwave.workflows.finite_elements.punch import ContinuumCase

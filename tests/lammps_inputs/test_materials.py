@@ -15,17 +15,12 @@ import pytest
 from scipy.optimize import brentq as scipy_brentq
 
 from granwave.analysis.figures.style import write_csv
+from granwave.lammps_inputs import flat_contact, pair_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.material import load_materials, material, presets
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
-from granwave.lammps_inputs.contact.law import (
-    contact_of,
-    flat_contact,
-    pair_contact,
-    sphere_contact,
-)
-from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.roots import brentq

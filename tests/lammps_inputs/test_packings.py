@@ -8,16 +8,15 @@ from typing import Any
 import numpy as np
 import pytest
 
+from granwave.lammps_inputs import build_packing, make_schedule, walls
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.lattices import KINDS, Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import left_out, line_ids, struck_of
-from granwave.lammps_inputs.packing.packing import Packing, build_packing
+from granwave.lammps_inputs.packing.packing import Packing
 from granwave.lammps_inputs.packing.places import struck_spheres
-from granwave.lammps_inputs.packing.walls import walls
-from granwave.lammps_inputs.planning.schedule import make_schedule
 
 D = 0.01
 INSIDE = dict(zip(KINDS, (12, 12, 8, 6, 4, 6, 4, 2), strict=True))  # coordination
@@ -227,7 +226,7 @@ def test_the_crystals_of_the_source(
 def test_the_plate_covers_the_top_row_and_its_centre_is_struck() -> None:
     assembly = assemble(crystal(packing={"top_row": "short"}))
     assert struck_of(assembly) == (3, 1, 2, 4, 5)
-    text = input_script(assembly, make_schedule(assembly))
+    text = input_script(assembly, make_schedule(assembly.case))
     assert "support free 0.5 6" in text and "v_motion" in text and "c_kinetic+f_plate[12]" in text
     assert "0.5*0.5*6^2" in text
 

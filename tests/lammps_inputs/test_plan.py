@@ -12,10 +12,12 @@ from typing import Any
 
 import pytest
 
+from granwave.lammps_inputs import plan
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.planning.plan import Plan, check_memory, plan
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.planning.plan import Plan, check_memory
 from granwave.workflows.cli.check import plan_table
 from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
@@ -97,12 +99,14 @@ def test_the_static_stage_of_a_lattice_is_known_and_that_of_disorder_is_not() ->
     orderly = make(precompression=SETTLED, boundary=PERIODIC)
     times = plan(orderly).times
     assert 0 < times.static == times.most_static < times.steps
-    assert "static stage  " not in plan_table(orderly, plan(orderly))
+    assert "static stage  " not in plan_table(assemble(orderly), plan(orderly))
     for packing, contact in (({"diameter_scatter": 1e-6}, {}), ({}, {"initial_overlap": 1e-6})):
         case = make(packing=packing, contact=contact, precompression=SETTLED, boundary=PERIODIC)
         found = plan(case).times
         assert found.most_static > found.static > times.static
-        assert "cannot be known where there is disorder: up to" in plan_table(case, plan(case))
+        assert "cannot be known where there is disorder: up to" in plan_table(
+            assemble(case), plan(case)
+        )
 
 
 def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
@@ -112,7 +116,7 @@ def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
     plastic = planned()
     elastic = planned(law="hertz")
     assert elastic.times.steps < plastic.times.steps < plastic.times.most_steps / 5
-    text = plan_table(make(run={"end_time": "auto"}), plastic)
+    text = plan_table(assemble(make(run={"end_time": "auto"})), plastic)
     assert "expected time          about" in text and "at most" in text.split("expected time")[1]
     given = plan(make(run={"timestep": 2.9e-8}))
     assert given.times.longest == given.wall_time
@@ -248,8 +252,8 @@ def test_memory_of_each_rank() -> None:
     assert plan(deep, n_ranks=100).other_rank == pytest.approx(four.other_rank, rel=0.01)
     assert plan(deep, n_ranks=100).other_rank < 1e9
     assert plan(make(contact={"friction": 0.3})).memory >= plan(make()).memory
-    assert "first rank, which puts the results together" in plan_table(case, four)
-    assert "first rank" not in plan_table(case, one)
+    assert "first rank, which puts the results together" in plan_table(assemble(case), four)
+    assert "first rank" not in plan_table(assemble(case), one)
 
 
 def test_ranks_that_analyse_fit_into_the_memory_of_the_run() -> None:
@@ -262,7 +266,7 @@ def test_ranks_that_analyse_fit_into_the_memory_of_the_run() -> None:
     others = (many.n_analysing - 1) * many.other_rank + (128 - many.n_analysing) * many.idle_rank
     assert many.memory == many.first_rank + others
     assert many.memory < 128 * 1e9
-    assert "takes no part in the analysis" in plan_table(case, many)
+    assert "takes no part in the analysis" in plan_table(assemble(case), many)
 
 
 def test_one_timestep_of_a_contact_in_packings_of_any_height() -> None:

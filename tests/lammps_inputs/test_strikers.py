@@ -226,4 +226,4 @@ def test_powers_in_the_deck():
     pairs = [{"materials": ["brass", "brass"], "law": "power", "constant": 3e7, "exponent": 1.2}]
     made = case(pair=pairs)
     assert "power 1.15e+11 0.3 constant 3e+07 exponent 1.2" in "\n".join(contacts(assemble(made)))
-    assert pair_contact(made, 1, 2).loading_force(1e-6) == pytest.approx(3e7 * 1e-6**1.2)
+    assert pair_contact(assemble(made), 1, 2).loading_force(1e-6) == pytest.approx(3e7 * 1e-6**1.2)

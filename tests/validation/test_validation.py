@@ -17,14 +17,12 @@ from granwave.analysis import Result
 from granwave.analysis.lammps_output.time_series import read_energy
 from granwave.analysis.measures.impact import rays
 from granwave.analysis.scans.result import ScanResult
-from granwave.lammps_inputs import auto_timestep, load_case, material
+from granwave.lammps_inputs import auto_timestep, build_packing, load_case, material, write_deck
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.contact.law import contact_of
-from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.workflows import library, load_scan
 from granwave.workflows.run.driver import run_case

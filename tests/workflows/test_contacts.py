@@ -10,8 +10,8 @@ import pytest
 from scipy.special import ellipe, ellipk
 
 import granwave as gw
-from granwave.lammps_inputs import material
-from granwave.lammps_inputs.contact.law import contact_of, pair_contact
+from granwave.lammps_inputs import material, pair_contact
+from granwave.lammps_inputs.contact.law import contact_of
 from granwave.workflows.python import contacts
 
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.30}

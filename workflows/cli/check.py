@@ -14,7 +14,7 @@ from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import GRAINS
 from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
@@ -54,12 +54,13 @@ def check(options: argparse.Namespace) -> int:
         return plan_of_design(path, options)
     kind = solver_of(read_toml(path))
     case = kind.load(path, options.overrides)
-    expected = kind.cost(case, options.ranks, True)
+    assembled = kind.assemble(case)
+    expected = kind.cost(assembled, options.ranks, True)
     inputs = counterpart = waves = None
     if kind is GRANULAR:
-        inputs = inputs_of_packing(case)
-        counterpart = continuum_of(case)
-        waves = small_waves(case)
+        inputs = inputs_of_packing(assembled)
+        counterpart = continuum_of(assembled)
+        waves = small_waves(assembled)
     elif kind is CONTINUUM:
         inputs = inputs_of_continuum(case)
         counterpart = packing_of(case)
@@ -81,10 +82,10 @@ def check(options: argparse.Namespace) -> int:
         found: dict[str, Any] = {
             "name": case.name,
             "command": kind.verb,
-            f"n_{kind.parts}": kind.size(case),
+            f"n_{kind.parts}": kind.size(assembled),
         }
         if isinstance(expected, Plan):
-            found |= packing_values(case, expected) | {"small_waves": waves}
+            found |= packing_values(assembled, expected) | {"small_waves": waves}
         found |= {
             "memory_bytes": expected.memory,
             "disk_bytes": expected.disk,
@@ -112,11 +113,11 @@ def check(options: argparse.Namespace) -> int:
         print_json(found | {"warnings": warnings})
         return 0
     if kind is GRANULAR:
-        print(plan_table(case, expected, inputs, wave_rows(waves)))
+        print(plan_table(assembled, expected, inputs, wave_rows(waves)))
     else:
         print(table([
             ("case", case.name),
-            ("elements", f"about {kind.size(case)}"),
+            ("elements", f"about {kind.size(assembled)}"),
             *_inputs(inputs),
             ("first yield", _first_yield(case) if kind is CONTINUUM else ""),
             ("memory", f"about {expected.memory / _GIB:.2f} GiB"),
@@ -149,16 +150,18 @@ def table(rows: Rows) -> str:
     return lines([(label, text) for label, text in rows if text])
 
 
-def plan_table(case: Case, plan: Plan, inputs: Inputs | None = None, waves: Rows = ()) -> str:
+def plan_table(
+    assembly: Assembly, plan: Plan, inputs: Inputs | None = None, waves: Rows = ()
+) -> str:
     """Return the table of a planned run; ``waves`` are rows on small waves."""
-    return table(_plan_rows(case, plan, inputs, waves))
+    return table(_plan_rows(assembly, plan, inputs, waves))
 
 
-def _plan_rows(case: Case, plan: Plan, inputs: Inputs | None, waves: Rows) -> Rows:
+def _plan_rows(assembly: Assembly, plan: Plan, inputs: Inputs | None, waves: Rows) -> Rows:
+    case = assembly.case
     schedule = plan.schedule
     times = plan.times
-    values = packing_values(case, plan)
-    assembly = assemble(case)
+    values = packing_values(assembly, plan)
     grains = f"{plan.n_spheres}"
     if assembly.grains_called == GRAINS:
         grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"

@@ -80,7 +80,7 @@ def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
     ]
     fit = [one for one in designs if one.state != REFUSED]
     times = [
-        plan(problem.case(problem.tables_of(one.values)), n_ranks=ranks).wall_time
+        plan(problem.assembly(problem.tables_of(one.values)), n_ranks=ranks).wall_time
         for one in fit[:8]
     ]
     size = problem.space.size

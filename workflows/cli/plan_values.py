@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import is_plane_crystal
-from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.planning.arrival import expected_arrival
@@ -89,14 +88,14 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     }
 
 
-def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
+def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
-    assembly = assemble(case)
+    case = assembly.case
     schedule = plan.schedule
     arrival = expected_arrival(assembly)
     zone = plan.zone
     stage = case.precompression
-    no_reduction = no_bare_target(case)
+    no_reduction = no_bare_target(assembly)
     coordination = None
     rate = None
     held = {
@@ -188,7 +187,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     }
 
 
-def small_waves(case: Case) -> dict[str, Any] | None:
+def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     """Return the small waves of a chain that repeats and bears a static force; None for other
     packings.
 
@@ -196,6 +195,7 @@ def small_waves(case: Case) -> dict[str, Any] | None:
     its own. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
     from end to end, and for each frequency of the load if it passes; units are part of the names.
     """
+    case = assembly.case
     if (
         case.precompression is None
         or case.packing.kind != "chain"
@@ -207,12 +207,12 @@ def small_waves(case: Case) -> dict[str, Any] | None:
     )  # takes longer to load than a plan to make
 
     try:
-        found = band_structure(case)
+        found = band_structure(assembly)
     except InputError:  # no chain that repeats, or nothing bears the load
         return None
     highest = float(np.nanmax(found.bands.frequency))
     inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]
-    low, high = assemble(case).lattice_bounds()
+    low, high = assembly.lattice_bounds()
     frequencies = [
         one for one in (case.load.frequency, case.load.last_frequency) if one is not None
     ]

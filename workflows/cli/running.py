@@ -41,20 +41,21 @@ def run(options: argparse.Namespace) -> int:
         logging.getLogger("granwave").setLevel(
             logging.ERROR
         )  # the ranks will give the warnings of the case
-    case = library.load_case(options.case, options.overrides)
+    assembly = library.load_assembly(options.case, options.overrides)
+    case = assembly.case
     directory = results_directory(options.directory or case.name)
     how = _how(options)
     if starts_ranks:
-        decide(case, RunDirectory(directory), n_ranks=options.ranks, **how)
+        decide(assembly, RunDirectory(directory), n_ranks=options.ranks, **how)
         return mpi.launch(options.ranks, _without_ranks(options.given))
 
     from granwave.workflows.run.driver import (
-        run_case,
+        run_assembly,
     )  # loads the analysis, which starting ranks does without
 
     comm = mpi.world()
-    outcome = run_case(
-        case, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how
+    outcome = run_assembly(
+        assembly, directory, progress=True, checkpoint_interval=options.checkpoint, comm=comm, **how
     )
     if comm.rank == 0:
         summary = outcome.summary
@@ -126,26 +127,27 @@ def continuum(options: argparse.Namespace) -> int:
 
 def write(options: argparse.Namespace) -> int:
     """Execute ``granwave write``."""
-    case = library.load_case(options.case, options.overrides)
-    expected = plan(case)
-    check_files(case)
+    assembly = library.load_assembly(options.case, options.overrides)
+    case = assembly.case
+    expected = plan(assembly)
+    check_files(assembly)
     warn_of_lacks(case.name, lambda: afford(expected))
     results = ResultDirectory(options.directory)
     results.check(force=options.force)
-    needed = expected_deck(assemble(case))
+    needed = expected_deck(assembly)
     if needed > _SMALL_DECK:
         check_disk(results.path, needed, what="the deck", remedy="make the packing smaller")
     with held(results, mpi.world()):
         results.refuse_other_kind(RUN)
         if not options.force:
             results.refuse_results("")
-        results.refuse_foreign(run_files(case, expected.schedule))
+        results.refuse_foreign(run_files(assembly, expected.schedule))
         results.refuse_source(case.name, earlier_result(case))
         if case.contact.initial_overlap:
-            dents_table(assemble(case))
+            dents_table(assembly)
         old = results.make_room(force=options.force)
         try:
-            deck = write_deck(case, results)
+            deck = write_deck(assembly, results)
         except BaseException:
             results.put_back(old)
             raise
@@ -153,7 +155,6 @@ def write(options: argparse.Namespace) -> int:
     steps = f"{schedule.n_steps} steps of {schedule.timestep:.3g} s"
     if schedule.adaptive:
         steps = f"steps of {schedule.first_timestep:.3g} s and more, to {schedule.end_time:.4g} s"
-    assembly = assemble(deck.case)
     print(f"{options.directory}: {assembly.n_spheres} {assembly.grains_called}, {steps}")
     print(f"run it by hand:  cd {options.directory} && lmp -in {deck.script.name}")
     return 0

@@ -9,8 +9,8 @@ from pathlib import Path
 
 import numpy as np
 
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 from granwave.workflows import library, spectra
 from granwave.workflows.cli.parser import chosen
@@ -91,8 +91,9 @@ def _print(
     return 0
 
 
-def _source(options: argparse.Namespace, name: str) -> Case | Path:
-    """Return the case or the directory of a run; give the results a directory where none is chosen.
+def _source(options: argparse.Namespace, name: str) -> Assembly | Path:
+    """Return the packing of a case or the directory of a run; give the results a directory where
+    none is chosen.
 
     Raises
     ------
@@ -102,12 +103,12 @@ def _source(options: argparse.Namespace, name: str) -> Case | Path:
     path = Path(options.case)
     source = None
     if not (path.is_dir() and (path / RESULT_FILE).is_file()):
-        source = library.load_case(options.case, options.overrides)
+        source = library.load_assembly(options.case, options.overrides)
     elif options.overrides:
         raise InputError(
             f"--set: found {options.overrides[0]} for the run {path}, which is done; give a case to change keys"
         )
-    own = path.resolve().name if source is None else source.name
+    own = path.resolve().name if source is None else source.case.name
     options.directory = options.directory or Path(f"{own}-{name}")
     return source or path
 

@@ -138,7 +138,7 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     samples = tuple(_samples(problem, ranges, replicates)) if tables["uncertainty"] else ({},)
     tolerance = search.tolerance
     if isinstance(tolerance, str):
-        slow = plan(problem.case(with_values(base, samples[0]))).wall_time > _SLOW
+        slow = plan(problem.assembly(with_values(base, samples[0]))).wall_time > _SLOW
         tolerance = _COARSE if slow else 0.0
     return dataclasses.replace(problem, samples=samples, tolerance=tolerance)
 

@@ -23,10 +23,9 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import ValidationError, show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.places import layout_of
+from granwave.lammps_inputs.load_case import assembly_from_dict
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.workflows.design.variables import Space, Values
-from granwave.workflows.solvers import GRANULAR
 
 _REPLACE = "replace"
 _MOST_IDS = 1_000_000  # of grains that one key changes
@@ -266,10 +265,13 @@ class Problem:
             return dict(tables)
         return with_values(tables, {"run.energy_tolerance": self.tolerance})
 
+    def assembly(self, tables: Mapping[str, Any]) -> Assembly:
+        """Read a case, and place its bodies; raise InputError if it is wrong."""
+        return assembly_from_dict(tables, self.path)
+
     def case(self, tables: Mapping[str, Any]) -> Case:
         """Read a case; raise InputError if it is wrong."""
-        case: Case = GRANULAR.read(tables, self.path)
-        return case
+        return self.assembly(tables).case
 
     def statistic_of(self, objective: Objective, values: Sequence[float]) -> float:
         """Return the mean, the worst or a quantile of the values of the runs of a design."""
@@ -287,11 +289,11 @@ def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[s
     """
     limits = {limit.name: limit for limit in problem.limits}
     try:
-        case = problem.case(problem.tables_of(values, problem.samples[0]))
-        count = layout_of(case.packing, case.boundary).n_spheres if "n_spheres" in limits else None
+        assembly = problem.assembly(problem.tables_of(values, problem.samples[0]))
+        count = assembly.lattice.n_spheres if "n_spheres" in limits else None
         too_many = count and limits["n_spheres"].fault(count)
         known: dict[str, float] = (
-            {"n_spheres": count} if count and too_many else known_before(case)
+            {"n_spheres": count} if count and too_many else known_before(assembly)
         )  # which takes memory
     except InputError as error:
         return {}, {}, "; ".join(error.errors)
@@ -303,9 +305,8 @@ def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[s
     )
 
 
-def known_before(case: Case) -> dict[str, float]:
+def known_before(assembly: Assembly) -> dict[str, float]:
     """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
-    assembly = assemble(case)
     n = assembly.lattice.n_spheres
     diameters = assembly.sphere_diameters()[:n]
     positions = assembly.positions()[:n]

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.python.contacts import (
     contact_energy,
@@ -313,7 +314,7 @@ def _run_on_ranks(
     """
     mpi.check_cores(ranks)
     results = RunDirectory(place)
-    decide(found, results, n_ranks=ranks, **how)
+    decide(assemble(found), results, n_ranks=ranks, **how)
     options = {
         "--force": how["force"],
         "--resume": how["resume"],

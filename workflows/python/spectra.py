@@ -182,12 +182,13 @@ def _solved(
     from granwave.workflows import spectra
 
     with words_of_python():
-        case = source.directory if isinstance(source, Run) and not changes and not keys else None
-        if case is None:
+        packing = source.directory if isinstance(source, Run) and not changes and not keys else None
+        if packing is None:
             case, kind = read_case(source, changes, keys)
             if kind is not GRANULAR:
                 raise InputError(f"{case.name}: found a continuum case, expected a packing")
+            packing = kind.assemble(case)
         waves, _ = getattr(spectra, name)(
-            case, None if directory is None else Path(home(directory)), **how
+            packing, None if directory is None else Path(home(directory)), **how
         )
     return dataset(waves.name, waves.tables, waves.summary)

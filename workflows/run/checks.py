@@ -13,7 +13,7 @@ from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_mo
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.lattices import is_plane_crystal
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 from granwave.workflows.run.lammps_engine import Engine
 
@@ -98,7 +98,7 @@ def _advice(case: Case) -> str:
     return f"{_NOT_CONFINED}{remedy}{_PILE}{support}"
 
 
-def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
+def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
     """Read and check the record of the static stage.
 
     Returns
@@ -111,14 +111,14 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
     RunError
         The packing is not in equilibrium, or has rearranged.
     """
+    case = assembly.case
     title, values = (
         regular(directory / DUMPS / STATIC_STAGE_FILE).read_text(encoding="ascii").splitlines()[:2]
     )
     found = dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
     advice = _advice(case)
     moved, limit = (
-        length / case.packing.diameter
-        for length in (found["displacement"], largest_move(assemble(case)))
+        length / case.packing.diameter for length in (found["displacement"], largest_move(assembly))
     )
     if not moved <= limit:
         raise RunError(
@@ -141,15 +141,15 @@ def check_equilibrium(case: Case, directory: Path) -> dict[str, float]:
     return found
 
 
-def expected_neighbours(case: Case) -> tuple[int, float] | None:
+def expected_neighbours(assembly: Assembly) -> tuple[int, float] | None:
     """Return how many pairs of spheres LAMMPS must find at the start, and within which distance
     (m).
 
     None if no one distance tells them. Packings of unlike spheres hold an array of all sites for
     this; one rank does it for all.
     """
+    case = assembly.case
     packing = case.packing
-    assembly = assemble(case)
     sites = assembly.sites
     unlike = sites.stacked is not None or packing.grains is not None
     if assembly.strikers or assembly.bars or unlike:

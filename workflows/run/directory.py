@@ -25,7 +25,7 @@ from granwave.lammps_inputs.errors import InputError, raise_all
 from granwave.lammps_inputs.files import checksum, read_json, replace_text
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.own_files import figure_files
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
@@ -143,7 +143,7 @@ def sum_of_part(task: tuple[Path, int, tuple[int, int]]) -> int:
 
 
 def decide(
-    case: Case,
+    assembly: Assembly,
     results: RunDirectory,
     *,
     resume: bool,
@@ -164,8 +164,9 @@ def decide(
         or files that granwave did not write and would overwrite; or memory or disk space is
         insufficient.
     """
-    expected = plan(case, n_ranks=n_ranks)
-    names = run_files(case, expected.schedule)
+    case = assembly.case
+    expected = plan(assembly, n_ranks=n_ranks)
+    names = run_files(assembly, expected.schedule)
     if figures:
         names += [files.FILM_FILE.format(case.figures.film)] if case.figures.film != "none" else []
         names += [files.VIEW_FILE] if case.figures.view else []
@@ -185,7 +186,7 @@ def decide(
             return found
     raise_all(
         [
-            lambda: check_files(case),
+            lambda: check_files(assembly),
             lambda: afford(expected, results.path),
             lambda: results.refuse_source(case.name, earlier_result(case)),
         ]
@@ -235,17 +236,17 @@ def _without_figures(case: Case) -> dict[str, Any]:
     return {name: table for name, table in case.to_dict().items() if name != files.FIGURES_TABLE}
 
 
-def run_files(case: Case, schedule: Schedule) -> list[str]:
+def run_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     """Return the names of the files of a run, without figures."""
     return [
-        *deck_files(assemble(case), schedule),
+        *deck_files(assembly, schedule),
         files.RECORD_FILE,
         files.RESULT_FILE,
         files.SUMMARY_FILE,
     ]
 
 
-def start(case: Case, results: RunDirectory, *, force: bool = False) -> None:
+def start(assembly: Assembly, results: RunDirectory, *, force: bool = False) -> None:
     """Make room for a run, after checking that its deck can be written; make it a run's directory.
 
     Parameters
@@ -258,9 +259,10 @@ def start(case: Case, results: RunDirectory, *, force: bool = False) -> None:
     InputError
         The initial dents cannot be read; nothing was removed.
     """
+    case = assembly.case
     results.refuse_source(case.name, earlier_result(case))
     if case.contact.initial_overlap:
-        dents_table(assemble(case))
+        dents_table(assembly)
     results.make_room(force=force)
     results.claim([files.RECORD_FILE], kind=files.RUN)
 

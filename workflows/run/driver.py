@@ -19,14 +19,13 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
 from granwave.lammps_inputs.directories import disk_space_message, free_space, results_directory
 from granwave.lammps_inputs.errors import GranwaveError, RunError
 from granwave.lammps_inputs.files import DISK_IS_FULL
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, of_case
 from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.planning.cost import analysing_ranks
 from granwave.lammps_inputs.planning.plan import plan
@@ -86,8 +85,8 @@ class Outcome:
     summary: dict[str, Any]
 
 
-def run_case(
-    case: Case,
+def run_assembly(
+    assembly: Assembly,
     directory: str | Path,
     *,
     resume: bool = False,
@@ -131,7 +130,7 @@ def run_case(
     def prepare(ranks: Processes) -> str:
         n_ranks = comm.size
         what = decide(
-            case,
+            assembly,
             results,
             resume=resume,
             force=force,
@@ -140,7 +139,7 @@ def run_case(
             processes=ranks,
         )
         if what == START:
-            start(case, results, force=force)
+            start(assembly, results, force=force)
         elif results.restore_case():
             logger.warning(
                 "%s was missing or damaged: written again as it was run", results / CASE_FILE
@@ -150,62 +149,69 @@ def run_case(
     refuse_threads_of_ranks(comm)
     with held(results, comm), turn(results.path):
         what = shared(comm, prepare)
-        run = _Run(case, results, comm, progress, figures, checkpoint_interval)
+        run = _Run(assembly, results, comm, progress, figures, checkpoint_interval)
         if what == ANALYSE:
             try:
                 return run.analyse(take_up=True)
             except (MissingOutputError, OutputFormatError) as error:
                 if comm.rank == 0:
                     logger.warning("%s; the case is run again", error)
-                on_first(comm, lambda: start(case, results))
+                on_first(comm, lambda: start(assembly, results))
                 what = START
-                run = _Run(case, results, comm, progress, figures, checkpoint_interval)
+                run = _Run(assembly, results, comm, progress, figures, checkpoint_interval)
         if what == FINISHED:
             return Outcome(results.path, record.FINISHED, on_first(comm, results.summary))
-        if run.show:
-            announce(plan(case, n_ranks=comm.size, figures=figures))
-        try:
-            with StopRequest(comm) as stop:
-                run.integrate(stop, go_on=what == CONTINUE)
-            return run.analyse()
-        except (OSError, GranwaveError) as error:
-            if gone := run.gone():
-                raise RunError(gone) from error
-            raise
+        return run.complete(go_on=what == CONTINUE)
+
+
+run_case = of_case(run_assembly)
 
 
 class _Run:
     def __init__(
         self,
-        case: Case,
+        assembly: Assembly,
         results: RunDirectory,
         comm: Intracomm,
         show: bool,
         figures: bool,
         checkpoint_interval: float,
     ) -> None:
-        self.case = case
+        self.assembly = assembly
+        self.case = assembly.case
         self.results = results
         self.directory = results.path
         self.comm = comm
         self.figures = figures
-        self.assembly = assemble(case)
         self.show = show and comm.rank == 0
         self.checkpoint_interval = checkpoint_interval
-        self.record = record.Record(name=case.name, n_ranks=comm.size)
-        accepted = case.run.accepted_balance_error
+        self.record = record.Record(name=self.case.name, n_ranks=comm.size)
+        accepted = self.case.run.accepted_balance_error
         self.balance = checks.Balance(
             results / DUMPS / ENERGY_FILE, accepted, moved_mass(self.assembly)
         )
         self.state = record.RUNNING  # of the time integration; recorded after the analysis
         self.reserve = on_first(
-            comm, lambda: plan(case).disk_reserve
+            comm, lambda: plan(assembly).disk_reserve
         )  # disk space to keep free, bytes
         # dissipated energy at the start of the current block of end_time = "auto", J
         self.lost_before_block = 0.0
         self.began = False  # LAMMPS has opened its output
 
     # ------------------------------------------------------------------ attempts
+
+    def complete(self, *, go_on: bool) -> Outcome:
+        """Integrate in time, and analyse."""
+        if self.show:
+            announce(plan(self.assembly, n_ranks=self.comm.size, figures=self.figures))
+        try:
+            with StopRequest(self.comm) as stop:
+                self.integrate(stop, go_on=go_on)
+            return self.analyse()
+        except (OSError, GranwaveError) as error:
+            if gone := self.gone():
+                raise RunError(gone) from error
+            raise
 
     def integrate(self, stop: StopRequest, *, go_on: bool) -> None:
         """Integrate in time; halve an automatic timestep as long as the balance does not close."""
@@ -305,10 +311,16 @@ class _Run:
 
         def work(ranks: Processes) -> dict[str, Any]:
             self.results.clear_scratch([RESULT_FILE])  # of an analysis that was killed
-            return analyse(self.results, progress=self.show, figures=self.figures, processes=ranks)
+            return analyse(
+                self.results,
+                progress=self.show,
+                figures=self.figures,
+                processes=ranks,
+                assembly=self.assembly,
+            )
 
         try:
-            most = analysing_ranks(assemble(self.case), self.comm.size)
+            most = analysing_ranks(self.assembly, self.comm.size)
             summary = shared(self.comm, work, most=most)
         except MissingOutputError:
             raise
@@ -326,10 +338,10 @@ class _Run:
     def _deck(self, timestep: float | None, go_on: bool) -> Deck:
         def write(ranks: Processes) -> Deck:
             if go_on:
-                return read_deck(self.directory)
+                return read_deck(self.directory, self.case)
             self.results.keep_checkpoint(None)
             self.results.clear(self.results.output_names())
-            return write_deck(self.case, self.results, timestep=timestep, processes=ranks)
+            return write_deck(self.assembly, self.results, timestep=timestep, processes=ranks)
 
         deck = shared(self.comm, write)
         if not go_on:
@@ -380,14 +392,14 @@ class _Run:
             self.began = True
             if not saved and self.case.precompression:
                 found = on_first(
-                    self.comm, lambda: checks.check_equilibrium(self.case, self.directory)
+                    self.comm, lambda: checks.check_equilibrium(self.assembly, self.directory)
                 )
                 if found["yielded"] and self.case.contact.entry.elastic_limit > 0:
                     self._log(
                         f"{found['yielded']:.0f} contacts yielded, or their dents grew, under the precompression"
                     )
             elif not saved:
-                expected = on_first(self.comm, lambda: checks.expected_neighbours(self.case))
+                expected = on_first(self.comm, lambda: checks.expected_neighbours(self.assembly))
                 checks.check_coordination(self.case.packing.kind, expected, engine)
             self._advance(engine, deck.schedule, stop)
             engine.commands(part(script, "end"))

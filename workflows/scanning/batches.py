@@ -254,12 +254,12 @@ def _measure(document: str) -> float:
     """Measure the wall time of a step on one rank, s."""
     from granwave.lammps_inputs.deck.deck import write_deck
     from granwave.lammps_inputs.deck.script import part
-    from granwave.lammps_inputs.load_case import load_case
+    from granwave.lammps_inputs.load_case import load_assembly
 
     with scratch_directory() as scratch:
         path = scratch / "case.toml"
         path.write_text(document, encoding="utf-8")
-        deck = write_deck(load_case(path), scratch / "deck")
+        deck = write_deck(load_assembly(path), scratch / "deck")
         with open_engine(mpi.world(), "none", deck.directory) as engine:
             engine.commands(part(deck.script.read_text(encoding="utf-8"), "setup"))
             engine.commands("run 20 post no")

@@ -58,6 +58,8 @@ class Point:
         Expected cost.
     ranks
         Number of MPI ranks.
+    size
+        Number of spheres or elements.
     """
 
     number: int
@@ -67,11 +69,7 @@ class Point:
     kind: Kind
     plan: Cost
     ranks: int
-
-    @property
-    def size(self) -> int:
-        """Number of spheres or elements."""
-        return self.kind.size(self.case)
+    size: int
 
 
 @dataclasses.dataclass(frozen=True)
@@ -361,8 +359,10 @@ def _point(
     header: Header,
     varied: Sequence[str],
 ) -> Point:
-    ranks = header.ranks.of(kind.size(case)) if kind.parallel else 1
-    expected = kind.cost(case, ranks, header.figures)
+    assembled = kind.assemble(case)
+    size = kind.size(assembled)
+    ranks = header.ranks.of(size) if kind.parallel else 1
+    expected = kind.cost(assembled, ranks, header.figures)
     resolved = case.to_dict()
     stamp = {name: versions()[name] for name in kind.versions}
     key = json.dumps([{**resolved, "name": ""}, stamp], sort_keys=True).encode()
@@ -373,7 +373,14 @@ def _point(
             found = found.get(name, "") if isinstance(found, Mapping) else ""
         labels[one] = values.get(one, found)
     return Point(
-        number, hashlib.sha256(key).hexdigest()[:_ID_LENGTH], labels, case, kind, expected, ranks
+        number,
+        hashlib.sha256(key).hexdigest()[:_ID_LENGTH],
+        labels,
+        case,
+        kind,
+        expected,
+        ranks,
+        size,
     )
 
 

@@ -31,7 +31,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
 
 def title(runs: Sequence[TargetRun]) -> str:
     """Title with packing and impact."""
-    return f"Protected target, by bottom: {impact_title(runs[0].case)}"
+    return f"Protected target, by bottom: {impact_title(runs[0].assembly)}"
 
 
 def text(runs: Sequence[TargetRun]) -> str:

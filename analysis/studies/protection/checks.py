@@ -36,7 +36,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
 
 def title(runs: Sequence[TargetRun]) -> str:
     """Title with sphere and impact."""
-    return f"Protected target, closed forms: {impact_title(runs[0].case)}"
+    return f"Protected target, closed forms: {impact_title(runs[0].assembly)}"
 
 
 def rows(runs: Sequence[TargetRun]) -> list[Row]:

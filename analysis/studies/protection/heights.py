@@ -51,7 +51,7 @@ def select(runs: Sequence[FinishedRun]) -> list[list[list[TargetRun]]]:
 
 def title(found: AllSeries) -> str:
     """Title with packing and impact."""
-    return f"Protected target, by height: {impact_title(found[0][0].case, height=False)}"
+    return f"Protected target, by height: {impact_title(found[0][0].assembly, height=False)}"
 
 
 def tables(found: AllSeries) -> list[Table]:

@@ -73,7 +73,9 @@ def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
 def title(found: Sequence[Spectrum]) -> str:
     """Title with packing and impact."""
     one_height = len({held.layers for held, _ in found}) == 1
-    return f"Protected target, shock spectrum: {impact_title(found[0][0].case, height=one_height)}"
+    return (
+        f"Protected target, shock spectrum: {impact_title(found[0][0].assembly, height=one_height)}"
+    )
 
 
 def rows(found: Sequence[Spectrum]) -> Iterator[Row]:

@@ -129,7 +129,7 @@ def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
             columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12
         )
         force = FIGURES["target"].draw(result).columns["without_packing_force_N"]
-        assert force.max() == pytest.approx(unprotected(case, 1.0).peak_force, rel=1e-6)
+        assert force.max() == pytest.approx(unprotected(assemble(case), 1.0).peak_force, rel=1e-6)
 
 
 def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):

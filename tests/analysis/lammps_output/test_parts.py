@@ -23,13 +23,12 @@ from granwave.analysis.figures import run_figures
 from granwave.analysis.lammps_output.dumps import contacts_at_end, read_frames
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import summarise
-from granwave.lammps_inputs import write_deck
+from granwave.lammps_inputs import plan, write_deck
 from granwave.lammps_inputs.deck import deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import written_in_parts
-from granwave.lammps_inputs.planning.plan import plan
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows import run_case
 from granwave.workflows.cli.check import plan_table
@@ -417,7 +416,7 @@ def test_ovito_does_not_join_parts(run, tmp_path):
 def test_check_tells_what_a_rank_holds():
     large = {"packing": {"vacancies": 0.01}, "size": (100, 100, 60), "output": {"parts": True}}
     case = case_of(**large)
-    table = plan_table(case, plan(case, n_ranks=8))
+    table = plan_table(assemble(case), plan(case, n_ranks=8))
     assert "a file from each rank (output.parts)" in table
     assert "all sites at once, for unlike or missing spheres" in table
     sizes = [

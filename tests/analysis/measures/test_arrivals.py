@@ -10,10 +10,10 @@ import pytest
 from granwave.analysis.measures.signals import arrival
 from granwave.analysis.measures.waves import front_arrivals, passage
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs import build_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.workflows import run_case
 from tests.helpers.small_cases import BRASS

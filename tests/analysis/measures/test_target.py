@@ -20,9 +20,9 @@ from granwave.analysis.measures.target import (
 )
 from granwave.analysis.measures.target import _hit as hit
 from granwave.analysis.measures.target import _rebound as rebound
-from granwave.lammps_inputs import Case, write_deck
-from granwave.lammps_inputs.contact.law import flat_contact
+from granwave.lammps_inputs import Case, flat_contact, write_deck
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.library import load_case
 from tests.helpers import synthetic
 
@@ -33,7 +33,7 @@ BAR = {"bar": {"length": 0.2, "area": 1e-4, "elements": 100}, "material": "steel
 
 def bare_target_peak(case: Case, end_time: float) -> tuple[float, float] | None:
     """Largest force on the bare target, and on the ground."""
-    found = unprotected(case, end_time)
+    found = unprotected(assemble(case), end_time)
     return found and (found.peak_force, found.ground_peak_force)
 
 
@@ -48,7 +48,7 @@ def sphere(**changes) -> Case:
 def test_peak_on_a_rigid_wall_is_that_of_the_energy(law):
     case = sphere(**{"contact.law": law, "load.velocity": 3.0})
     contact = flat_contact(case, 1)
-    (group,) = impactors_of(case, None)
+    (group,) = impactors_of(assemble(case), None)
     energy = 0.5 * case.sphere_mass * 9.0
     assert contact.loading_work(np.array([group.largest_overlap]))[0] == pytest.approx(
         energy, rel=1e-12
@@ -59,7 +59,7 @@ def test_peak_on_a_rigid_wall_is_that_of_the_energy(law):
         == ground
         == pytest.approx(contact.loading_force(np.array([group.largest_overlap]))[0], rel=1e-14)
     )
-    assert unprotected(case, END).peak_force == pytest.approx(peak, rel=1e-6)
+    assert unprotected(assemble(case), END).peak_force == pytest.approx(peak, rel=1e-6)
 
 
 def test_a_hertzian_sphere_gives_back_its_momentum():
@@ -68,8 +68,8 @@ def test_a_hertzian_sphere_gives_back_its_momentum():
     """
     for law in ("hertz", "elastoplastic"):
         case = sphere(**{"contact.law": law})
-        found = unprotected(case, END)
-        (group,) = impactors_of(case, None)
+        found = unprotected(assemble(case), END)
+        (group,) = impactors_of(assemble(case), None)
         lost = group.law.dissipated_energy(np.array([group.largest_overlap]))[0]
         restitution = math.sqrt(1 - lost / (0.5 * group.mass * group.velocity**2))
         impulse = np.trapezoid(found.force, found.time)
@@ -81,9 +81,9 @@ def test_a_hertzian_sphere_gives_back_its_momentum():
 @pytest.mark.parametrize("law", ["elastoplastic", "hertz", "thornton"])
 def test_course_on_a_wall_that_does_not_move_solves_the_equation_of_motion(law):
     case = sphere(**{"contact.law": law, "load.velocity": 3.0, "load.spheres": 1})
-    groups = impactors_of(case, None)
+    groups = impactors_of(assemble(case), None)
     course = rebound(groups[0])
-    solved = hit(groups, target_of(case), END)
+    solved = hit(groups, target_of(assemble(case)), END)
     felt = np.interp(solved.time, course.time, course.force, right=0.0)
     assert felt == pytest.approx(solved.force, abs=1e-3 * solved.peak_force)
     assert course.force[0] == course.force[-1] == 0
@@ -113,13 +113,13 @@ def test_a_heavy_plate_is_a_wall_and_a_light_one_a_mass():
     """The peak is determined by the reduced mass while the spring is slow."""
     wall = bare_target_peak(sphere(), END)[0]
     heavy = sphere(**{"boundary.bottom": {"plate": {"mass": 1e4, "stiffness": 1.0}}})
-    assert unprotected(heavy, 5e-5).peak_force == pytest.approx(wall, rel=1e-5)
+    assert unprotected(assemble(heavy), 5e-5).peak_force == pytest.approx(wall, rel=1e-5)
     case = sphere(
         **{"boundary.bottom": {"plate": {"mass": sphere().sphere_mass, "stiffness": 1.0}}}
     )
-    (group,) = impactors_of(case, None)
+    (group,) = impactors_of(assemble(case), None)
     half = 0.25 * group.mass * group.velocity**2  # 1/2 (m/2) v^2
-    force = unprotected(case, 5e-5).force
+    force = unprotected(assemble(case), 5e-5).force
     overlap = np.interp(
         half, group.law.loading_work(grid := np.linspace(0, group.largest_overlap, 20001)), grid
     )
@@ -131,16 +131,16 @@ def test_an_endless_bar_is_a_damper():
     = F / Z.
     """
     case = sphere(**{"boundary.bottom": BAR})
-    target = target_of(case)
+    target = target_of(assemble(case))
     impedance = 1e-4 * math.sqrt(target.material.youngs_modulus * target.material.density)
     assert target.ground_damping == pytest.approx(impedance, rel=1e-12)
     damper = Target(target.material, np.zeros(1), 0.0, 0.0, impedance)
-    groups = impactors_of(case, target.material)
+    groups = impactors_of(assemble(case), target.material)
     assert hit(groups, target, END).peak_force == pytest.approx(
         hit(groups, damper, END).peak_force, rel=2e-3
     )
     fixed = unprotected(
-        sphere(**{"boundary.bottom": {**BAR, "bar": {**BAR["bar"], "end": "fixed"}}}), END
+        assemble(sphere(**{"boundary.bottom": {**BAR, "bar": {**BAR["bar"], "end": "fixed"}}})), END
     )
     assert fixed.ground_peak_force == pytest.approx(2 * fixed.peak_force, rel=3e-3)
 

@@ -31,8 +31,7 @@ from granwave.analysis.result.contacts import (
 )
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import GROUP
-from granwave.lammps_inputs import Lattice, build_packing
-from granwave.lammps_inputs.contact.law import pair_contact
+from granwave.lammps_inputs import Lattice, build_packing, pair_contact
 from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers import synthetic
 
@@ -349,7 +348,7 @@ def test_radii_of_their_own_change_the_laws():
         [[assembly.type_of(assembly.material_of(one)) for one in pair] for pair in pairs.tolist()]
     )
     radii = np.array([[assembly.diameter_of(one) / 2 for one in pair] for pair in pairs.tolist()])
-    found = pair_laws(case, types, radii)
+    found = pair_laws(assemble(case), types, radii)
     laws = [pair_contact(case, *pair) for pair in pairs.tolist()]
     assert len({law.yield_overlap for law in laws}) > 100
     assert np.allclose(

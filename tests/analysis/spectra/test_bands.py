@@ -17,6 +17,7 @@ from granwave.analysis.spectra.wave_vectors import complex_bands, make_path
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from tests.helpers.springs import endless, network
 
 AXIAL = {"kind": "uniaxial", "force": 20.0}
@@ -32,7 +33,7 @@ RESULTS = json.loads(
 
 def test_monatomic_chain():
     """omega = 2 sqrt(k/m) |sin(kD/2)|."""
-    found = band_structure(endless("chain", 10, AXIAL), "0,0,0; 0,0,600", points=41)
+    found = band_structure(assemble(endless("chain", 10, AXIAL)), "0,0,0; 0,0,600", points=41)
     k = found.bands.path.k[:, 2]
     omega = 2 * np.sqrt(STIFFNESS / BRASS) * np.abs(np.sin(k * 0.005))
     np.testing.assert_allclose(2 * np.pi * found.bands.frequency[:, 0], omega, rtol=1e-9, atol=1e-3)
@@ -50,7 +51,7 @@ def diatomic():
 
 def test_diatomic_chain():
     """Edges sqrt(2k/M), sqrt(2k/m), sqrt(2k(1/m + 1/M)), and cosh of the attenuation in the gap."""
-    found = band_structure(diatomic())
+    found = band_structure(assemble(diatomic()))
     assert found.state.network.n_grains == 2
     edges = np.sqrt(2 * STIFFNESS * np.array([1 / BRASS, 1 / HALF, 1 / HALF + 1 / BRASS])) / (
         2 * np.pi
@@ -118,7 +119,7 @@ def test_speed_along_the_stacking(kind):
             boundary={"sides": "periodic"},
         )
         speed = long_wave_speeds(
-            stiffness_of(cell_state(case).network), np.array([[0.0, 0.0, 1.0]])
+            stiffness_of(cell_state(assemble(case)).network), np.array([[0.0, 0.0, 1.0]])
         )[0]
         assert speed[-1] == pytest.approx(line_of(case, sphere_contact(case)).speed, rel=1e-6)
         name = f"Speed of small waves, {kind}, uniaxial, {pressure:.4g} Pa"
@@ -141,7 +142,7 @@ def test_fcc_under_pressure_from_all_sides():
     of central forces.
     """
     case = endless("fcc", [4, 4, 6], ALL_ROUND)
-    state = cell_state(case)
+    state = cell_state(assemble(case))
     springs = state.network.springs
     assert len(springs) == 6
     np.testing.assert_allclose(springs.force, 1e5 * 0.01**2 / (2 * np.sqrt(2)), rtol=1e-9)
@@ -166,7 +167,7 @@ def test_square_with_friction_turns():
     k_t (R/..)/I.
     """
     case = endless("square", [5, 5], ALL_ROUND, contact={"law": "hertz", "friction": 0.3})
-    found = band_structure(case, "0,0,0; 314.159265358979,0,0", points=3)
+    found = band_structure(assemble(case), "0,0,0; 314.159265358979,0,0", points=3)
     springs = found.state.network.springs
     mass = found.state.network.mass[0]
     k, kt, f, d = (
@@ -189,12 +190,12 @@ def test_scattered_packing_is_its_own_cell():
     scatter = {"diameter_scatter": 5e-7, "seed": 3}
     endless_too = {"sides": "periodic", "bottom": "periodic"}
     case = endless("fcc", [4, 4, 3], load, packing=scatter, boundary=endless_too)
-    found = band_structure(case, "0,0,0; 0,0,20", points=2, n_bands=6)
+    found = band_structure(assemble(case), "0,0,0; 0,0,20", points=2, n_bands=6)
     state = found.state
     assert (
         state.network.n_grains == 48 and state.residual < 1e-8 and len(state.network.springs) == 288
     )
-    like = cell_state(endless("fcc", [4, 4, 6], load))
+    like = cell_state(assemble(endless("fcc", [4, 4, 6], load)))
     speeds = long_wave_speeds(stiffness_of(like.network), np.array([[0.0, 0.0, 1.0]]))[0]
     np.testing.assert_allclose(found.speeds, speeds, rtol=0.02)  # softer by the scatter, hardly
     assert np.abs(found.speeds / speeds - 1).max() > 1e-5
@@ -202,7 +203,7 @@ def test_scattered_packing_is_its_own_cell():
 
 def test_velocities_are_slopes():
     """Group velocities are the differences of frequencies, in any direction."""
-    stiffness = stiffness_of(cell_state(endless("hcp", [4, 4, 4], ALL_ROUND)).network)
+    stiffness = stiffness_of(cell_state(assemble(endless("hcp", [4, 4, 4], ALL_ROUND))).network)
     middle = np.array([120.0, 40.0, 90.0])
     step = 1e-3
     for axis in range(3):
@@ -215,7 +216,7 @@ def test_velocities_are_slopes():
 
 @pytest.mark.parametrize("limits", [("DENSE_UP_TO",), ("DENSE_UP_TO", "_FACTORISED_UP_TO")])
 def test_dense_factorised_and_lanczos_agree(monkeypatch, limits):
-    stiffness = stiffness_of(cell_state(endless("hcp", [4, 4, 4], ALL_ROUND)).network)
+    stiffness = stiffness_of(cell_state(assemble(endless("hcp", [4, 4, 4], ALL_ROUND))).network)
     path = make_path("0,0,20; 10,0,30", stiffness.network.periods, 2)
     dense = solve_bands(stiffness, path, 3)
     for name in limits:
@@ -227,7 +228,7 @@ def test_dense_factorised_and_lanczos_agree(monkeypatch, limits):
 
 def test_attenuation_leads_back_to_the_frequencies():
     """At complex k, D(k) has the eigenvalue omega^2."""
-    stiffness = stiffness_of(cell_state(diatomic()).network)
+    stiffness = stiffness_of(cell_state(assemble(diatomic())).network)
     found = complex_bands(stiffness, np.zeros(3), np.array([0.0, 0.0, 1.0]), np.array([6000.0]))
     wave = np.exp(-found.attenuation[0, 0] + 1j * found.phase[0, 0])
     own, other = stiffness._dense
@@ -256,11 +257,11 @@ def test_attenuation_leads_back_to_the_frequencies():
 )  # fmt: skip
 def test_wrong_input(case, path, message):
     with pytest.raises(InputError, match=message):
-        band_structure(case(), path)
+        band_structure(assemble(case()), path)
 
 
 def test_floppy_modes_are_left_blank_where_allowed():
-    found = band_structure(endless("square", [4, 4], ALL_ROUND), "G-X", allow_floppy=True)
+    found = band_structure(assemble(endless("square", [4, 4], ALL_ROUND)), "G-X", allow_floppy=True)
     assert (
         np.isnan(found.bands.frequency[1:, 0]).all()
         and np.isfinite(found.bands.frequency[:, 1]).all()
@@ -273,7 +274,7 @@ def test_bcc_under_pressure_buckles():
 
     k along [110], moving along [1-10]: nothing but -F/d of the four contacts along [11z] remains.
     """
-    state = cell_state(endless("bcc", [4, 4, 6], ALL_ROUND))
+    state = cell_state(assemble(endless("bcc", [4, 4, 6], ALL_ROUND)))
     with pytest.raises(
         InputError, match=r"1 of 3 modes meet no .* up to 1 of them grow, by .* the packing buckles"
     ):
@@ -298,4 +299,4 @@ def test_beads_that_roll_like_gears_are_named():
     with pytest.raises(
         InputError, match=r"1 of 3 modes .* 100 % turning about z .like gears.* rotation = true"
     ):
-        band_structure(case, "G-M")
+        band_structure(assemble(case), "G-M")

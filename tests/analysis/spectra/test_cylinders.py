@@ -12,9 +12,10 @@ from granwave.analysis.spectra.bands import solve_modes
 from granwave.analysis.spectra.states import cell_state, packing_state
 from granwave.analysis.spectra.stiffness import stiffness_of
 from granwave.analysis.spectra.transmission import transmission
-from granwave.lammps_inputs.contact.law import pair_contact
+from granwave.lammps_inputs import pair_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.library import load_case
 from tests.helpers.springs import endless
 
@@ -62,7 +63,7 @@ def test_tunnel_of_thesis_7_2_from_its_case(approach, overlaps, wall, edges):
     """The oracle's values (physics of chapter 7.2). Cylinders that move in opposite ways give two
     more flat bands.
     """
-    found = band_structure(tunnel(approach), "G-X", points=3)
+    found = band_structure(assemble(tunnel(approach)), "G-X", points=3)
     springs = found.state.network.springs
     walls = found.state.network.supports
     assert len(springs) == 5 and len(walls) == 2
@@ -81,7 +82,9 @@ def test_tunnel_of_thesis_7_2_from_its_case(approach, overlaps, wall, edges):
 
 
 def test_a_longer_cell_folds_the_bands():
-    one, two = (band_structure(tunnel(0.0, n), "G-X", points=2).bands.frequency for n in (1, 2))
+    one, two = (
+        band_structure(assemble(tunnel(0.0, n)), "G-X", points=2).bands.frequency for n in (1, 2)
+    )
     np.testing.assert_allclose(
         np.sort(np.concatenate([one[0], one[1]])), np.sort(two[0]), rtol=1e-6, atol=1e-2
     )
@@ -95,7 +98,7 @@ def test_filter_row_is_in_static_balance():
     case = load_case("filter-row", {"packing.size": n, "load.index": [2], "hold": [{"index": [1, n]}],
                                     "guide": [{"index": {"first": 2, "last": n - 1}, "free": "z"},
                                               {"group": "cylinders", "free": "xz"}]})  # fmt: skip
-    state = packing_state(case)
+    state = packing_state(assemble(case))
     assert len(state.network.supports) == 2 * (n - 1) and len(state.network.springs) == 4 * (n - 1)
     np.testing.assert_allclose(state.network.supports.force, 29.668, rtol=3e-5)
     modes = solve_modes(stiffness_of(state.network))
@@ -151,7 +154,7 @@ def test_row_of_parallel_cylinders(law):
     any disc.
     """
     case = row_of_cylinders(0.3, law)
-    found = band_structure(case, "G-X", points=2, allow_floppy=True)
+    found = band_structure(assemble(case), "G-X", points=2, allow_floppy=True)
     network = found.state.network
     springs = network.springs
     mass = network.mass[0]
@@ -175,7 +178,7 @@ def test_row_of_parallel_cylinders(law):
 def test_sizes_of_lines_have_laws_of_their_own():
     """Two diameters in turn: alternating masses, and the springs of unlike radii."""
     case = row_of_cylinders(0.0, "hertz", (0.006, 0.003))
-    springs = cell_state(case).network.turned_off("z").springs
+    springs = cell_state(assemble(case)).network.turned_off("z").springs
     contact = pair_contact(case, 1, 2)
     overlap = 0.0045 - springs.distance
     np.testing.assert_allclose(contact.loading_force(overlap), 50.0, rtol=1e-8)
@@ -189,7 +192,7 @@ def test_crossed_cylinders_move_along_their_axes_without_force():
     axis.
     """
     case = pile("0.002,0.004,cylinder,0.02,1,0,0", "0.007,0.006,cylinder,0.02,0,1,0")
-    network = cell_state(case).network
+    network = cell_state(assemble(case)).network
     contact = pair_contact(case, 1, 2)
     overlap = 0.005 - network.springs.distance
     np.testing.assert_allclose(contact.loading_force(overlap), 20.0, rtol=1e-8)
@@ -206,7 +209,7 @@ def test_crossed_cylinders_move_along_their_axes_without_force():
 def test_the_force_at_the_side_of_a_cylinder_turns_across_its_axis_alone():
     """A sphere rolls off a cylinder across its axis (-F/d), and not along it."""
     network = cell_state(
-        pile("0.002,0.004,sphere,0,0,0,0", "0.007,0.006,cylinder,0.02,0,1,0")
+        assemble(pile("0.002,0.004,sphere,0,0,0,0", "0.007,0.006,cylinder,0.02,0,1,0"))
     ).network
     own = stiffness_of(network).own.toarray()[:3, :3]
     expected = -(network.springs.force / network.springs.distance).sum()
@@ -222,7 +225,9 @@ def test_power_law_has_its_own_stiffness(exponent):
     force = 20.0
     contact = {"law": "power", "constant": constant, "exponent": exponent}
     found = band_structure(
-        endless("chain", 6, {"kind": "uniaxial", "force": force}, contact=contact), "G-X", points=3
+        assemble(endless("chain", 6, {"kind": "uniaxial", "force": force}, contact=contact)),
+        "G-X",
+        points=3,
     )
     overlap = (force / constant) ** (1 / exponent)
     top = 2 * math.sqrt(exponent * force / overlap / found.state.network.mass[0]) / (2 * math.pi)
@@ -233,7 +238,9 @@ def test_oblique_cylinders_that_turn_are_refused():
     with pytest.raises(
         InputError, match=r"cylinders along \[0.6, 0.8, 0.0\] that turn by friction"
     ):
-        cell_state(pile("0.002,0.004,cylinder,0.02,0.6,0.8,0", length=0.004, friction=0.3))
+        cell_state(
+            assemble(pile("0.002,0.004,cylinder,0.02,0.6,0.8,0", length=0.004, friction=0.3))
+        )
 
 
 def test_a_cell_of_a_lattice_alone_is_refused():

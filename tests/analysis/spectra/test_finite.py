@@ -29,7 +29,9 @@ AXIAL = {"kind": "uniaxial", "force": 20.0}
 
 
 def chain(n: int, bottom: str = "fixed", **tables):
-    return packing_state(endless("chain", n, AXIAL, boundary={"bottom": bottom}, **tables))
+    return packing_state(
+        assemble(endless("chain", n, AXIAL, boundary={"bottom": bottom}, **tables))
+    )
 
 
 def test_modes_of_a_chain_with_one_end_held():
@@ -50,8 +52,13 @@ def test_modes_of_a_chain_with_one_end_held():
 def test_density_of_states_of_many(monkeypatch):
     """By moments it is that of all modes, smoothed: the same share below a frequency."""
     state = packing_state(
-        endless(
-            "fcc", [6, 6, 6], {"kind": "uniaxial", "pressure": 1e6}, boundary={"sides": "periodic"}
+        assemble(
+            endless(
+                "fcc",
+                [6, 6, 6],
+                {"kind": "uniaxial", "pressure": 1e6},
+                boundary={"sides": "periodic"},
+            )
         )
     )
     stiffness = stiffness_of(state.network.turned_off("z"))
@@ -148,7 +155,7 @@ def test_losses_of_contacts(loss, time):
     case = endless(
         "chain", 2, AXIAL, boundary={"bottom": "wall"}, contact={"law": "hertz", "loss": loss}
     )
-    network = packing_state(case).network
+    network = packing_state(assemble(case)).network
     frequency = np.array([3e3, 1.5e4, 2.2e4])
     losses = losses_of(assemble(case), network)
     found = transmission(stiffness_of(network), 1, [2], frequency, losses=losses).ratio[:, 0]
@@ -182,7 +189,7 @@ def test_effective_masses_of_dashpots(driven, tables, masses):
     case = endless(
         "chain", 3, AXIAL, **({"boundary": {"bottom": "wall"}, "contact": loss} | tables)
     )
-    network = packing_state(case).network
+    network = packing_state(assemble(case)).network
     losses = losses_of(assemble(case), network, driven, "z")
     between = losses.springs.stiffness
     found = (between / 0.1) ** 2 * 1.5 / network.springs.stiffness / network.mass[0]
@@ -193,7 +200,7 @@ def test_bcc_between_walls_buckles():
     """The balance of even forces is found, and the modes that leave it are counted."""
     load = {"kind": "uniaxial", "pressure": 1e6}
     state = packing_state(
-        endless("bcc", [4, 4, 6], load, boundary={"sides": "periodic", "bottom": "wall"})
+        assemble(endless("bcc", [4, 4, 6], load, boundary={"sides": "periodic", "bottom": "wall"}))
     )
     assert state.residual < 1e-9 and np.ptp(state.network.springs.force) < 1e-6
     modes = solve_modes(stiffness_of(state.network))
@@ -206,8 +213,8 @@ def test_a_bottom_that_is_a_damper():
     """
     case = endless("chain", 2, AXIAL, boundary={"bottom": {"damper": {"damping": 40.0}}})
     with pytest.raises(InputError, match="granwave transmission takes a damper too"):
-        packing_state(case)
-    state = packing_state(case, damped=True)
+        packing_state(assemble(case))
+    state = packing_state(assemble(case), damped=True)
     stiffness = stiffness_of(state.network)
     frequency = np.array([0.0, 500.0, 3e3, 9e3])
     found = transmission(stiffness, 1, [2], frequency, bottom=40.0)
@@ -231,7 +238,7 @@ def test_static_states_of_long_chains(n):
     """As many iterations as beads would be needed, and beads that move far together are no large
     step.
     """
-    state = packing_state(load_case("precompressed-chain", [f"packing.size={n}"]))
+    state = packing_state(assemble(load_case("precompressed-chain", [f"packing.size={n}"])))
     assert state.residual < 1e-6 and len(state.network.springs) == n - 1
     assert state.network.springs.force == pytest.approx(20.0, rel=1e-5)
 
@@ -259,8 +266,8 @@ def layers(kind="fcc", size=(3, 4, 4), **changes):
 def test_modes_of_a_packing_are_bands_of_its_column(load):
     """At the wave vectors that fit into a packing with periodic sides; under its own weight too."""
     case = layers(precompression=load)
-    own = cell_state(case, slab=True)
-    whole = packing_state(case)
+    own = cell_state(assemble(case), slab=True)
+    whole = packing_state(assemble(case))
     n = 3
     m = 4
     reciprocal = 2 * np.pi * np.linalg.pinv(whole.periods).T
@@ -276,7 +283,10 @@ def test_columns_on_a_rigid_wall():
     couples them.
     """
     found = band_structure(
-        layers("sc", (3, 3, 3), contact={"law": "hertz"}), points=5, directions="z", slab=True
+        assemble(layers("sc", (3, 3, 3), contact={"law": "hertz"})),
+        points=5,
+        directions="z",
+        slab=True,
     )
     network = found.state.network
     k = network.springs.stiffness[0]
@@ -293,17 +303,17 @@ def test_columns_on_a_rigid_wall():
 
 def test_a_held_grain_and_a_vacancy_make_the_packing_the_cell():
     held = cell_state(
-        layers(hold=[{"index": [17], "directions": "xyz", "rotation": True}]), slab=True
+        assemble(layers(hold=[{"index": [17], "directions": "xyz", "rotation": True}])), slab=True
     ).network
     assert held.n_grains == 48 and held.n_freedoms == 47 * 6
     packing = {"kind": "fcc", "size": [3, 4, 4], "diameter": 0.01, "vacancies": [20]}
-    gap = cell_state(layers(packing=packing), slab=True)
+    gap = cell_state(assemble(layers(packing=packing)), slab=True)
     assert gap.network.n_grains == 47
 
 
 def test_what_has_no_sides_that_repeat_is_no_slab():
     with pytest.raises(InputError, match="--slab: found a packing that does not repeat sideways"):
-        cell_state(load_case("precompressed-chain"), slab=True)
+        cell_state(assemble(load_case("precompressed-chain")), slab=True)
 
 
 def strip(n):
@@ -343,7 +353,7 @@ def test_rayleigh_s_wave():
 @pytest.mark.parametrize("direction", [(0, 0, 1.0), (1.0, 0, 0)])
 def test_attenuation_from_the_faces_is_that_of_the_whole_cell(monkeypatch, direction):
     case = load_case("precompressed-fcc", {"contact.friction": 0.3})
-    stiffness = stiffness_of(cell_state(case).network)
+    stiffness = stiffness_of(cell_state(assemble(case)).network)
     way = np.array(direction)
     frequency = np.linspace(3e3, 6e4, 12)
     whole = complex_bands(stiffness, np.zeros(3), way, frequency)
@@ -360,7 +370,7 @@ def test_attenuation_of_a_long_cell():
     """A chain of 100 beads as one cell: cosh of half of the decay from bead to bead is f/f_c."""
     case = load_case("precompressed-chain", {"packing.size": 100, "boundary.bottom": "periodic",
                                              "replace": [{"index": [1], "diameter": 9.52e-3 * (1 + 1e-12)}]})  # fmt: skip
-    network = cell_state(case).network
+    network = cell_state(assemble(case)).network
     assert network.n_grains == 100
     cut_off = math.sqrt(network.springs.stiffness[0] / network.mass[0]) / math.pi
     found = complex_bands(
@@ -414,7 +424,7 @@ def test_a_matched_end_keeps_its_side_walls():
         boundary={"bottom": "wall", "x": "wall"},
         contact={"law": "hertz", "friction": 0.3},
     )
-    network = packing_state(case).network
+    network = packing_state(assemble(case)).network
     assert network.supports.force[network.supports.wall == "xlo"] == pytest.approx(20.0, rel=1e-9)
     k = float(network.springs.stiffness[0])
     side = 2 * float(network.supports.tangential[network.supports.wall == "xlo"][0])

@@ -187,7 +187,7 @@ def along(state: State, frequency: np.ndarray) -> np.ndarray:
 def test_a_case_has_the_state_of_its_run(name: str, tmp_path: Path) -> None:
     packing, static, tables = STATES[name]
     case = case_of(packing, static, **tables)
-    own = packing_state(case)
+    own = packing_state(assemble(case))
     left = packing_state(run_of(case, tmp_path / "run"))
     assert len(own.network.springs) == len(left.network.springs)
     assert len(own.network.supports) == len(left.network.supports)
@@ -206,7 +206,7 @@ def test_contacts_that_yield(dents: dict[str, Any], tmp_path: Path) -> None:
     """
     law = {"law": "elastoplastic", "friction": 0.3} | dents
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=law)
-    own = packing_state(case)
+    own = packing_state(assemble(case))
     left = packing_state(run_of(case, tmp_path / "run"))
     expected = solve_modes(stiffness_of(left.network)).frequency
     found = solve_modes(stiffness_of(own.network)).frequency
@@ -228,7 +228,7 @@ def test_beads_on_a_wall(kind: str, static: dict[str, Any], lowest: float) -> No
         packing = {"kind": "file", "grains": "x,y,z,diameter\n" + rows}
     if "force" in static:
         static = static | {"force": 30.0}
-    state = packing_state(case_of(packing, static, material=STEEL))
+    state = packing_state(assemble(case_of(packing, static, material=STEEL)))
     network = state.network.turned_off("z")
     found = solve_modes(stiffness_of(network)).frequency
     assert found[0] == pytest.approx(lowest, abs=0.005)
@@ -247,7 +247,7 @@ def test_beads_on_a_wall(kind: str, static: dict[str, Any], lowest: float) -> No
 
 def test_beads_between_walls_of_friction() -> None:
     """Along z: Hertz's springs of the force, and Mindlin's of four walls moved in by 1 um."""
-    state = packing_state(case_of(COLUMN, WALLS, boundary=BOX, contact=ROUGH))
+    state = packing_state(assemble(case_of(COLUMN, WALLS, boundary=BOX, contact=ROUGH)))
     moves = np.zeros_like(state.network.moves)
     moves[:, 2] = True  # rotations are not coupled to it
     network = dataclasses.replace(state.network, moves=moves)
@@ -315,7 +315,7 @@ def test_states_that_nothing_holds(
     packing: dict[str, Any], static: dict[str, Any], tables: dict[str, Any], says: str
 ) -> None:
     with pytest.raises((InputError, RunError), match=says):
-        packing_state(case_of(packing, static, **tables))
+        packing_state(assemble(case_of(packing, static, **tables)))
 
 
 @pytest.mark.parametrize("static", [WALLS, PRESSED | {"x_force": 240.0}])
@@ -324,7 +324,7 @@ def test_bands_between_walls_of_friction(static: dict[str, Any], tmp_path: Path)
     bears its part of the force on the walls.
     """
     case = case_of(CHAIN | {"size": 24}, static, boundary=BOX, contact=ROUGH)
-    own = band_structure(case, points=5)
+    own = band_structure(assemble(case), points=5)
     network = own.state.network
     assert len(network.supports) == 4
     side = network.supports.tangential.sum()
@@ -349,7 +349,7 @@ def test_a_bead_that_resists_rolling_and_twisting(stiffness: tuple[float, float]
         twisting |= {"stiffness": stiffness[1]}
     contact = ROUGH | {"rolling": rolling, "twisting": twisting}
     bead = file_of([(0.0, 0.0, 0.0)])
-    state = packing_state(case_of(bead, UNIAXIAL | {"force": 20.0}, contact=contact))
+    state = packing_state(assemble(case_of(bead, UNIAXIAL | {"force": 20.0}, contact=contact)))
     network = state.network
     wall = network.supports
     tangential = float(wall.tangential[0])
@@ -372,7 +372,7 @@ def test_a_bead_that_resists_rolling_and_twisting(stiffness: tuple[float, float]
     both = np.linalg.eigvalsh(sliding)
     expected = np.sort([*both, *both, twist / inertia, float(wall.stiffness[0]) / mass])
     assert solve_modes(stiffness_of(network)).square == pytest.approx(expected, rel=1e-9)
-    row = packing_state(case_of(COLUMN, WALLS, boundary=BOX, contact=contact)).network
+    row = packing_state(assemble(case_of(COLUMN, WALLS, boundary=BOX, contact=contact))).network
     assert solve_modes(stiffness_of(row)).n_floppy == 0
 
 
@@ -380,7 +380,7 @@ def test_damping_of_rolling_is_no_part_of_a_steady_motion() -> None:
     contact = ROUGH | {"rolling": {"coefficient": 0.01, "damping": 1.0}}
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=contact)
     with pytest.raises(InputError, match=r"contact\.rolling\.damping: found 1, expected 0"):
-        losses_of(assemble(case), packing_state(case).network)
+        losses_of(assemble(case), packing_state(assemble(case)).network)
 
 
 def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
@@ -395,7 +395,7 @@ def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
     )
     moves = np.zeros((1, 6), dtype=bool)
     moves[0, [0, 4]] = True
-    network = dataclasses.replace(packing_state(case).network, moves=moves)
+    network = dataclasses.replace(packing_state(assemble(case)).network, moves=moves)
     expected = solve_modes(stiffness_of(network)).frequency
     with Result(run_of(case, tmp_path / "run")) as result:
         time = result["particles/spheres/contact_force/time"]
@@ -411,7 +411,7 @@ def test_a_bead_rolls_in_a_run_as_its_modes_say(tmp_path: Path) -> None:
 def test_five_steel_beads_along_their_row() -> None:
     """26.0 to 44.3 kHz, as a run gave before: sliding along the walls, and turning."""
     case = case_of(COLUMN, WALLS, boundary=BOX, contact=ROUGH, material="steel")
-    network = packing_state(case).network
+    network = packing_state(assemble(case)).network
     assert (len(network.springs), len(network.supports)) == (4, 21)
     found = solve_modes(stiffness_of(network.turned_off("z"))).frequency
     assert found[[0, -1]] == pytest.approx([26.0e3, 44.3e3], abs=50)

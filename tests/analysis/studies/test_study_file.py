@@ -30,6 +30,7 @@ from granwave.analysis.studies.study import Row, Study, write_rows
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
 from granwave.workflows import load_case, load_scan, run_scan
 from granwave.workflows.scanning.suite import load_suite
@@ -312,27 +313,29 @@ def made(
 def test_packings(kind: str, size: Any, words: str, of_any_height: str) -> None:
     striker = {"load": {"kind": "striker"}, "striker": [{"touches": 1, "velocity": [0.3, 0.4, 0]}]}
     case = made(kind, size, **(striker if kind == "square" else {}))
-    assert packing_title(case) == f"{words} of 9.52 mm"
-    assert packing_title(case, height=False) == of_any_height
+    assert packing_title(assemble(case)) == f"{words} of 9.52 mm"
+    assert packing_title(assemble(case), height=False) == of_any_height
 
 
 def test_names_of_loads_and_of_a_material_without_one() -> None:
     own = {"youngs_modulus": 1e11, "poisson_ratio": 0.3, "density": 8000, "yield_strength": 5e8}
-    assert packing_title(made("chain", 3, own)) == "Chain of 3 spheres of 9.52 mm"
+    assert packing_title(assemble(made("chain", 3, own))) == "Chain of 3 spheres of 9.52 mm"
     some = [{"index": 2, "material": "steel"}]
     every = [{"index": {"first": 1, "last": 3}, "material": "steel"}]
-    assert packing_title(made("chain", 3, replace=some)).startswith(
+    assert packing_title(assemble(made("chain", 3, replace=some))).startswith(
         "Chain of 3 brass and steel sph"
     )
-    assert packing_title(made("chain", 3, replace=every)).startswith("Chain of 3 steel spheres")
-    assert impact_title(made(load={"velocity": 2.5}, contact={"law": "hertz"})).endswith(
+    assert packing_title(assemble(made("chain", 3, replace=every))).startswith(
+        "Chain of 3 steel spheres"
+    )
+    assert impact_title(assemble(made(load={"velocity": 2.5}, contact={"law": "hertz"}))).endswith(
         ", elastic contacts, 2.5 m/s"
     )
-    assert load_label(made(load={"velocity": 5, "angle": 30})) == "5 m/s"
+    assert load_label(assemble(made(load={"velocity": 5, "angle": 30}))) == "5 m/s"
     force = {"kind": "force", "shape": "half-sine", "amplitude": 100.0, "duration": 1e-5}
-    assert load_label(made("chain", 3, load=force)) == "force on top"
+    assert load_label(assemble(made("chain", 3, load=force))) == "force on top"
     strikers = [{"touches": 1, "velocity": [0, 0, 0.6]}, {"touches": 2, "velocity": [0, 0.6, 0.8]}]
-    assert load_label(made(load={"kind": "striker"}, striker=strikers)) == "1 m/s"
+    assert load_label(assemble(made(load={"kind": "striker"}, striker=strikers))) == "1 m/s"
     assert [time_label(time) for time in (2.5e-5, 9.99e-4, 1e-3)] == ["25 µs", "999 µs", "1 ms"]
 
 

@@ -16,6 +16,7 @@ import granwave as gw
 from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import spectra as commands
 from granwave.workflows.cli.check import wave_rows
 from granwave.workflows.cli.main import main
@@ -196,7 +197,7 @@ def numbers(text):
 
 def test_cut_off_and_speed():
     cut_off, speed = closed_forms()
-    rows = list(wave_rows(small_waves(chain())))
+    rows = list(wave_rows(small_waves(assemble(chain()))))
     assert numbers(rows[0][1])[0] == pytest.approx(cut_off * 1e-3, rel=1e-3)
     assert numbers(rows[1][1])[0] == pytest.approx(speed, rel=2e-3)
 
@@ -212,12 +213,12 @@ def test_frequency_of_the_load(share, fate):
             "frequency": share * cut_off,
         }
     }
-    rows = list(wave_rows(small_waves(chain(**load))))
+    rows = list(wave_rows(small_waves(assemble(chain(**load)))))
     assert rows[-1][0] == "load's frequency" and rows[-1][1].endswith(fate)
 
 
 def test_nothing_without_a_static_force():
-    assert small_waves(load_case("elastic-impact")) is None
+    assert small_waves(assemble(load_case("elastic-impact"))) is None
 
 
 def test_a_case_of_inference_is_named_as_such(tmp_path):
@@ -289,7 +290,7 @@ def test_inputs_are_those_of_the_summary(tmp_path):
     case = load_case(
         "fcc-small", {"packing.size": [4, 4, 3], "run.end_time": 2e-5, "load.spheres": 3}
     )
-    inputs = inputs_of_packing(case)
+    inputs = inputs_of_packing(assemble(case))
     summary = run_case(case, tmp_path, figures=False).summary
     assert inputs.energy == pytest.approx(summary["energy_input_J"], rel=1e-12)
     assert inputs.energy_normalised == pytest.approx(summary["energy_input_normalised"], rel=1e-12)

@@ -9,12 +9,11 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs import auto_timestep, build_packing
 from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.packing import build_packing
-from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, run_case
 
 JKR = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy": 10.0}}

@@ -12,11 +12,9 @@ import pytest
 from granwave._contact_laws import LAWS
 from granwave.analysis.lammps_output.dumps import contacts_at_end
 from granwave.analysis.lammps_output.time_series import read_energy
-from granwave.lammps_inputs import load_case
-from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs import build_packing, load_case, write_deck
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows import library, run_case
 from tests.helpers.small_cases import LATTICES, packing_of
 from tests.helpers.twins.twin import Network

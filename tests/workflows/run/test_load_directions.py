@@ -12,7 +12,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.deck.deck import write_deck
+from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case

@@ -12,13 +12,12 @@ from scipy.integrate import solve_ivp
 
 import granwave as gw
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs import auto_timestep, write_deck
 from granwave.lammps_inputs.contact.law import dashpot_factor
 from granwave.lammps_inputs.deck.commands import pair_coefficients, wall_commands
-from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, run_case
 from granwave.workflows.run.checks import Balance
 

@@ -14,13 +14,13 @@ from typing import Any
 
 import pytest
 
+from granwave.lammps_inputs import expected_peak_overlap
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.deck.commands import pair_coefficients
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.encounters import encounters
-from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 from granwave.workflows import run_case
 
 MASS = 7850 * math.pi / 6 * 0.01**3

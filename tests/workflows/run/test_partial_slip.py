@@ -10,11 +10,11 @@ import numpy as np
 import pytest
 
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs import auto_timestep
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.cost import expected_space, seconds_per_step
 from granwave.lammps_inputs.planning.schedule import make_schedule
-from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.workflows import load_case, run_case
 from tests.helpers.twins.slip_twin import rebound
 

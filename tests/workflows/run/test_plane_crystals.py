@@ -14,8 +14,8 @@ from granwave.analysis.measures.lines import lines_of, sensor_accelerations, sen
 from granwave.analysis.measures.signals import first_peak
 from granwave.analysis.notebook.run import Run as Notebook
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs import build_packing
 from granwave.lammps_inputs.load_case import case_from_dict
-from granwave.lammps_inputs.packing.packing import build_packing
 from granwave.workflows.cli.main import main
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case

@@ -15,11 +15,11 @@ from scipy.optimize import brentq
 from granwave._contact_laws import ContactLaw
 from granwave.analysis import MissingOutputError, OutputFormatError
 from granwave.analysis.result.writer import write_result
+from granwave.lammps_inputs import flat_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
-from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
+from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import dead_loads, force_of_contact
-from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble

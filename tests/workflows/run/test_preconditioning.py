@@ -13,10 +13,11 @@ import numpy as np
 import pytest
 
 from granwave.analysis import MissingOutputError, OutputFormatError, analyse
+from granwave.lammps_inputs import pair_contact
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE as TOLERANCE
 from granwave.lammps_inputs.contact.initial_dents import contacts_at_start, dents_table
-from granwave.lammps_inputs.contact.law import pair_contact, sphere_contact
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
