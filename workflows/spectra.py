@@ -40,7 +40,7 @@ _LOWEST_MODES = 2  # of a large packing: whether it buckles
 _LOG = logging.getLogger("granwave")
 
 #: Functions of `granwave.analysis.figures.spectra` by the name of the figure, for each command.
-_FIGURES = {
+FIGURES = {
     "bands": {
         "bands": "band_diagram",
         "group_velocity": "group_velocities",
@@ -147,7 +147,7 @@ class SmallWaves:
                 )  # the drawing library takes a second to load
 
                 with style():
-                    for figure, draw in _FIGURES[self.name].items():
+                    for figure, draw in FIGURES[self.name].items():
                         folder.draw(partial(getattr(drawing, draw), self.found), figure)
         return [directory / one for one in (*names, SPECTRA_FILE)] + folder.written
 

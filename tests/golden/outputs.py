@@ -5,6 +5,8 @@ They show how a change of the code affects users. After an intended change of ou
 
     .venv/bin/python -m tests.golden.outputs        # regenerates them; git diff tests/golden shows the changes
 
+`names` has the names that users type and read; they are regenerated with the outputs.
+
 Input scripts are kept as they are; of data files and tables, which are large, the words and sums of
 the numbers. Numbers are compared to 1e-6, as processors and libraries differ in the last bits, and
 words to the letter.
@@ -26,6 +28,7 @@ from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCRIPT_FILE, SUMMARY_FILE
 from granwave.workflows import library, load_case, run_case
 from granwave.workflows.solvers import GRANULAR, solver_of
+from tests.golden import names
 
 FOLDER = Path(__file__).parent
 RENEW = "if that is meant: python -m tests.golden.outputs"
@@ -114,9 +117,10 @@ def run_small(place: Path) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Regenerate the golden outputs."""
+    """Regenerate the golden outputs and names."""
     import tempfile
 
+    names.write()
     with tempfile.TemporaryDirectory() as scratch:
         place = Path(scratch)
         digests = write_decks(place / "decks")
