@@ -22,6 +22,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.motion import start_speed
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
@@ -213,7 +214,7 @@ neigh_modify delay 0 every 10 check yes
 fix motion all {motion}
 timestep {auto_timestep(case)}
 group struck id {struck_spheres(assemble(case).lattice, 1)[0]}
-velocity struck set 0.0 0.0 {case.load.velocity} units box
+velocity struck set 0.0 0.0 {start_speed(assemble(case))} units box
 thermo 1000000
 {totals if "hysteretic" in lines else ""}
 """

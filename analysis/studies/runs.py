@@ -209,8 +209,8 @@ def load_label(case: Case) -> str:
     """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts
     on top.
     """
-    if case.load.driven:
-        return f"{case.load.kind} {f'along {list(case.load.direction or ())}' if case.load.slants else 'on top'}"
+    if case.load.label:
+        return case.load.label
     return f"{max((math.hypot(*velocity) for velocity in velocities_of(assemble(case)).values()), default=0.0):g} m/s"
 
 

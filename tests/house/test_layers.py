@@ -53,7 +53,7 @@ lammps_inputs/case
 lammps_inputs/directories
 lammps_inputs/ownership
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/files lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
+lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
 lammps_inputs/errors
 plugins plugins/package
 """

@@ -7,7 +7,7 @@ import sys
 
 import pytest
 
-from granwave.lammps_inputs.deck.commands import num
+from granwave.lammps_inputs.script_words import num
 from granwave.lammps_inputs.files import read_number, read_whole
 
 
