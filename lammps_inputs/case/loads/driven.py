@@ -89,8 +89,8 @@ class DrivenLoad(LoadOnSpheres):
         "number of cycles of a burst under its window", at_least=1, at_most=1e6, default=None
     )
     ramp: float | None = schema.number(
-        "time over which a harmonic load, a sweep or noise rises; a sweep and noise also fall in it; "
-        "default 0 for a harmonic load, else a twentieth of the duration",
+        "time over which a harmonic load, a sweep or noise rises; a sweep and noise also fall in "
+        "it; default 0 for a harmonic load, else a twentieth of the duration",
         at_least=0,
         **_TIME,
     )

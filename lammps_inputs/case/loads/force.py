@@ -61,7 +61,7 @@ class ForceLoad(DrivenLoad):
         return self.largest
 
     def contact_energy(self, energy: float, law: ContactLaw, packing: LoadedPacking) -> float:
-        """Limit the energy by the work up to the largest force; other moving spheres may do more."""
+        """Limit the energy by the work up to the largest force if no sphere moves at the start."""
         if not packing.is_at_rest:
             return energy
         bound = work_to_force(law, _LARGEST_OF_CHAIN * self.largest)

@@ -61,7 +61,7 @@ class LoadedPacking(Protocol):
         """Impedance of the incident bar, N s/m; None without one."""
 
     def at_centre(self, count: int) -> tuple[int, ...]:
-        """Return the ids of 1, 3 or 7 spheres at the centre of the top layer, the middle one first."""
+        """Return the ids of 1, 3 or 7 spheres at the centre of the top, the middle one first."""
 
     def mass_of(self, sphere: int) -> float:
         """Return the mass of a sphere, kg."""
@@ -85,7 +85,7 @@ class PlateOnTop(NamedTuple):
 
 
 class LoadLimit(NamedTuple):
-    """Bound on the timestep by a load: its size in s, what sets it, and what would make it larger."""
+    """Bound on the timestep by a load: its size (s), its cause, and what would make it larger."""
 
     step: float
     cause: str
@@ -152,7 +152,8 @@ class Load(ABC):
     shown_amplitude
         Factor and unit in which figures show the amplitude.
     input_formula
-        LAMMPS formula of the energy input so far, J; ``v_given`` is the kinetic energy at the start.
+        LAMMPS formula of the energy input so far, J, with the kinetic energy at the start,
+        ``v_given``.
     """
 
     kind: ClassVar[str] = ""
@@ -297,7 +298,7 @@ class Load(ABC):
         return 0.0
 
     def speed_bound(self, packing: LoadedPacking) -> float:
-        """Return an upper bound on the speed of a sphere, m/s; 0: that of the spheres at the start."""
+        """Return an upper bound on the speed of a sphere, m/s; 0: the speeds at the start."""
         return 0.0
 
     def contact_energy(self, energy: float, law: ContactLaw, packing: LoadedPacking) -> float:
@@ -330,7 +331,7 @@ class Load(ABC):
 
     @classmethod
     def phrase(cls, case: Mapping[str, Any], write: Wording) -> str:
-        """Return the load in a report, of the keys of a case that are known: ``5 m/s on 3 spheres``."""
+        """Return the load in a report, from the known keys of a case: ``5 m/s on 3 spheres``."""
         velocity = case.get("load.velocity")
         spheres = case.get("load.spheres")
         several = f" on {spheres} spheres" if isinstance(spheres, int) and spheres > 1 else ""

@@ -68,6 +68,11 @@ def _make_section() -> type:
 #: Section of the keys of all kinds of loads, of which `read_load` makes the load.
 LoadSection = _make_section()
 
+# studies of users read keys of runs of all kinds: `run.case.load.amplitude` of an impact is None
+for _field in dataclasses.fields(LoadSection):
+    if not hasattr(Load, _field.name):
+        setattr(Load, _field.name, None)
+
 
 def read_load(table: Any, errors: ErrorList) -> Load | None:
     """Read ``[load]``; missing and wrong values are added to ``errors``.

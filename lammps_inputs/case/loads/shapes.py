@@ -8,10 +8,10 @@ With amplitude A, duration T and frequency f:
     burst          A sin^2(pi t / T) sin(2 pi f t) up to T = n/f: n cycles under a window (Hann)
     up-and-down    A (1 - |2t/T - 1|) sin(2 pi f t) up to T
     sweep          A sin(2 pi (f t + (f_last - f) t^2 / 2T)) up to T, with a ramp at either end
-    noise          sines at all multiples of 1/T from f to f_last, alike in size, of random phase, with the root mean
-                   square A; up to T, with a ramp at either end
-    table          linear interpolation between given points; a force is zero before and after, a displacement begins
-                   at 0 and keeps its last value
+    noise          sines at all multiples of 1/T from f to f_last, alike in size, of random phase,
+                   with the root mean square A; up to T, with a ramp at either end
+    table          linear interpolation between points; a force is zero before and after, a
+                   displacement begins at 0 and keeps its last value
 """
 
 from __future__ import annotations
