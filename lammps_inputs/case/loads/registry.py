@@ -68,10 +68,15 @@ def _make_section() -> type:
 #: Section of the keys of all kinds of loads, of which `read_load` makes the load.
 LoadSection = _make_section()
 
-# studies of users read keys of runs of all kinds: `run.case.load.amplitude` of an impact is None
-for _field in dataclasses.fields(LoadSection):
-    if not hasattr(Load, _field.name):
-        setattr(Load, _field.name, None)
+
+def _give_keys_of_others() -> None:
+    """Make keys of other kinds None: `run.case.load.amplitude` of an impact, as studies read it."""
+    for field in dataclasses.fields(LoadSection):
+        if not hasattr(Load, field.name):
+            setattr(Load, field.name, None)
+
+
+_give_keys_of_others()
 
 
 def read_load(table: Any, errors: ErrorList) -> Load | None:
