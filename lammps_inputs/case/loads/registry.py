@@ -20,7 +20,14 @@ from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 #: All kinds of loads by name; the first one is the default.
 LOADS: dict[str, type[Load]] = {
     load.kind: load
-    for load in (ImpactLoad, StrikerLoad, ForceLoad, DisplacementLoad, PlateLoad, GrainsLoad)
+    for load in (
+        ImpactLoad,
+        StrikerLoad,
+        ForceLoad,
+        DisplacementLoad,
+        PlateLoad,
+        GrainsLoad,
+    )
 }
 
 Field = dataclasses.Field[Any]
