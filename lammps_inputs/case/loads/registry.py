@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, get_type_hints
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.loads.displacement import DisplacementLoad
@@ -55,17 +55,15 @@ def _make_section() -> type:
     kind: Any = schema.choice(
         f"{', '.join(earlier)}, or {last}", tuple(LOADS), default=next(iter(LOADS))
     )
-    fields: dict[str, Field] = {}
+    keys: dict[str, tuple[str, Any, Field]] = {}
     for load in sorted(LOADS.values(), key=lambda load: len(load_keys(load))):
+        types = get_type_hints(load)
         for field in _own_fields_first(load):
-            fields.setdefault(field.name, field)
-    keys = [
-        (name, Any, dataclasses.field(default=field.default, metadata=field.metadata))
-        for name, field in fields.items()
-    ]
+            copy = dataclasses.field(default=field.default, metadata=field.metadata)
+            keys.setdefault(field.name, (field.name, types[field.name], copy))
     return dataclasses.make_dataclass(
         "LoadSection",
-        [("kind", str, kind), *keys],
+        [("kind", str, kind), *keys.values()],
         namespace={"__doc__": "``[load]``: the load on a packing."},
         frozen=True,
         kw_only=True,
