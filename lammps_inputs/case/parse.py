@@ -30,6 +30,7 @@ from granwave.lammps_inputs.case.case import (
 from granwave.lammps_inputs.case.contact import read_pairs
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
+from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
     read_material,
@@ -312,7 +313,7 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
         for name in ("packing", "boundary")
     )
     if "striker" in data:
-        data.setdefault("load", {"kind": "striker"})
+        data.setdefault("load", {"kind": StrikerLoad.kind})
     if (
         packing
         and packing.get("shape") == "cylinder"

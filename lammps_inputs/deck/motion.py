@@ -15,7 +15,7 @@ from granwave.lammps_inputs.deck.commands import id_ranges, time_series
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.motion import own_velocities, start_velocity, struck_of
-from granwave.lammps_inputs.packing.walls import PLATE, moving_fix, plane_fixes, walls
+from granwave.lammps_inputs.packing.walls import moving_fix, plane_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import ENERGY_FILE
 from granwave.lammps_inputs.script_words import joined, num
@@ -165,11 +165,10 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
                 )
             )
         )
-    if case.load.plate is not None:
-        mass, speed = case.load.plate
-        terms.append(f"0.5*{num(mass)}*{num(speed)}^2")
-        if case.precompression is not None and not resumed:
-            lines.append(f"fix_modify      {PLATE} velocity {num(speed)}")
+    if case.load.start_energy:
+        terms.append(case.load.start_energy)
+    if case.precompression is not None and not resumed:
+        lines += case.load.release_commands()
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             one = assembly.lattice.n_spheres + number

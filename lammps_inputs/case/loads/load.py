@@ -287,6 +287,17 @@ class Load(ABC):
 
     # LAMMPS commands.
 
+    @property
+    def start_energy(self) -> str:
+        """LAMMPS formula of the kinetic energy that the load has at the start besides the spheres,
+        J; empty without.
+        """
+        return ""
+
+    def release_commands(self) -> list[str]:
+        """Return the commands that set in motion what the load brings and a static stage held."""
+        return []
+
     def commands(self, group: str) -> list[str]:
         """Return the commands of a load that acts during the run, on a group of particles."""
         return []

@@ -1,7 +1,7 @@
 """A rigid plate that strikes the free top.
 
-The plate is a wall: its contacts, its motion and its energy are those of the wall named "plate" in
-`granwave.lammps_inputs.packing.walls`.
+The plate is a wall, and has the name of the kind of load: its contacts, and how it moves, are those
+of a wall of `granwave.lammps_inputs.packing.walls`.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from granwave.lammps_inputs.case.loads.load import (
     velocity_field,
 )
 from granwave.lammps_inputs.case.schema import ErrorList
+from granwave.lammps_inputs.script_words import num
 
 # energy of a contact over its share of that of a plate: twice the mean force, in the softest
 # direction
@@ -54,6 +55,13 @@ class PlateLoad(Load):
     def struck(self, packing: LoadedPacking) -> tuple[int, ...]:
         centre = packing.at_centre(1)
         return centre + tuple(sphere for sphere in packing.top_layer if sphere not in centre)
+
+    @property
+    def start_energy(self) -> str:
+        return f"0.5*{num(self.mass)}*{num(self.velocity)}^2"
+
+    def release_commands(self) -> list[str]:
+        return [f"fix_modify      {self.kind} velocity {num(self.velocity)}"]
 
     def energy_in(self, packing: LoadedPacking) -> float:
         return self.plate.energy
