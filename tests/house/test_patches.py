@@ -28,7 +28,7 @@ FILES = ("pyproject.toml", "CONTRIBUTING.md", "CHANGELOG.md", "README.md")
 #: Most files that a patch may touch.
 MOST_FILES = {
     "new_load": 6,
-}  # fmt: skip
+}
 
 
 @pytest.fixture

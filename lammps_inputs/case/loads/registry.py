@@ -59,7 +59,7 @@ def _make_section() -> type:
     for load in sorted(LOADS.values(), key=lambda load: len(load_keys(load))):
         types = get_type_hints(load)
         for field in _own_fields_first(load):
-            copy = dataclasses.field(default=field.default, metadata=field.metadata)
+            copy: Field = dataclasses.field(default=field.default, metadata=field.metadata)
             keys.setdefault(field.name, (field.name, types[field.name], copy))
     return dataclasses.make_dataclass(
         "LoadSection",
