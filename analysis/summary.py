@@ -37,7 +37,7 @@ from granwave.lammps_inputs.contact.law import velocity_normalised
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.motion import velocities_of
+from granwave.lammps_inputs.packing.motion import start_speed, velocities_of
 from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -177,7 +177,7 @@ def restitution(result: Result) -> float | None:
     load = result.case.load
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
     if (
-        load.kind != "impact"
+        not load.gives_velocity
         or not result.assembly.plain
         or moves
         or case.precompression is not None
@@ -337,9 +337,9 @@ def _normalised(result: Result) -> Summary:
     energy = None
     if result.has_yield_force:
         energy = result.energy_input / (law.yield_force * law.yield_overlap)
-        if case.load.kind == "impact":
+        if case.load.gives_velocity:
             material = law.effective_modulus, case.material.density, law.yield_strength
-            speed = velocity_normalised(case.load.velocity, *material)
+            speed = velocity_normalised(start_speed(result.assembly), *material)
     return {"velocity_normalised": speed, "energy_input_normalised": energy}
 
 

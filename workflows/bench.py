@@ -22,6 +22,7 @@ from scipy.spatial import cKDTree
 from granwave.lammps_inputs.deck.deck import write_data
 from granwave.lammps_inputs.load_case import load_assembly
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.motion import start_speed
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.lammps_inputs.planning.timestep import auto_timestep
 from granwave.lammps_inputs.run_directory import RECORD_FILE, SUMMARY_FILE
@@ -215,7 +216,7 @@ neigh_modify delay 0 every 10 check yes
 fix motion all {motion}
 timestep {auto_timestep(assembly)}
 group struck id {struck_spheres(assembly.lattice, 1)[0]}
-velocity struck set 0.0 0.0 {case.load.velocity} units box
+velocity struck set 0.0 0.0 {start_speed(assembly)} units box
 thermo 1000000
 {totals if "hysteretic" in lines else ""}
 """

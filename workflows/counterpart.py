@@ -18,7 +18,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact, velocity_normalis
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
+from granwave.lammps_inputs.packing.motion import start_speed, struck_of, velocities_of
 from granwave.lammps_inputs.planning.encounters import expected_energy
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
 from granwave.workflows.finite_elements.punch.case import TAPER, Punch, yield_velocity
@@ -100,10 +100,11 @@ def inputs_of_packing(assembly: Assembly) -> Inputs:
     if not case.contact.yields or unit is None:
         return Inputs(energy, None, None, None)
     velocity = None
-    if case.load.kind == "impact":
+    if case.load.gives_velocity:
         strength = law.yield_strength
         density = case.material.density
-        velocity = velocity_normalised(case.load.velocity, law.effective_modulus, density, strength)
+        speed = start_speed(assembly)
+        velocity = velocity_normalised(speed, law.effective_modulus, density, strength)
     return Inputs(energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity)
 
 
@@ -155,13 +156,13 @@ def continuum_of(assembly: Assembly) -> Counterpart:
 def _strikes_along_z(assembly: Assembly) -> bool:
     """Return True for struck spheres, or one striker, that move along z into a packing at rest."""
     load = assembly.case.load
-    if load.kind not in ("impact", "striker"):
+    if not load.strikes:
         return False
     moving = velocities_of(assembly)
     struck = struck_of(assembly)
-    one = load.kind == "impact" or len(struck) == 1
+    together = load.gives_velocity or len(struck) == 1
     return (
-        one
+        together
         and set(moving) == set(struck)
         and all(v[2] > 0 and not any(v[:2]) for v in moving.values())
     )

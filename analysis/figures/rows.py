@@ -366,7 +366,7 @@ def amplitude_sweep(result: Result) -> Drawing | None:
     found = amplitude_sweep_of(result)
     if found is None:
         return None
-    scale, unit = (1.0, "N") if result.case.load.kind == "force" else (1e6, "µm")
+    scale, unit = result.case.load.shown_amplitude
     names = ("load's frequency", "twice", "three times", "half of it")
     figure, axes = panels(2.9)
     columns = {"load": found.load, "rising": found.rising.astype(int)}

@@ -12,6 +12,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import plain
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
+from granwave.lammps_inputs.case.loads.registry import LOADS
 from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
 NONE = "none"
@@ -30,7 +31,6 @@ CONTINUUM_UNITS = {
 #: Key whose unit follows from the kind of the load, and the key of that.
 AMPLITUDE = "load.amplitude"
 LOAD_KIND = "load.kind"
-_OF_AMPLITUDES = {"force": "N", "displacement": "m"}
 
 
 def as_label(value: Any) -> str:
@@ -113,7 +113,7 @@ def amplitude_unit(kinds: Iterable[str]) -> str:
     """Return the unit of `AMPLITUDE` for loads of these kinds; empty if they differ, or none has an
     amplitude.
     """
-    units = {_OF_AMPLITUDES.get(kind, "") for kind in kinds}
+    units = {LOADS[kind].amplitude_unit if kind in LOADS else "" for kind in kinds}
     return units.pop() if len(units) == 1 else ""
 
 

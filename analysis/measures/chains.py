@@ -19,7 +19,7 @@ from granwave.analysis.measures.lines import sensor_forces
 from granwave.analysis.measures.signals import Array, first_peak
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.contact.law import Viscous, pair_contact, sphere_contact, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 
@@ -143,7 +143,7 @@ class Chain:
     @property
     def impulse(self) -> float:
         """Impulse that the load gives to the first bead, N s."""
-        return self.mass * self.load.velocity if self.load.kind == "impact" else self.load.impulse
+        return self.load.impulse_on(self.mass)
 
     @cached_property
     def passed(self) -> int:

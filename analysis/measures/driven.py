@@ -32,6 +32,7 @@ from numpy.typing import NDArray
 
 from granwave.analysis.measures.signals import Array, arrival
 from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.checks.loads import (
     LEAST_PER_PERIOD,
     LEAST_PERIODS,
@@ -187,7 +188,7 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
     instants were recorded.
     """
     load = result.case.load
-    if not load.driven or not load.oscillates:
+    if not load.oscillates:
         return None
     row = measured_row(result.assembly)
     if row is None or f"{row.group}/velocity" not in result:
@@ -213,9 +214,10 @@ def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
     were recorded.
     """
     found = motion_of(result)
-    if found is None:
+    load = result.case.load
+    if found is None or not isinstance(load, DrivenLoad):
         return None
-    load, (row, time, velocity) = result.case.load, found
+    row, time, velocity = found
     if load.shape == "up-and-down":
         return None
     if load.shape == "harmonic":
@@ -286,7 +288,7 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     """
     load = result.case.load
     found = motion_of(result)
-    if found is None or load.shape != "up-and-down":
+    if found is None or not isinstance(load, DrivenLoad) or load.shape != "up-and-down":
         return None
     row, time, velocity = found
     frequency = load.frequencies[1]
@@ -318,7 +320,7 @@ def mean_power_of(result: Result) -> tuple[float, float | None] | None:
     """
     load = result.case.load
     time = result["energy/time"]
-    if not load.driven or load.shape != "harmonic":
+    if not isinstance(load, DrivenLoad) or load.shape != "harmonic":
         return None
     later = time >= time[-1] / 2
     if (

@@ -30,7 +30,7 @@ import numpy as np
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array
 from granwave.lammps_inputs.case.boundary import Plate
-from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import flat_contact
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -192,18 +192,12 @@ class Impactors:
 def no_bare_target(assembly: Assembly) -> str:
     """Return why a packing has no bare target to compare with; empty if it has one."""
     load = assembly.case.load
-    if load.kind == "plate":
-        return 'load.kind = "plate" strikes all grains of the top: there is no like load on the bare target'
-    if load.kind == "displacement":
-        return "a prescribed displacement has no like load on the bare target"
-    if load.kind == "force" and load.oscillates:
-        return "the load oscillates: what a packing passes on of it is its transmission"
-    if load.way[2] <= 0:
-        return "the force does not push towards the target"
+    if load.no_bare_target:
+        return load.no_bare_target
     target = target_of(assembly)
     if target is None:
         return "there is nothing below the packing"
-    if load.kind != "force" and not impactors_of(assembly, target.material):
+    if not load.driven and not impactors_of(assembly, target.material):
         return "nothing moves towards the target"
     return ""
 
@@ -224,7 +218,7 @@ def unprotected(assembly: Assembly, end_time: float) -> Reached | None:
     target = target_of(assembly)
     if target is None or no_bare_target(assembly):
         return None
-    if load.kind == "force":
+    if isinstance(load, DrivenLoad):
         return _pushed(load, target, end_time)
     groups = impactors_of(assembly, target.material)
     if len(groups) == 1 and not target.moves:
@@ -283,7 +277,7 @@ def impactors_of(assembly: Assembly, material: Material | None) -> list[Impactor
     ]
 
 
-def _pushed(load: Load, target: Target, end_time: float) -> Reached:
+def _pushed(load: DrivenLoad, target: Target, end_time: float) -> Reached:
     """A force on the target itself, as far as it acts down."""
     end = min(end_time, load.lasts + target.settles)
     time = np.linspace(0.0, end, _AFTER + 1)

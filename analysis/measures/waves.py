@@ -269,11 +269,7 @@ def wave_speed_of(result: Result) -> float | None:
     load = result.case.load
     axes = [one.axis if one else None for one in result.assembly.shapes]
     beside_each_other = result.assembly.has_cylinders and None not in axes and len(set(axes)) == 1
-    if (
-        beside_each_other
-        or load.way[2] <= 0
-        or (load.driven and load.oscillates and load.shape != "burst")
-    ):
+    if beside_each_other or load.way[2] <= 0 or load.keeps_oscillating:
         return None
     if result.case.precompression is None:
         return wave_speed(*front_arrivals(result), diameter)

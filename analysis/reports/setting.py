@@ -12,6 +12,9 @@ from granwave.analysis.document.model import Block, Group, Note, show, text_tabl
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.lammps_inputs.case.loads.impact import ImpactLoad
+from granwave.lammps_inputs.case.loads.load import Wording
+from granwave.lammps_inputs.case.loads.registry import LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
@@ -225,38 +228,10 @@ def _body(case: Mapping[str, Any]) -> str:
 
 
 def _load(case: Mapping[str, Any]) -> str:
-    kind = case.get("load.kind")
-    velocity = case.get("load.velocity", case.get("punch.velocity"))
-    if kind in ("force", "displacement") and "load.amplitude" in case:
-        size = quantity_in(case["load.amplitude"], "N" if kind == "force" else "m")
-        parts = [str(case.get("load.shape", "")), kind, f"of {size}"]
-        parts += (
-            [f"for {quantity_in(case['load.duration'], 's')}"] if case.get("load.duration") else []
-        )
-        parts += (
-            [f"at {quantity_in(case['load.frequency'], 'Hz')}"]
-            if case.get("load.frequency")
-            else []
-        )
-        parts += [f"along {show(case['load.direction'])}"] if case.get("load.direction") else []
-        return " ".join(filter(None, parts))
-    if kind == "plate":
-        return (
-            f"plate of {show(case.get('load.mass'))} kg at {show(velocity)} m/s"
-            if velocity
-            else "plate"
-        )
-    if kind == "striker":
-        strikers = case.get("striker")
-        speeds = (
-            [math.hypot(*one.get("velocity", ())) for one in strikers]
-            if isinstance(strikers, list)
-            else []
-        )
-        return f"struck at {show(max(speeds))} m/s" if speeds else "struck"
-    spheres = case.get("load.spheres")
-    several = f" on {spheres} spheres" if isinstance(spheres, int) and spheres > 1 else ""
-    return f"{show(velocity)} m/s{several}" if velocity is not None else ""
+    load = LOADS.get(str(case.get("load.kind")), ImpactLoad)
+    if "punch.velocity" in case:
+        case = {"load.velocity": case["punch.velocity"], **case}
+    return load.phrase(case, Wording(quantity_in, show))
 
 
 def _static(case: Mapping[str, Any]) -> str:

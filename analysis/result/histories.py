@@ -194,9 +194,8 @@ def line_groups(
     # arrivals refer to the largest speed that the load gives at the start; of a force to the
     # largest of all
     speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
-    reference = max(
-        [*speeds, assembly.case.load.velocity if assembly.case.load.plate is not None else 0.0]
-    )
+    plate = assembly.case.load.plate
+    reference = max([*speeds, plate.velocity if plate is not None else 0.0])
     groups: dict[str, dict[str, NDArray[np.generic]]] = {}
     for line in assembly.case.line:
         ids = np.array(line_ids(assembly, line))

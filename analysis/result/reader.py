@@ -43,7 +43,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESUL
 
 def moved_mass(assembly: Assembly) -> float:
     """Return the mass of the grains whose displacement is prescribed, kg; 0 for other loads."""
-    if assembly.case.load.kind != "displacement":
+    if not assembly.case.load.prescribes_motion:
         return 0.0
     return sum(assembly.mass_of(sphere) for sphere in struck_of(assembly))
 

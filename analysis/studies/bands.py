@@ -143,7 +143,11 @@ def _fits(run: FinishedRun) -> bool:
     flat, layered = (
         kind != "chain" and ("z" in KINDS[kind].axes) == there for there in (False, True)
     )
-    if case.precompression is None or case.load.kind != "impact" or case.packing.grains is not None:
+    if (
+        case.precompression is None
+        or not case.load.gives_velocity
+        or case.packing.grains is not None
+    ):
         return False
     if case.precompression.kind != ("uniform" if flat else "uniaxial") or (
         flat and not run.assembly.plain

@@ -210,9 +210,8 @@ def load_label(assembly: Assembly) -> str:
     """Velocity of the fastest sphere, ``5 m/s``; for a force or a prescribed motion, that it acts
     on top.
     """
-    load = assembly.case.load
-    if load.driven:
-        return f"{load.kind} {f'along {list(load.direction or ())}' if load.slants else 'on top'}"
+    if assembly.case.load.label:
+        return assembly.case.load.label
     speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
     return f"{max(speeds, default=0.0):g} m/s"
 

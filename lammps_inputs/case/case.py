@@ -25,7 +25,9 @@ from granwave.lammps_inputs.case.bodies import (
 )
 from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Precompression, Tube
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
-from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.loads.impact import ImpactLoad
+from granwave.lammps_inputs.case.loads.load import Load
+from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.run import (
@@ -45,7 +47,7 @@ TABLES: dict[str, type] = {
     "[packing]": PackingSection,
     "[material]": Material,
     "[contact]": Contact,
-    "[load]": Load,
+    "[load]": LoadSection,
     "[boundary]": Boundary,
     "[run]": Run,
     "[output]": Output,
@@ -110,7 +112,7 @@ class Case:
     packing: PackingSection
     material: Material
     contact: Contact = dataclasses.field(default_factory=Contact)
-    load: Load = dataclasses.field(default_factory=Load)
+    load: Load = dataclasses.field(default_factory=ImpactLoad)
     boundary: Boundary = dataclasses.field(default_factory=Boundary)
     run: Run = dataclasses.field(default_factory=Run)
     output: Output = dataclasses.field(default_factory=Output)

@@ -28,7 +28,9 @@ from granwave.lammps_inputs.case.case import (
     SECTIONS,
 )
 from granwave.lammps_inputs.case.contact import read_pairs
-from granwave.lammps_inputs.case.load import Load, read_load
+from granwave.lammps_inputs.case.loads.grains import GrainsLoad
+from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
+from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
     read_material,
@@ -151,7 +153,7 @@ def _set(table: Any, path: list[str], value: Any) -> None:
 
 
 _READERS: dict[type, Callable[[Any, ErrorList], Any]] = {
-    Load: read_load, PackingSection: read_packing, Boundary: read_boundary,
+    LoadSection: read_load, PackingSection: read_packing, Boundary: read_boundary,
 }  # fmt: skip
 _OF_OTHERS = {  # tables of other files
     **dict.fromkeys(
@@ -227,7 +229,7 @@ def parse_case(
         and packing.grains is not None
         and packing.grains.velocity.any()
     ):
-        parts["load"] = Load(kind="grains")
+        parts["load"] = GrainsLoad()
     return parts
 
 
@@ -311,7 +313,7 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
         for name in ("packing", "boundary")
     )
     if "striker" in data:
-        data.setdefault("load", {"kind": "striker"})
+        data.setdefault("load", {"kind": StrikerLoad.kind})
     if (
         packing
         and packing.get("shape") == "cylinder"

@@ -11,6 +11,7 @@ import numpy as np
 from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material, check_shape
 from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.run import Run
@@ -21,7 +22,7 @@ from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.cylinders import extents
-from granwave.lammps_inputs.packing.motion import held_ids, struck_of
+from granwave.lammps_inputs.packing.motion import held_ids, start_velocity, struck_of
 from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
 from granwave.lammps_inputs.packing.walls import untouched, walls
 
@@ -52,7 +53,7 @@ def check_together(case: Case, errors: ErrorList) -> None:
     if _fit(case, errors, _check_boundary):
         _fit(
             case, errors,
-            _check_struck_spheres, _check_bars, loads.check_side_gap, loads.check_plate,
+            _check_struck_spheres, _check_bars, loads.check_side_gap, loads.check_excluded,
             precompression.check_precompression, _check_holder,
         )  # fmt: skip
     _fit(case, errors, packing.check_disorder, packing.check_vacancies)
@@ -232,10 +233,10 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
     )  # fmt: skip
     load = case.load
     errors.check(
-        (case.incident_bar and load.kind != "force", "load.kind",
+        (case.incident_bar and not load.takes_incident_bar, "load.kind",
          f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"),
         ((case.bar or case.incident_bar) and any(load.way[:2]), "load.direction",
-         f"found {show(load.direction)} beside a bar, which moves along z alone; expected [0, 0, 1]"),
+         f"found {show(load.keys().get('direction'))} beside a bar, which moves along z alone; expected [0, 0, 1]"),
     )  # fmt: skip
 
 
@@ -297,17 +298,12 @@ def _check_resolution(case: Case, errors: ErrorList) -> None:
     """Check that a fixed timestep resolves the oscillation of the load."""
     load = case.load
     step = case.run.timestep
-    if not load.driven or not load.oscillates or isinstance(step, str):
+    if not isinstance(load, DrivenLoad) or not load.oscillates or isinstance(step, str):
         return
-    key = (
-        "last_frequency"
-        if load.last_frequency and load.last_frequency > (load.frequency or 0.0)
-        else "frequency"
-    )
     highest = load.frequencies[1]
     most = 1 / (_STEPS_IN_A_PERIOD * step)
     errors.check(
-        (highest > most, f"load.{key}",
+        (highest > most, load.highest_key,
          f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
          f'{step:g} s; make run.timestep shorter, or "auto"'),
     )  # fmt: skip
@@ -319,7 +315,7 @@ def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
     load = assembly.case.load
     if not load.hits_spheres or case.incident_bar:
         return
-    velocity = load.initial_velocity if load.kind == "impact" else load.way
+    velocity = start_velocity(assembly) or load.way
     moved = {axis for axis, part in zip("xyz", velocity, strict=True) if part}
     struck = set(struck_of(assembly))
     for key, hold in case.held.items():

@@ -195,18 +195,18 @@ def check_loaded(case: Case, errors: ErrorList) -> None:
     """Check that grains of a file move if they are the load, and that one that is struck does not."""
     grains = case.packing.grains
     load = case.load
-    struck = load.index or () if load.kind == "impact" and grains is not None else ()
-    moving = [
-        one for one in struck if grains and one <= len(grains) and grains.velocity[one - 1].any()
-    ]
-    errors.check(
-        (load.kind == "grains" and grains is None, "load.kind",
-         f'found "grains" with packing.kind = {show(case.packing.kind)}, expected it with "file"'),
-        (load.kind == "grains" and grains is not None and not grains.velocity.any(), "load.kind",
-         'found "grains", but no grain has a velocity; give columns vx, vy, vz'),
-        *((True, "load.index", f"found grain {one}, which has a velocity in the file; give one of them")
-          for one in moving[:1]),
-    )  # fmt: skip
+    found = f"found {show(load.kind)}"
+    if grains is None:
+        text = f'{found} with packing.kind = {show(case.packing.kind)}, expected it with "file"'
+        errors.check((load.moves_grains, "load.kind", text))
+        return
+    text = f"{found}, but no grain has a velocity; give columns vx, vy, vz"
+    errors.check((load.moves_grains and not grains.velocity.any(), "load.kind", text))
+    struck = load.index or () if load.gives_velocity else ()
+    moving = [one for one in struck if one <= len(grains) and grains.velocity[one - 1].any()]
+    for grain in moving[:1]:
+        text = f"found grain {grain}, which has a velocity in the file; give one of them"
+        errors.add("load.index", text)
 
 
 def check_held(case: Case, errors: ErrorList) -> None:

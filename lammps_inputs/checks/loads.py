@@ -16,7 +16,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_of_contact, rise_of
@@ -25,19 +25,19 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import chain_history, line_history, struck_of
 
 
-def check_plate(case: Case, errors: ErrorList) -> None:
-    """Check that nothing else is on the top that a plate strikes."""
-    if case.load.kind != "plate":
-        return
+def check_excluded(case: Case, errors: ErrorList) -> None:
+    """Check that the case has no table and no static stage that its load excludes."""
+    load = case.load
+    beside = f"beside load.kind = {show(load.kind)}"
+    for table, reason in load.excludes.items():
+        text = f"found {beside}, {reason}; take one of them out"
+        errors.check((getattr(case, table), table, text))
     stage = case.precompression
-    beside = 'found beside load.kind = "plate", which covers the whole top; take one of them out'
-    errors.check(
-        (case.striker, "striker", beside),
-        (case.incident_bar, "incident_bar", beside),
-        (stage is not None and stage.kind != "walls", "precompression.kind",
-         f'found {show(stage.kind if stage else "")} beside load.kind = "plate", expected "walls": the plate is held '
-         "while the walls move in, and would bear any other load"),
-    )  # fmt: skip
+    if stage is None or load.only_stage is None:
+        return
+    kind, reason = load.only_stage
+    text = f"found {show(stage.kind)} {beside}, expected {show(kind)}: {reason}"
+    errors.check((stage.kind != kind, "precompression.kind", text))
 
 
 def check_side_gap(case: Case, errors: ErrorList) -> None:
@@ -79,7 +79,9 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     """
     case = assembly.case
     load = assembly.case.load
-    if not load.driven or not load.oscillates or assembly.bars or case.output.history == 0:
+    if not isinstance(load, DrivenLoad) or not load.oscillates:
+        return
+    if assembly.bars or case.output.history == 0:
         return
     row = measured_row(assembly)
     if row is None:
@@ -95,10 +97,10 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
             "measured", case.name, n, least, LEAST_PER_PERIOD, period,
         )  # fmt: skip
     if not load.slants:  # the theory of a row is that of waves along z
-        _check_arrival(assembly, row, errors)
+        _check_arrival(assembly, load, row, errors)
 
 
-def _too_few_periods(load: Load, end: float) -> str:
+def _too_few_periods(load: DrivenLoad, end: float) -> str:
     """Describe a run or a load that is too short for what is measured, with its key; empty if there
     is none.
     """
@@ -127,14 +129,15 @@ def _too_few_periods(load: Load, end: float) -> str:
     return ""
 
 
-def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList) -> None:
+def _check_arrival(
+    assembly: Assembly, load: DrivenLoad, measured: MeasuredRow, errors: ErrorList
+) -> None:
     """Check that waves have come from the loaded grain to the last one, and are steady where they
     are to be.
     """
     row, case, (first, last) = row_of(assembly), assembly.case, measured.ends
     if row is None:
         return
-    load = case.load
     end = case.run.longest
     chain = case.packing.kind == "chain"
     way = abs(float(assembly.centre_of(last)[2] - assembly.centre_of(first)[2]))
@@ -170,7 +173,7 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
     sure = exact and (float(travel[0]) > end if of_one else late.sum() > _PART * passed.sum())
     unreached = beads * row.of_long_wave > end * (1 + 2 / beads)
     # weak loads leave contacts closed, so that waves run as small ones do
-    on_contact = load.largest * (1.0 if load.kind == "force" else float(row.stiffness.max()))
+    on_contact = load.force_on_contact(float(row.stiffness.max()))
     if (
         (sure or unreached)
         and case.precompression is not None
@@ -181,7 +184,7 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
         _LOG.warning("%s: %s: %s", case.name, _KEY, text)
 
 
-def _due(load: Load, frequency: Array, travel: Array) -> Array:
+def _due(load: DrivenLoad, frequency: Array, travel: Array) -> Array:
     """Time after which each frequency has come, of a harmonic load when half of the run is steady:
     (n,), s.
     """
@@ -206,7 +209,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
     case = assembly.case
     lattice = assembly.lattice
     seen = dict[int, str]()
-    driven = struck_of(assembly) if case.absorb and case.load.kind == "displacement" else ()
+    driven = struck_of(assembly) if case.absorb and case.load.prescribes_motion else ()
     stage = case.precompression
     no_force = stage is None or stage.kind == "walls" or not len(lattice.rule.supports)
     for key, entry in numbered("absorb", case.absorb).items():

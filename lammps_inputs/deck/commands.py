@@ -4,7 +4,6 @@ dents.
 
 from __future__ import annotations
 
-import sys
 from collections.abc import Iterable, Sequence
 from itertools import combinations_with_replacement
 
@@ -32,23 +31,9 @@ from granwave.lammps_inputs.packing.walls import (
     walls,
 )
 from granwave.lammps_inputs.run_directory import DUMPS
+from granwave.lammps_inputs.script_words import joined, num
 
 _WIDTH = 110
-
-
-def num(value: float) -> str:
-    """Format a number with as few digits as reproduce it exactly; 0 for one below the smallest that
-    LAMMPS reads in formulas.
-    """
-    if 0 < abs(value) < sys.float_info.min:
-        return "0"
-    short = f"{value:.6g}"
-    return short if float(short) == value else repr(float(value))
-
-
-def joined(values: Iterable[object]) -> str:
-    """Join values with spaces."""
-    return " ".join(str(value) for value in values)
 
 
 def id_ranges(ids: Iterable[int]) -> str:

@@ -11,13 +11,14 @@ from granwave.lammps_inputs.contact.law import energy_at_start
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
 from granwave.lammps_inputs.deck import columns as table
 from granwave.lammps_inputs.deck.columns import recorded, sources
-from granwave.lammps_inputs.deck.commands import id_ranges, joined, num, time_series
+from granwave.lammps_inputs.deck.commands import id_ranges, time_series
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
-from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
-from granwave.lammps_inputs.packing.walls import PLATE, moving_fix, plane_fixes, walls
+from granwave.lammps_inputs.packing.motion import own_velocities, start_velocity, struck_of
+from granwave.lammps_inputs.packing.walls import moving_fix, plane_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
-from granwave.lammps_inputs.run_directory import ENERGY_FILE, LOAD_FILE
+from granwave.lammps_inputs.run_directory import ENERGY_FILE
+from granwave.lammps_inputs.script_words import joined, num
 
 GRAVITY = 9.81  # m/s^2, of beads on their holder
 _TICK = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
@@ -45,18 +46,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         *_integration(assembly),
         *_velocities(assembly, resumed=resumed),
     ]
-    if case.load.driven:
-        lines += _drive(assembly)
-        lines.append("variable        input equal v_given+f_load")
-        if case.load.may_stop:
-            lines.append(
-                "# The same without the kinetic energy of the moved spheres, which comes back when they stop."
-            )
-            lines.append(
-                f"variable        load_work equal v_input-0.5*mass(hit)*{_along(case, 'hit')}^2"
-            )
-    else:
-        lines.append("variable        input equal v_given")
+    lines += _load(assembly)
     return [*lines, *_absorbing(assembly), *_holder(assembly)]
 
 
@@ -115,7 +105,7 @@ def _prescribed(assembly: Assembly) -> list[str]:
     """
     case = assembly.case
     held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
-    moved = ["hit"] if case.load.kind == "displacement" else []
+    moved = ["hit"] if case.load.prescribes_motion else []
     fixed = [
         name
         for name, one in case.holds.items()
@@ -162,8 +152,10 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     case = assembly.case
     lines = list[str]()
     terms = list[str]()
-    struck = struck_of(assembly) if case.load.kind == "impact" else ()
-    moving = [("hit", struck, case.load.initial_velocity, case.load.spin)] if struck else []
+    moving = []
+    velocity = start_velocity(assembly)
+    if velocity is not None and (struck := struck_of(assembly)):
+        moving.append(("hit", struck, velocity, case.load.spin))
     if own := own_velocities(assembly):  # in the data file
         terms.append(
             num(
@@ -173,11 +165,10 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
                 )
             )
         )
-    if case.load.plate is not None:
-        mass, speed = case.load.plate
-        terms.append(f"0.5*{num(mass)}*{num(speed)}^2")
-        if case.precompression is not None and not resumed:
-            lines.append(f"fix_modify      {PLATE} velocity {num(speed)}")
+    if case.load.start_energy:
+        terms.append(case.load.start_energy)
+    if case.precompression is not None and not resumed:
+        lines += case.load.release_commands()
     for number, striker in enumerate(case.striker, start=1):
         if striker.moves:
             one = assembly.lattice.n_spheres + number
@@ -208,23 +199,24 @@ def _square(vector: tuple[float, float, float]) -> str:
     return "+".join(f"{num(component)}^2" for component in vector if component)
 
 
-def _drive(assembly: Assembly) -> list[str]:
-    """Return the commands for a force or displacement on the struck spheres or the end of the
-    incident bar.
+def _load(assembly: Assembly) -> list[str]:
+    """Return the commands of the load on the struck spheres or the end of the incident bar, and of
+    the energy input so far.
     """
     load = assembly.case.load
     driven = [bar.far for bar in assembly.bars if bar.name == INCIDENT_BAR]
-    axes = [axis for axis, part in zip("xyz", load.way, strict=True) if part]
-    way = (
-        axes[0]
-        if len(axes) == 1 and sum(load.way) > 0
-        else f"vector {joined(map(num, load.direction or load.way))}"
-    )
-    words = joined(num(value) for value in load.numbers) or LOAD_FILE
-    return [
+    lines = [
         *(f"group           driven id {far}" for far in driven),
-        f"fix             load {'driven' if driven else 'hit'} gran/load {way} {load.kind} {load.shape} {words}",
+        *load.commands("driven" if driven else "hit"),
+        f"variable        input equal {load.input_formula}",
     ]
+    if load.may_stop:
+        along = _along(assembly.case, "hit")
+        lines += [
+            "# The same without the kinetic energy of the moved spheres, which comes back when they stop.",
+            f"variable        load_work equal v_input-0.5*mass(hit)*{along}^2",
+        ]
+    return lines
 
 
 def _along(case: Case, group: str) -> str:

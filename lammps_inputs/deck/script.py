@@ -10,7 +10,7 @@ import re
 from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, num, wall_commands
+from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, wall_commands
 from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
 from granwave.lammps_inputs.deck.output import (
     dumps_at_end,
@@ -38,6 +38,7 @@ from granwave.lammps_inputs.run_directory import (
     SCRIPT_FILE,
     STATIC_FILE,
 )
+from granwave.lammps_inputs.script_words import num
 
 RUN_MARKER = "# --- run ---"
 END_MARKER = "# --- end ---"
@@ -111,31 +112,13 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
 def _head(assembly: Assembly) -> list[str]:
     case = assembly.case
     packing = case.packing
-    load = case.load
     size = " x ".join(str(n) for n in packing.size)
-    what = f"{load.spheres} sphere{'s' if load.spheres > 1 else ''} of the top layer"
-    if load.index is not None:
-        what = f"{len(load.index)} chosen sphere{'s' if len(load.index) > 1 else ''}"
-    how = {
-        "impact": f"{what} struck at {load.velocity:g} m/s along +z.",
-        "striker": f"struck by {len(case.striker)} sphere{'s' if len(case.striker) > 1 else ''} placed against it.",
-        "force": f"{load.shape} force, at most {load.largest:g} N, along +z.",
-        "plate": f"struck by a rigid plate of {load.mass or 0.0:g} kg at {load.velocity:g} m/s along +z.",
-        "grains": "moved by the velocities of grains.",
-        "displacement": f"{what} moved by a {load.shape} displacement, at most {load.largest:g} m, along z.",
-    }
     called = assembly.grains_called
-    if load.slants:
-        how["force"] = (
-            f"{load.shape} force, at most {load.largest:g} N, along {list(load.direction or ())}."
-        )
-        how["displacement"] = how["displacement"].replace(
-            "along z.", f"along {list(load.direction or ())}."
-        )
+    load = case.load.sentence(len(case.striker))
     return [
         f"# {_HARMFUL.sub('?', case.name)}",
         f"# Impact on an ordered packing: {size} {called}, {packing.kind}, diameter {packing.diameter:g} m;",
-        f"# {in_grains(how[load.kind], called)}",
+        f"# {in_grains(load, called)}",
         f"# Written by granwave from {CASE_FILE}.",
         f"# Run it here:  lmp -in {SCRIPT_FILE}   (the pair style gran/hysteretic comes with granwave)",
     ]

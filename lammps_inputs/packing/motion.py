@@ -2,34 +2,84 @@
 
 from __future__ import annotations
 
+import dataclasses
+import math
+
 import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Hold, Line
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.loads.load import LoadedPacking
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.places import Places, struck_spheres
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class LoadedAssembly(LoadedPacking):
+    """Bodies of a case as its load sees them."""
+
+    assembly: Assembly
+
+    @property
+    def top_layer(self) -> tuple[int, ...]:
+        return tuple(self.assembly.lattice.top_layer.tolist())
+
+    @property
+    def n_layers(self) -> int:
+        return self.assembly.lattice.n_layers
+
+    @property
+    def sphere_mass(self) -> float:
+        return self.assembly.case.sphere_mass
+
+    @property
+    def masses(self) -> tuple[float, float]:
+        masses = self.assembly.sphere_masses()
+        return float(masses.min()), float(masses.max())
+
+    @property
+    def moving_grains(self) -> tuple[int, ...]:
+        return tuple(own_velocities(self.assembly))
+
+    @property
+    def moving_strikers(self) -> tuple[int, ...]:
+        return tuple(_striker_velocities(self.assembly))
+
+    @property
+    def is_at_rest(self) -> bool:
+        return not velocities_of(self.assembly)
+
+    @property
+    def bar_impedance(self) -> float | None:
+        for bar in self.assembly.bars:
+            if bar.name == INCIDENT_BAR:
+                material = bar.material
+                return bar.section.area * math.sqrt(material.youngs_modulus * material.density)
+        return None
+
+    def at_centre(self, count: int) -> tuple[int, ...]:
+        return struck_spheres(self.assembly.lattice, count)
+
+    def mass_of(self, sphere: int) -> float:
+        return self.assembly.mass_of(sphere)
 
 
 def struck_of(assembly: Assembly) -> tuple[int, ...]:
     """Return the ids of the loaded spheres, the struck sphere first; for a load by strikers those
     that move.
     """
-    case = assembly.case
-    if case.load.index is not None:
-        return case.load.index
-    if case.load.hits_spheres:
-        return struck_spheres(assembly.lattice, case.load.spheres)
-    if case.load.kind == "plate":
-        centre = struck_spheres(assembly.lattice, 1)
-        return centre + tuple(
-            one for one in assembly.lattice.top_layer.tolist() if one not in centre
-        )
-    if case.load.kind == "grains":
-        return tuple(own_velocities(assembly))
-    first = assembly.lattice.n_spheres + 1
-    return tuple(
-        number for number, striker in enumerate(case.striker, start=first) if striker.moves
-    )
+    return assembly.case.load.struck(LoadedAssembly(assembly))
+
+
+def start_velocity(assembly: Assembly) -> tuple[float, float, float] | None:
+    """Return the velocity of the struck spheres at the start, m/s; None if the load gives none."""
+    return assembly.case.load.start_velocity(LoadedAssembly(assembly))
+
+
+def start_speed(assembly: Assembly) -> float:
+    """Return the speed of the struck spheres at the start, m/s; 0 if the load gives none."""
+    return assembly.case.load.start_speed(LoadedAssembly(assembly))
 
 
 def struck_site(assembly: Assembly) -> int | None:
@@ -61,13 +111,18 @@ def impacted_of(assembly: Assembly) -> tuple[int, ...]:
 
 def velocities_of(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
     """Return the initial velocities by id of the spheres that have one, m/s."""
-    case = assembly.case
+    velocities = own_velocities(assembly)
+    velocity = start_velocity(assembly)
+    if velocity is not None:
+        velocities |= dict.fromkeys(struck_of(assembly), velocity)
+    return velocities | _striker_velocities(assembly)
+
+
+def _striker_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
+    """Return the velocities of the strikers that move, by id, m/s."""
     first = assembly.lattice.n_spheres + 1
-    struck = struck_of(assembly) if case.load.kind == "impact" else ()
-    strikers = {
-        number: one.velocity for number, one in enumerate(case.striker, start=first) if one.moves
-    }
-    return own_velocities(assembly) | dict.fromkeys(struck, case.load.initial_velocity) | strikers
+    strikers = enumerate(assembly.case.striker, start=first)
+    return {number: striker.velocity for number, striker in strikers if striker.moves}
 
 
 def own_velocities(assembly: Assembly) -> dict[int, tuple[float, float, float]]:
@@ -179,7 +234,7 @@ def chain_history(assembly: Assembly) -> int:
     if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
         return 0
     instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / assembly.n_particles))
-    if case.load.driven and case.load.oscillates:
+    if case.load.oscillates:
         instants = max(instants, _IN_A_PERIOD * case.load.frequencies[1] * case.run.longest)
     return int(min(instants, _MOST_HISTORY_VALUES / assembly.n_particles))
 

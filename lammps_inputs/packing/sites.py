@@ -10,8 +10,8 @@ packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Iterator, Sequence
-from functools import cached_property
+from collections.abc import Iterator
+from functools import cached_property, partial
 
 import numpy as np
 from numpy.typing import NDArray
@@ -324,14 +324,7 @@ def _sites_of_grains(case: Case, places: Places) -> Sites:
 
 def named_spheres(case: Case, lattice: Lattice) -> dict[int, str]:
     """Return the spheres that a case names, with the key that does; they are never vacant."""
-    load = case.load
-    names = list[tuple[str, Sequence[int]]]()
-    if load.index is not None:
-        names.append(("load.index", load.index))
-    elif load.kind == "plate":
-        names.append(("load.kind", struck_spheres(lattice, 1)))
-    elif load.hits_spheres:
-        names.append(("load.spheres", struck_spheres(lattice, load.spheres)))
+    names = [case.load.named(partial(struck_spheres, lattice))]
     names += [("output.probes", [one for probe in case.output.probes for one in probe.spheres])]
     names += [
         (f"sensor.{place}.id", (sensor.id,)) for place, sensor in enumerate(case.sensor, start=1)

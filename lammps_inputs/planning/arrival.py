@@ -39,8 +39,7 @@ def expected_arrival(assembly: Assembly) -> float | None:
     case = assembly.case
     load = case.load
     down = load.way[2] > 0 or any(one.velocity[2] > 0 for one in case.striker if one.moves)
-    goes_on = load.driven and load.oscillates
-    if not down or goes_on or assembly.bars or assembly.has_cylinders:
+    if not down or load.oscillates or assembly.bars or assembly.has_cylinders:
         return None
     sphere = struck_site(assembly)
     low, high = assembly.lattice_bounds()

@@ -33,16 +33,16 @@ from numpy.typing import NDArray
 from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.contact import NO_FORCE
-from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.loads.bounds import LARGEST_OVERLAP, work_to_force
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import Viscous, flat_contact, pair_contact, viscous_loss
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
-from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.motion import (
+    LoadedAssembly,
     held_against_load,
-    struck_of,
+    start_speed,
     velocities_of,
 )
 from granwave.lammps_inputs.packing.places import Places
@@ -53,52 +53,16 @@ from granwave.lammps_inputs.roots import brentq
 
 def expected_energy(assembly: Assembly) -> float:
     """Return the energy input of the load, J; for a force an upper bound."""
-    load = assembly.case.load
     energy = sum(
         0.5 * assembly.mass_of(k) * math.hypot(*v) ** 2 for k, v in velocities_of(assembly).items()
     )
-    energy += energy_of_plate(load)
-    return energy + (_energy_of_force(assembly) if load.kind == "force" else 0.0)
+    return energy + assembly.case.load.energy_in(LoadedAssembly(assembly))
 
 
 def fastest(assembly: Assembly) -> float:
     """Return an upper bound on the speed of any sphere, m/s."""
-    load = assembly.case.load
     speeds = [math.hypot(*velocity) for velocity in velocities_of(assembly).values()]
-    if load.kind == "force":
-        speeds.append(
-            math.sqrt(2 * _energy_of_force(assembly) / float(assembly.sphere_masses().min()))
-        )
-    elif load.kind == "displacement":
-        speeds.append(load.fastest)
-    elif load.plate is not None:
-        speeds.append(2 * load.velocity)  # of a sphere that a heavy plate hits
-    return max(speeds, default=0.0)
-
-
-def _energy_of_force(assembly: Assembly) -> float:
-    """Return the energy input of the force, J: that of its impulse on the loaded spheres, or of the
-    wave in the bar.
-    """
-    load = assembly.case.load
-    for bar in assembly.bars:
-        if bar.name == INCIDENT_BAR:
-            impedance = bar.section.area * math.sqrt(
-                bar.material.youngs_modulus * bar.material.density
-            )
-            return load.largest * load.impulse / impedance
-    return load.impulse**2 / (2 * sum(map(assembly.mass_of, struck_of(assembly))))
-
-
-def energy_of_plate(load: Load) -> float:
-    """Return the energy of a plate, J; 0 for other loads."""
-    mass, velocity = load.plate or (0.0, 0.0)
-    return mass * velocity**2 / 2
-
-
-def key_of_plate(load: Load) -> str:
-    """Return the key of a plate on the top, with its mass."""
-    return f"load.mass = {load.mass or 0.0:g} kg"
+    return max([*speeds, assembly.case.load.speed_bound(LoadedAssembly(assembly))])
 
 
 BOTTOM = "boundary.bottom"  # key of a support
@@ -158,14 +122,8 @@ def kinds_of_pairs(assembly: Assembly) -> list[tuple[int, int]]:
 
 
 _SLOPE_SPAN = 1e-6  # relative step of a finite difference in overlap
-# energy of a contact over its share of that of a plate: twice the mean force, in the softest
-# direction
-_OF_PLATE = 4.0
-_LARGEST_FORCE = 2.5  # upper bound of contact forces over the force that drives a chain
 # F alpha over the work of a Hertz contact up to the force F of a static load
 _OF_PRECOMPRESSION = 2.5
-# upper limit of the search, in effective radii, far beyond the range of all laws
-_LARGEST_OVERLAP = 2.0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -205,7 +163,7 @@ class Encounter:
     def overlap(self) -> float:
         """Overlap at which the work of loading equals the energy, m."""
 
-        limit = _LARGEST_OVERLAP * self.law.effective_radius
+        limit = LARGEST_OVERLAP * self.law.effective_radius
         if self.law.loading_work(limit) <= self.energy:
             return limit
 
@@ -274,14 +232,14 @@ def some_encounters(assembly: Assembly) -> list[Encounter]:
 def encounters(assembly: Assembly) -> list[Encounter]:
     """Return the collisions that bound the overlaps of a run."""
     case = assembly.case
-    plain = assembly.like and case.boundary.bottom_material is None and case.load.kind == "impact"
+    plain = assembly.like and case.boundary.bottom_material is None and case.load.gives_velocity
     found = _of_impact(assembly) if plain else _of_any(assembly)
     found = [one for one in found if one.law.name != NO_FORCE]
     if case.precompression is not None:
         force = force_of_contact(
             assembly
         )  # its work is stored at the start, and the load does more during the run
-        stored = [_OF_PRECOMPRESSION * _work_to_force(one.law, force) for one in found]
+        stored = [_OF_PRECOMPRESSION * work_to_force(one.law, force) for one in found]
         found = [
             dataclasses.replace(one, energy=one.energy + more)
             for one, more in zip(found, stored, strict=True)
@@ -297,7 +255,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
     sites = assembly.sites
     rule = assembly.lattice.rule
     striking = case.sphere_mass
-    velocity = case.load.velocity
+    velocity = start_speed(assembly)
     smallest = (
         1 if sites.uniform else int(np.where(sites.present, sites.diameter, np.inf).argmin()) + 1
     )
@@ -408,10 +366,10 @@ def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | Non
     flats: list[tuple[int, Material | None, Backing | None, str]] = [
         (bar.touches, bar.material, bar.backing, f"{bar.name}.length") for bar in assembly.bars
     ]
-    if case.load.plate is not None:
+    if (plate := case.load.plate) is not None:
         grain = int(lattice.top_layer[0])
         behind = _behind(assembly, PLATE, assembly.material_of(grain))
-        flats.append((grain, None, behind, key_of_plate(case.load)))
+        flats.append((grain, None, behind, plate.key))
     if boundary.bottom == "wall":
         there = np.unique(of[lattice.last_layer - 1])
         flats += [
@@ -443,40 +401,4 @@ def _loss(
 
 def _limited(assembly: Assembly, law: ContactLaw, energy: float) -> float:
     """Limit the energy absorbed by a contact by the magnitude of the load, J."""
-    load = assembly.case.load
-    if load.kind == "displacement":
-        return (
-            energy
-            + law.loading_work(2 * load.largest)
-            + assembly.case.sphere_mass * (2 * load.fastest) ** 2
-        )
-    if load.plate is not None:
-        # a sphere that the plate throws against a wall, or a share of its energy if all layers are
-        # compressed alike
-        share = energy_of_plate(load) / (
-            len(assembly.lattice.top_layer) * assembly.lattice.n_layers
-        )
-        return min(
-            energy,
-            max(
-                _OF_PLATE * share,
-                float(assembly.sphere_masses().max()) * (2 * load.velocity) ** 2 / 2,
-            ),
-        )
-    if load.kind != "force" or velocities_of(assembly):
-        return energy
-    bound = _work_to_force(law, _LARGEST_FORCE * load.largest)
-    return bound if load.oscillates else min(energy, bound)
-
-
-def _work_to_force(law: ContactLaw, force: float) -> float:
-    """Return the work of loading up to a force, J."""
-
-    low = 0.0
-    high = _LARGEST_OVERLAP * law.effective_radius
-    if law.loading_force(high) <= force:
-        return float(law.loading_work(high))
-    overlap = brentq(
-        lambda overlap: law.loading_force(overlap) - force, low, high, xtol=1e-16, rtol=1e-10
-    )
-    return float(law.loading_work(overlap))
+    return assembly.case.load.contact_energy(energy, law, LoadedAssembly(assembly))

@@ -33,6 +33,7 @@ import math
 
 from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
 from granwave.lammps_inputs.case.contact import Resistance
+from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.contact.law import cohesive_laws
 from granwave.lammps_inputs.errors import InputError
@@ -41,7 +42,6 @@ from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.planning.encounters import (
     BOTTOM,
     encounters,
-    key_of_plate,
     some_encounters,
 )
 
@@ -145,14 +145,8 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
         step = _OF_COHESION * factor * math.sqrt(mass / stiffness)
         found.append(Limit(step, "contact.cohesion", "a smaller work of adhesion"))
     share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
-    if load.oscillates:
-        highest = load.frequencies[1]
-        key = "last_frequency" if load.last_frequency == highest else "frequency"
-        found.append(Limit(share / highest, f"load.{key} = {highest:g} Hz", "a lower frequency"))
-    elif load.duration:
-        found.append(
-            Limit(share * load.duration, f"load.duration = {load.duration:g} s", "a longer load")
-        )
+    if (limit := load.timestep_limit(share)) is not None:
+        found.append(Limit(*limit))
     return sorted(found, key=lambda limit: limit.step)
 
 
@@ -195,10 +189,10 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
         step = BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed
         limits.append(Limit(step, f"{bar.name}.elements", "fewer elements"))
     limits.append(Limit(support_timestep(assembly, stiffness), BOTTOM, _REMEDIES[BOTTOM]))
-    if case.load.plate is not None:
+    if (plate := case.load.plate) is not None:
         on_plate = len(assembly.lattice.top_layer) * stiffness
-        step = PLATE_OSCILLATION * math.sqrt(case.load.plate[0] / on_plate)
-        limits.append(Limit(step, key_of_plate(case.load), "a heavier plate"))
+        step = PLATE_OSCILLATION * math.sqrt(plate.mass / on_plate)
+        limits.append(Limit(step, plate.key, "a heavier plate"))
     return limits
 
 
@@ -221,7 +215,9 @@ def check_load_frequency(assembly: Assembly) -> None:
     """
     case = assembly.case
     load = assembly.case.load
-    if not load.driven or not load.oscillates or assembly.bars or case.precompression is None:
+    if not isinstance(load, DrivenLoad) or not load.oscillates:
+        return
+    if assembly.bars or case.precompression is None:
         return
     try:
         shortest = math.sqrt(min(one.mass / one.stiffness for one in some_encounters(assembly)))
@@ -231,9 +227,8 @@ def check_load_frequency(assembly: Assembly) -> None:
     highest = load.frequencies[1]
     if highest <= _FAR * cutoff:
         return
-    key = "last_frequency" if load.last_frequency == highest else "frequency"
     found = (
-        f"{case.name}: load.{key}: found {highest:g} Hz, {highest / cutoff:.3g} times the highest frequency that the "
+        f"{case.name}: {load.highest_key}: found {highest:g} Hz, {highest / cutoff:.3g} times the highest frequency that the "
         f"stiffest contact passes on, about {cutoff:.3g} Hz"
     )
     if highest > _TOO_FAR * cutoff:

@@ -23,7 +23,7 @@ import tomli_w
 
 from granwave.lammps_inputs.case import bodies, boundary, contact, packing, run
 from granwave.lammps_inputs.case.added_grains import AddedGrains
-from granwave.lammps_inputs.case.load import Load
+from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import Material
 from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
 from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactRun
@@ -53,7 +53,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "material", Material, SPHERES),
     (CASE, "packing", packing.PackingSection, SPHERES),
     (CASE, "contact", contact.Contact, SPHERES | {"contact": {}}),
-    (CASE, "load", Load, SPHERES | {"load": {}}),
+    (CASE, "load", LoadSection, SPHERES | {"load": {}}),
     (CASE, "boundary", boundary.Boundary, SPHERES | {"boundary": {}}),
     (CASE, "boundary.bottom.plate", boundary.Plate, SPHERES
         | {"boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 1e8}, "material": BRASS}}}),

@@ -7,8 +7,8 @@ import sys
 
 import pytest
 
-from granwave.lammps_inputs.deck.commands import num
 from granwave.lammps_inputs.files import read_number, read_whole
+from granwave.lammps_inputs.script_words import num
 
 
 @pytest.mark.parametrize("word", ["1", "-1.5", "+.5", "1.", "1e-3", " 2E+4 ", "1e400"])

@@ -260,7 +260,7 @@ def _memory_of_ranks(plan: Plan) -> str:
 
 def _is_bound(case: Case) -> bool:
     """Return True if the energy input of a plan is an upper bound."""
-    return case.load.kind == "force"
+    return case.load.energy_is_bound
 
 
 def _inputs(inputs: Inputs | None, at_most: str = "") -> Rows:

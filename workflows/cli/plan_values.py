@@ -57,11 +57,7 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     """
     lattice = assembly.lattice
     sphere = struck_site(assembly)
-    if (
-        sphere is None
-        or assembly.case.load.kind in ("plate", "grains")
-        or assembly.case.incident_bar
-    ):
+    if sphere is None or not assembly.case.load.hits_one_place or assembly.case.incident_bar:
         return None
     place = lattice.positions(sphere, sphere)[0]
     top = lattice.top_layer
@@ -213,9 +209,8 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     highest = float(np.nanmax(found.bands.frequency))
     inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]
     low, high = assembly.lattice_bounds()
-    frequencies = [
-        one for one in (case.load.frequency, case.load.last_frequency) if one is not None
-    ]
+    keys = case.load.keys()
+    frequencies = [keys[name] for name in ("frequency", "last_frequency") if keys.get(name)]
     speed = float(found.speeds[-1]) if len(found.speeds) else None
     length = float(high[2] - low[2])
     return {

@@ -13,11 +13,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.material import density_as_sphere
-from granwave.lammps_inputs.deck.commands import joined, num
 from granwave.lammps_inputs.deck.deck import box_of
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import own_velocities
+from granwave.lammps_inputs.script_words import joined, num
 from granwave.workflows.run.lammps_engine import Engine
 
 _BATCH = 100_000  # sites looked at at once

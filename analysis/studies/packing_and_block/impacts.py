@@ -127,7 +127,7 @@ def not_ideal(run: FinishedRun) -> str:
     case = run.case
     reasons = {
         "a chain": case.packing.kind == "chain",
-        "the load is no impact": case.load.kind != "impact",
+        "the load is no impact": not case.load.gives_velocity,
         "the grains are not all alike": not run.assembly.plain,
         "friction": case.has_friction,
         f"the law is {case.contact.law}": case.contact.law != "elastoplastic",

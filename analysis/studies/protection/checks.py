@@ -26,7 +26,7 @@ _MILLI = 1e3
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
     """Elastic spheres that hit a target with no packing between, for each impact."""
     elastic = [
-        run for run in runs if run.case.contact.law == "hertz" and run.case.load.kind == "impact"
+        run for run in runs if run.case.contact.law == "hertz" and run.case.load.gives_velocity
     ]
     groups = (
         [run for run in group if run.assembly.lattice.n_spheres == 1] for group in impacts(elastic)

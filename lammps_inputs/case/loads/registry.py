@@ -1,0 +1,128 @@
+"""Table of the kinds of loads, the keys of ``[load]``, and its reader."""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Mapping, Sequence
+from typing import Any, get_type_hints
+
+from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.loads.displacement import DisplacementLoad
+from granwave.lammps_inputs.case.loads.force import ForceLoad
+from granwave.lammps_inputs.case.loads.grains import GrainsLoad
+from granwave.lammps_inputs.case.loads.impact import ImpactLoad
+from granwave.lammps_inputs.case.loads.load import Load
+from granwave.lammps_inputs.case.loads.plate import PlateLoad
+from granwave.lammps_inputs.case.loads.shapes import read_points
+from granwave.lammps_inputs.case.loads.striker import StrikerLoad
+from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
+
+#: All kinds of loads by name; the first one is the default.
+LOADS: dict[str, type[Load]] = {
+    load.kind: load
+    for load in (
+        ImpactLoad,
+        StrikerLoad,
+        ForceLoad,
+        DisplacementLoad,
+        PlateLoad,
+        GrainsLoad,
+    )
+}
+
+Field = dataclasses.Field[Any]
+
+
+def load_keys(load: type[Load]) -> tuple[str, ...]:
+    """Return the keys that a kind of load takes."""
+    fields = (field.name for field in dataclasses.fields(load))
+    return ("kind", *fields, *load.other_keys)
+
+
+def _own_fields_first(load: type) -> list[Field]:
+    """Return the fields of a kind of load, those of its own before those of its base."""
+    if load is Load:
+        return []
+    (base,) = load.__bases__
+    inherited = [field.name for field in dataclasses.fields(base)]
+    own = [field for field in dataclasses.fields(load) if field.name not in inherited]
+    return [*own, *_own_fields_first(base)]
+
+
+def _make_section() -> type:
+    """Make the section of the keys of all kinds, those of the kind with the fewest first."""
+    *earlier, last = (load.means for load in LOADS.values())
+    kind: Any = schema.choice(
+        f"{', '.join(earlier)}, or {last}", tuple(LOADS), default=next(iter(LOADS))
+    )
+    keys: dict[str, tuple[str, Any, Field]] = {}
+    for load in sorted(LOADS.values(), key=lambda load: len(load_keys(load))):
+        types = get_type_hints(load)
+        for field in _own_fields_first(load):
+            copy: Field = dataclasses.field(default=field.default, metadata=field.metadata)
+            keys.setdefault(field.name, (field.name, types[field.name], copy))
+    return dataclasses.make_dataclass(
+        "LoadSection",
+        [("kind", str, kind), *keys.values()],
+        namespace={"__doc__": "``[load]``: the load on a packing."},
+        frozen=True,
+        kw_only=True,
+    )
+
+
+#: Section of the keys of all kinds of loads, of which `read_load` makes the load.
+LoadSection = _make_section()
+
+
+def _give_keys_of_others() -> None:
+    """Make keys of other kinds None: `run.case.load.amplitude` of an impact, as studies read it."""
+    for field in dataclasses.fields(LoadSection):
+        if not hasattr(Load, field.name):
+            setattr(Load, field.name, None)
+
+
+_give_keys_of_others()
+
+
+def read_load(table: Any, errors: ErrorList) -> Load | None:
+    """Read ``[load]``; missing and wrong values are added to ``errors``.
+
+    The points of ``load.file`` become ``load.table``, so that the case is complete without the
+    file.
+    """
+    before = len(errors.lines)
+    names = list(table) if isinstance(table, Mapping) else []
+    if "file" in names:
+        table = _with_points(table, errors)
+    values = read_table(LoadSection, table, "load", errors) if table is not None else None
+    if values is None:
+        return None
+    kind = values.kind  # type: ignore[attr-defined]
+    load = LOADS[kind]
+    fields = (field.name for field in dataclasses.fields(load))
+    made = load(**{name: getattr(values, name) for name in fields})
+    _check_keys(load, names, errors)
+    made.check(names, errors)
+    return made if len(errors.lines) == before else None
+
+
+def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> None:
+    """Check that the keys of the table are those of the kind of load."""
+    for name in names:
+        kinds = [kind for kind, other in LOADS.items() if name in load_keys(other)]
+        belongs = f"belongs to a load of kind {' or '.join(map(show, kinds))}"
+        text = f'{belongs}; found load.kind = "{load.kind}"'
+        errors.check((load.kind not in kinds, f"load.{name}", text))
+
+
+def _with_points(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any] | None:
+    """Return the table with the points of ``load.file`` as ``load.table``; None with a fault."""
+    if "table" in table:
+        errors.add("load.file", "found beside load.table; give one of them")
+        return None
+    expected = "the path of a file of two columns, time and value"
+    points = schema.read_named("load.file", table["file"], expected, read_points, errors)
+    if points is None:
+        return None
+    others = {name: value for name, value in table.items() if name != "file"}
+    return {"shape": "table", "table": points} | others

@@ -1,0 +1,98 @@
+"""What is easy to add: each patch in `patches` adds one thing, in few files, to a copy of the
+sources, and its tests pass there.
+
+The text above the changes says what the patch shows, and names its tests in lines ``Tests: FILE
+FILE``. A patch that fits no longer is made anew: make the change by hand, ``git add -N .``, and put
+``git diff`` below that text.
+"""
+
+from __future__ import annotations
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+from collections.abc import Iterable
+from pathlib import Path
+
+import pytest
+
+import granwave
+
+ROOT = Path(__file__).parents[2]
+PATCHES = Path(__file__).parent / "patches"
+INSTALLED = Path(granwave.__file__).parent
+SOURCES = ("analysis", "docs", "lammps_inputs", "plugins", "tests", "workflows")
+FILES = ("pyproject.toml", "CONTRIBUTING.md", "CHANGELOG.md", "README.md")
+#: Most files that a patch may touch.
+MOST_FILES = {
+    "new_load": 6,
+}
+
+
+@pytest.fixture
+def copy(tmp_path: Path) -> Path:
+    """Copy of the sources, with the package as links to it in the folder ``site``."""
+    folder = tmp_path / "copy"
+    leave_out = shutil.ignore_patterns("__pycache__", "*.so")
+    for name in SOURCES:
+        shutil.copytree(ROOT / name, folder / name, ignore=leave_out)
+    for name in FILES:
+        shutil.copy(ROOT / name, folder)
+    package = folder / "site" / "granwave"
+    package.mkdir(parents=True)
+    for name in ("analysis", "lammps_inputs", "workflows"):
+        (package / name).symlink_to(folder / name)
+    link_all(package, (folder / "workflows" / "package").glob("*.py"))
+    (package / "plugins").mkdir()
+    link_all(package / "plugins", (folder / "plugins").iterdir())
+    link_built(package)
+    return folder
+
+
+def link_all(folder: Path, files: Iterable[Path]) -> None:
+    """Link files and folders into a folder."""
+    for file in files:
+        (folder / file.name).symlink_to(file)
+
+
+def link_built(package: Path) -> None:
+    """Link what the build made, such as the compiled plugin, from the installed package."""
+    for folder in (Path(), Path("plugins")):
+        for file in (INSTALLED / folder).iterdir():
+            link = package / folder / file.name
+            if file.is_file() and not link.exists():
+                link.symlink_to(file.resolve())
+
+
+def patched_files(text: str) -> list[str]:
+    """Files that a patch changes or adds."""
+    return re.findall(r"^diff --git a/\S+ b/(\S+)$", text, re.MULTILINE)
+
+
+def run(copy: Path, *words: str) -> subprocess.CompletedProcess[str]:
+    """Run a command in the copy, with its package in front."""
+    environment = os.environ | {
+        "PYTHONPATH": str(copy / "site"),
+        "GIT_CEILING_DIRECTORIES": str(copy.parent),
+    }
+    return subprocess.run(
+        words, cwd=copy, env=environment, capture_output=True, text=True, check=False
+    )
+
+
+@pytest.mark.parametrize("path", sorted(PATCHES.glob("*.patch")), ids=lambda path: path.stem)
+def test_a_patch_adds_one_thing(path: Path, copy: Path) -> None:
+    text = path.read_text(encoding="utf-8")
+    files = patched_files(text)
+    assert 0 < len(files) <= MOST_FILES[path.stem]
+    applied = run(copy, "git", "apply", str(path))
+    assert applied.returncode == 0, f"{path.name} fits no longer, see above: {applied.stderr}"
+    where = run(copy, sys.executable, "-c", "import granwave.analysis as a; print(a.__path__)")
+    assert str(copy) in where.stdout
+    tests = " ".join(re.findall(r"^Tests: (.+)$", text, re.MULTILINE)).split()
+    assert set(tests) & set(files), "a patch brings a test of its own"
+    options = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist")
+    tested = run(copy, sys.executable, "-m", "pytest", *options, *tests)
+    assert tested.returncode == 0, tested.stdout[-5000:] + tested.stderr[-2000:]

@@ -1,0 +1,40 @@
+"""Every kind of load keeps the contract of its base."""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import pytest
+
+from granwave.lammps_inputs.case.loads.load import Load
+from granwave.lammps_inputs.case.loads.registry import LOADS, LoadSection, load_keys
+
+PAGE = Path(__file__).parents[2] / "docs" / "howto" / "case-files.md"
+every_load = pytest.mark.parametrize("load", LOADS.values(), ids=LOADS)
+
+
+@every_load
+def test_a_load_says_what_it_is(load: type[Load]) -> None:
+    assert load.means
+    assert f"| `{load.kind}` |" in PAGE.read_text(encoding="utf-8")
+
+
+@every_load
+def test_the_section_has_the_keys_of_the_load(load: type[Load]) -> None:
+    """Keys that several loads have are the same field."""
+    of_section = {field.name: field for field in dataclasses.fields(LoadSection)}
+    for field in dataclasses.fields(load):
+        description = field.metadata["description"]
+        assert description == of_section[field.name].metadata["description"]
+        assert field.default == of_section[field.name].default
+
+
+@every_load
+def test_keys_of_other_loads_are_none(load: type[Load]) -> None:
+    """`run.case.load.amplitude` of an impact, as studies of all kinds of runs ask for it."""
+    made = load()
+    numbers = ("spheres", "velocity", "angle", "spin")  # zero in loads that lack them
+    for field in dataclasses.fields(LoadSection):
+        if field.name not in (*load_keys(load), *numbers):
+            assert getattr(made, field.name) is None
