@@ -192,7 +192,7 @@ def restitution(result: Result) -> float | None:
         float(result["energy/struck_velocity"][-1])
         / velocities_of(assemble(case))[result.struck[0]][2]
     )
-    if result.n_spheres == 2 and case.packing.kind == "chain" and boundary.bottom == "free":
+    if result.n_spheres == 2 and case.packing.rule.is_chain and boundary.bottom == "free":
         return 1 - 2 * left
     return -left if result.n_spheres == 1 and boundary.bottom == "wall" else None
 

@@ -37,6 +37,8 @@ _REACH = (
 )  # touching spheres are nearer than this in (i, j, k)
 _BATCH = 1_000_000  # sites processed at once
 _IN_HEXAGONAL_LAYER = 6  # neighbours
+_CLOSE_PACKED_COORDINATION = 12
+_ALONG = 1e-9  # component of a contact direction from which on it has a part along an axis
 _IMAGE = 8.0  # period along y of a periodic crystal in x-z, diameters: its images are far apart
 ROWS = ("long", "short", "equal")  # choices of `packing.top_row`
 
@@ -69,10 +71,12 @@ class Plane:
     down_label: str = "Depth"
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Kind:
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class PackingKind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its
-    contacts.
+    axes and contacts.
+
+    Nothing outside compares names of kinds: what differs between kinds is an attribute here.
 
     Attributes
     ----------
@@ -96,11 +100,60 @@ class Kind:
 
     label: str
     axes: str
-    layer_period: int
-    row_period: int
+    layer_period: int = 1
+    row_period: int = 1
     pitch: tuple[float, float]
     site: Site
     planes: tuple[Plane, ...] | None = None
+
+    @property
+    def is_lattice(self) -> bool:
+        """True for lattices; False for grains of a file."""
+        return bool(self.axes)
+
+    @property
+    def is_chain(self) -> bool:
+        """True for a single column of grains along z."""
+        return self.axes == "z"
+
+    @property
+    def is_layer(self) -> bool:
+        """True for a single layer in x-y, across the impact of the other kinds."""
+        return self.axes == "xy"
+
+    @property
+    def is_plane_crystal(self) -> bool:
+        """True for a crystal in x-z, whose straight rows are its layers."""
+        return self.axes == "xz"
+
+    @property
+    def has_faces(self) -> bool:
+        """True if layers extend along x and y, so that they have an area and surround the impact.
+
+        False for chains, crystals in x-z and grains of a file.
+        """
+        return "y" in self.axes
+
+    @property
+    def title(self) -> str:
+        """Name in titles: ``Chain``, ``FCC packing``."""
+        return self.label if self.is_chain else f"{self.label} packing"
+
+    @property
+    def noun(self) -> str:
+        """Name in sentences about packings without faces: ``a chain``, ``a crystal in the plane``."""
+        return "a chain" if self.is_chain else "a crystal in the plane"
+
+    @property
+    def is_close_packed(self) -> bool:
+        """True if twelve spheres touch each one: the densest packings, with holes of two kinds."""
+        return self.coordination == _CLOSE_PACKED_COORDINATION
+
+    @cached_property
+    def cylinder_axis(self) -> Vector:
+        """Axis of cylinders by default: y, or z where contacts are along y."""
+        along_y = np.abs(self.contact_directions[:, 1]) > _ALONG
+        return _Z if along_y.any() else _Y
 
     @cached_property
     def contact_directions(self) -> NDArray[np.float64]:
@@ -213,29 +266,84 @@ _CLOSE_PACKED = (
 )  # down the plane of fcc that holds two preferred directions
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
-KINDS: dict[str, Kind] = {
-    "fcc": Kind(
-        "FCC", "xyz", 3, 2, (1.0, math.sqrt(3) / 2), _hexagonal(3),
-        (Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
+_HEXAGONAL_PITCH = (1.0, math.sqrt(3) / 2)
+_BODY_CENTRED_PITCH = (2 / math.sqrt(3), 2 / math.sqrt(3))
+_SIMPLE_PITCH = (1.0, 1.0)
+
+KINDS: dict[str, PackingKind] = {
+    "fcc": PackingKind(
+        label="FCC",
+        axes="xyz",
+        layer_period=3,
+        row_period=2,
+        pitch=_HEXAGONAL_PITCH,
+        site=_hexagonal(3),
+        planes=(Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
     ),
-    "hcp": Kind(
-        "HCP", "xyz", 2, 2, (1.0, math.sqrt(3) / 2), _hexagonal(2), (Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z))
+    "hcp": PackingKind(
+        label="HCP",
+        axes="xyz",
+        layer_period=2,
+        row_period=2,
+        pitch=_HEXAGONAL_PITCH,
+        site=_hexagonal(2),
+        planes=(Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z)),
     ),
-    "bcc": Kind(
-        "BCC", "xyz", 2, 1, (2 / math.sqrt(3), 2 / math.sqrt(3)), _body_centred, (Plane(_DIAGONAL, _Z), Plane(_X, _Z))
+    "bcc": PackingKind(
+        label="BCC",
+        axes="xyz",
+        layer_period=2,
+        pitch=_BODY_CENTRED_PITCH,
+        site=_body_centred,
+        planes=(Plane(_DIAGONAL, _Z), Plane(_X, _Z)),
     ),
-    "sc": Kind("Simple cubic", "xyz", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Z), Plane(_DIAGONAL, _Z))),
-    "square": Kind("Square", "xy", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Y, down_label="y"),)),
-    "hexagonal": Kind("Hexagonal", "xz", 2, 1, (1.0, 1.0), _hexagonal_plane, (Plane(_X, _Z),)),
-    "centred-square": Kind("Centred square", "xz", 2, 1, (math.sqrt(2), 1.0), _centred_square, (Plane(_X, _Z),)),
-    "chain": Kind("Chain", "z", 1, 1, (1.0, 1.0), _simple, ()),
-}  # fmt: skip
-_FREE = Kind(
-    "Grains of a file", "", 1, 1, (1.0, 1.0), _no_site, (Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5))
+    "sc": PackingKind(
+        label="Simple cubic",
+        axes="xyz",
+        pitch=_SIMPLE_PITCH,
+        site=_simple,
+        planes=(Plane(_X, _Z), Plane(_DIAGONAL, _Z)),
+    ),
+    "square": PackingKind(
+        label="Square",
+        axes="xy",
+        pitch=_SIMPLE_PITCH,
+        site=_simple,
+        planes=(Plane(_X, _Y, down_label="y"),),
+    ),
+    "hexagonal": PackingKind(
+        label="Hexagonal",
+        axes="xz",
+        layer_period=2,
+        pitch=_SIMPLE_PITCH,
+        site=_hexagonal_plane,
+        planes=(Plane(_X, _Z),),
+    ),
+    "centred-square": PackingKind(
+        label="Centred square",
+        axes="xz",
+        layer_period=2,
+        pitch=(math.sqrt(2), 1.0),
+        site=_centred_square,
+        planes=(Plane(_X, _Z),),
+    ),
+    "chain": PackingKind(label="Chain", axes="z", pitch=_SIMPLE_PITCH, site=_simple, planes=()),
+}
+_FREE = PackingKind(
+    label="Grains of a file",
+    axes="",
+    pitch=_SIMPLE_PITCH,
+    site=_no_site,
+    planes=(Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5)),
 )
 
 
-def kind_of(name: str) -> Kind:
+def kind_names() -> tuple[str, ...]:
+    """Return the names of all kinds of packings: lattices, and grains of a file."""
+    return (*KINDS, FILE)
+
+
+def kind_of(name: str) -> PackingKind:
     """Return the kind of packing of this name: a lattice of `KINDS`, or the one of grains of a
     file.
     """
@@ -252,11 +360,6 @@ def section_planes(kind: str) -> tuple[Plane, ...]:
     level = [direction[:2] for direction in (*rule.preferred_directions, *rule.contact_directions)]
     x, y = next(part / np.linalg.norm(part) for part in level if np.linalg.norm(part) > TOUCHING)
     return Plane((float(x), float(y), 0.0), _Z), Plane((-float(y), float(x), 0.0), _Z)
-
-
-def is_plane_crystal(kind: str) -> bool:
-    """Return True for a kind of packing in the x-z plane."""
-    return kind in KINDS and KINDS[kind].axes == "xz"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -294,7 +397,7 @@ class Lattice:
         return self.diameter - self.overlap
 
     @property
-    def rule(self) -> Kind:
+    def rule(self) -> PackingKind:
         """Properties of the kind."""
         return KINDS[self.kind]
 
@@ -334,7 +437,7 @@ class Lattice:
         diameter, m.
         """
         (nx, ny, _), (x, y) = self.shape, self.rule.pitch
-        if not is_plane_crystal(self.kind):
+        if not self.rule.is_plane_crystal:
             return nx * x * self.spacing, ny * y * self.spacing
         width, depth = (nx * x, _IMAGE) if self.periodic else ((nx - 1) * x + 1, 1.0)
         return width * self.spacing, depth * self.spacing
@@ -495,7 +598,7 @@ class Lattice:
 
 
 @cache
-def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
+def _offsets(rule: PackingKind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
     """Return the steps in (i, j, k) from a sphere of row j and layer k to its neighbours.
 
     Parameters

@@ -15,6 +15,7 @@ from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
+from granwave.lammps_inputs.lattices import PackingKind, kind_names, kind_of
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import CASE_FILE
@@ -216,12 +217,27 @@ def _body(case: Mapping[str, Any]) -> str:
     size = case.get("packing.size")
     if kind is None:
         return ""
-    if kind == "file":
+    rule = packing_rule(case)
+    if rule is not None and not rule.is_lattice:
         return "packing of a file"
     shape = (
         " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
     )
-    return f"chain of {shape}" if kind == "chain" and shape else f"{kind} {shape}".rstrip()
+    if shape and is_chain(case):
+        return f"chain of {shape}"
+    return f"{kind} {shape}".rstrip()
+
+
+def packing_rule(case: Mapping[str, Any]) -> PackingKind | None:
+    """Return the properties of the kind of packing of a case, by dotted keys; None without one."""
+    kind = case.get("packing.kind")
+    return kind_of(kind) if kind in kind_names() else None
+
+
+def is_chain(case: Mapping[str, Any]) -> bool:
+    """Return True for a case, by dotted keys, whose packing is a chain."""
+    rule = packing_rule(case)
+    return rule is not None and rule.is_chain
 
 
 def _load(case: Mapping[str, Any]) -> str:

@@ -24,7 +24,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice, PackingKind
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, pressed_walls, touched_by, walls
@@ -43,7 +43,7 @@ class UnitCell(NamedTuple):
     periods: Array
 
 
-def primitive_vectors(kind: Kind) -> tuple[Array, int]:
+def primitive_vectors(kind: PackingKind) -> tuple[Array, int]:
     """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the
     cell.
 
@@ -56,13 +56,13 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     return np.array(kind.supports if primitive else found), n
 
 
-def vectors_of_layer(kind: Kind) -> Array:
+def vectors_of_layer(kind: PackingKind) -> Array:
     """Return the primitive vectors of a layer of a lattice, in diameters: (1 or 2, 3)."""
     found, _ = _repeats(kind)
     return np.array(found[: len(found) - ("z" in kind.axes)])
 
 
-def _repeats(kind: Kind) -> tuple[list[Array], int]:
+def _repeats(kind: PackingKind) -> tuple[list[Array], int]:
     """Shortest vectors along a row, to an equal row and to an equal layer, and the layers before
     that one.
     """
@@ -118,7 +118,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
                 "they do (extxyz: Lattice and pbc), or the case does: packing.cell = [[0, 0, 0.01]]"
             )
         return UnitCell(np.arange(n), np.array(case.packing.cell))
-    if lattice.kind == "chain":
+    if lattice.rule.is_chain:
         period = 1
         length = lattice.diameter
         if not assembly.sites.uniform:

@@ -22,7 +22,6 @@ from granwave.lammps_inputs.case.material import read_material
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
@@ -185,11 +184,10 @@ def packing_title(case: Case, *, height: bool = True) -> str:
     if height and assemble(case).lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
-    whole = height or packing.kind == "square"  # which lies across the height
+    whole = height or packing.rule.is_layer  # which lies across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
-    kind = "Chain" if packing.kind == "chain" else f"{kind_of(packing.kind).label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
-    return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
+    return f"{packing.rule.title} of {spheres}" + ("" if whole or not size else " a layer")
 
 
 _MOST_MATERIALS = 3  # named; more are counted

@@ -243,7 +243,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Packing]:
     longest counts.
     """
     impacts = [
-        run for run in runs if run.case.load.kind == "impact" and run.case.packing.kind != "chain"
+        run for run in runs if run.case.load.kind == "impact" and not run.case.packing.rule.is_chain
     ]
     table = pd.DataFrame(
         [{**imperfections(run.case), "end": run.value("end_time_s"), "run": run} for run in impacts]

@@ -221,7 +221,7 @@ class Case:
         """Probes: ``output.probes``, and in packings other than a chain also the spheres of the
         sensors.
         """
-        if self.packing.kind == "chain":
+        if self.packing.rule.is_chain:
             return self.output.probes
         return tuple(
             dict.fromkeys(

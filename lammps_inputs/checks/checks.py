@@ -17,7 +17,6 @@ from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
-from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.cylinders import extents
@@ -156,7 +155,7 @@ def _check_strikers(case: Case, errors: ErrorList) -> None:
 
 def _check_history(case: Case, errors: ErrorList) -> None:
     history = case.output.history
-    has_one = case.packing.kind == "chain" or case.line
+    has_one = case.packing.rule.is_chain or case.line
     found = (
         f"found {history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"
     )
@@ -174,8 +173,9 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
         if sides == "periodic" and case.packing.period is None:
             raise WrongTable("packing.period")  # see `grains.check_places`
         return
-    rule, (nx, ny, nz) = KINDS[kind], case.packing.lattice().shape
-    endless = bottom == "periodic" and kind != "chain"
+    rule = case.packing.rule
+    nx, ny, nz = case.packing.lattice().shape
+    endless = bottom == "periodic" and not rule.is_chain
     periodic = sides == "periodic"
     across = min(
         (n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes),
@@ -192,9 +192,9 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
          f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless {kind}"),
     )  # fmt: skip
     errors.check_first(
-        (periodic and kind == "chain", "boundary.sides",
+        (periodic and rule.is_chain, "boundary.sides",
          'found "periodic" for a chain, expected "free" or "wall"'),
-        (periodic and is_plane_crystal(kind) and case.packing.top_row != "equal", "packing.top_row",
+        (periodic and rule.is_plane_crystal and case.packing.top_row != "equal", "packing.top_row",
          f'found {show(case.packing.top_row)} with boundary.sides = "periodic", expected "equal"'),
         (periodic and across < _LEAST_PERIODIC, "packing.size",
          f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
@@ -220,7 +220,7 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
     for name, bar in ((BAR, case.bar), (INCIDENT_BAR, case.incident_bar)):
         if bar is not None:
             errors.check_first(
-                (kind != "chain", name, f"found with packing.kind = {show(kind)}, expected a chain"),
+                (not case.packing.rule.is_chain, name, f"found with packing.kind = {show(kind)}, expected a chain"),
                 (bar.length > longest * bar.elements, f"{name}.elements",
                  f"found {bar.elements} in {bar.length:g} m, expected {math.ceil(bar.length / longest)} or more: "
                  f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses"),
@@ -245,7 +245,7 @@ def _check_holder(case: Case, errors: ErrorList) -> None:
     key = "boundary.holder_friction"
     upright = case.precompression is not None and case.precompression.kind == "gravity"
     errors.check(
-        (friction and case.packing.kind != "chain", key,
+        (friction and not case.packing.rule.is_chain, key,
          f"found {friction:g} for {case.packing.kind}, expected 0: only chains lie in a holder"),
         (friction and upright, key,
          f'found {friction:g} under precompression.kind = "gravity", expected 0: a chain that stands has no holder'),
@@ -341,7 +341,7 @@ def _check_below(assembly: Assembly, errors: ErrorList) -> None:
     act on strikers.
     """
     case = assembly.case
-    if case.packing.kind != "chain" or (case.boundary.bottom != "wall" and case.bar is None):
+    if not case.packing.rule.is_chain or (case.boundary.bottom != "wall" and case.bar is None):
         return
     what = "bar" if case.bar is not None else "wall at the bottom"
     for n, (_, centre) in enumerate(assembly.strikers, start=1):

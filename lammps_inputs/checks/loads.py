@@ -136,7 +136,7 @@ def _check_arrival(assembly: Assembly, measured: MeasuredRow, errors: ErrorList)
         return
     load = case.load
     end = case.run.longest
-    chain = case.packing.kind == "chain"
+    chain = case.packing.rule.is_chain
     way = abs(float(assembly.centre_of(last)[2] - assembly.centre_of(first)[2]))
     beads = max(
         abs(last - first)

@@ -43,7 +43,7 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
         return
     found = f"above packing.diameter, {packing.diameter:g} m, beside packing.tilt; make that the largest diameter"
     errors.check(
-        (packing.kind != "square", "packing.tilt",
+        (not packing.rule.is_layer, "packing.tilt",
          f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor'),
         (packing.vacancies, "packing.vacancies",
          "found beside packing.tilt; spheres beside a vacancy would roll into it"),
@@ -88,7 +88,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         return
     listed = packing.vacancies if isinstance(packing.vacancies, tuple) else ()
     n = packing.n_spheres
-    chain = bool(packing.vacancies) and packing.kind == "chain"
+    chain = bool(packing.vacancies) and packing.rule.is_chain
     wrong = [sphere for sphere in listed if sphere > n]
     errors.check(
         (chain, key, "found in a chain, which has none: it would be two chains"),
@@ -133,7 +133,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
 
 def check_room(case: Case, errors: ErrorList) -> None:
     """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
-    if case.packing.kind == "chain" or not any(
+    if case.packing.rule.is_chain or not any(
         (entry.diameter or 0) > case.packing.diameter for entry in case.replace
     ):
         return

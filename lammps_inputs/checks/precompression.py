@@ -15,7 +15,6 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
-from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
@@ -41,7 +40,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
             return
     _check_size(stage, packing, errors)
     lattice = packing.grains is None
-    chain = packing.kind == "chain"
+    chain = packing.rule.is_chain
     uniform = stage.kind == "uniform"
     errors.check(
         (stage.takes_overlaps and lattice, f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
@@ -52,7 +51,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(case, stage, errors)
         return
-    flat = uniform and (chain or is_plane_crystal(packing.kind))
+    flat = uniform and lattice and not packing.rule.has_faces
     support = boundary.bottom_support
     errors.check(
         (flat, f"{_TABLE}.kind",
@@ -63,7 +62,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
          "the pressure is on the sides too"),
         (not uniform and boundary.bottom == "free" and lattice and not (chain and stage.kind == "uniaxial"),
          "boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear'),
-        (stage.kind == "uniaxial" and packing.kind == "square", f"{_TABLE}.kind",
+        (stage.kind == "uniaxial" and packing.rule.is_layer, f"{_TABLE}.kind",
          'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
         (support is not None and not support.bears, "boundary.bottom.bar.end",
          f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
@@ -123,7 +122,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
 
 def _confined(case: Case) -> str:
     """Return the values of keys with which a packing that spreads is confined."""
-    if is_plane_crystal(case.packing.kind):
+    if case.packing.rule.is_plane_crystal:
         return '"periodic"'
     free = "" if case.boundary.sides == "free" else ' with boundary.sides = "free"'
     return f'"periodic", or precompression.kind = "uniform"{free}'
@@ -163,10 +162,10 @@ def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> 
     period holds them.
     """
     (nx, ny, nz), packing, boundary = shape, case.packing, case.boundary
-    if is_plane_crystal(packing.kind) and boundary.has_planes("x") and packing.top_row != "equal":
+    if packing.rule.is_plane_crystal and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
     held = stage.kind == "uniform" or boundary.sides == "periodic" or boundary.bottom == "fixed"
-    layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1
+    layers = packing.rule.set_back and nz > 1 and nx * ny > 1
     return layers and not held and not isinstance(packing.vacancies, tuple)
 
 
@@ -312,8 +311,7 @@ def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorLis
     foreign = [
         name for name in given if kind == "gravity" or (stage.moves_walls and name != "force")
     ]
-    faceless = packing.kind == "chain" or is_plane_crystal(packing.kind)
-    what = "a chain" if packing.kind == "chain" else "a crystal in the plane"
+    faceless = packing.rule.is_lattice and not packing.rule.has_faces
     count = f"found {'both' if given else 'neither'} pressure {'and' if given else 'nor'} force, expected one of them"
     by_force = kind == "uniform" and stage.force is not None
     dead = kind in ("uniaxial", "uniform")
@@ -325,5 +323,5 @@ def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorLis
         (by_force, f"{_TABLE}.force", f'found with {of_kind}"uniform", expected a pressure'),
         (dead and not by_force and len(given) != 1, _TABLE, count),
         (dead and given == ["pressure"] and faceless, f"{_TABLE}.pressure",
-         f"found for {what}, which has no face; expected a force"),
+         f"found for {packing.rule.noun}, which has no face; expected a force"),
     )  # fmt: skip

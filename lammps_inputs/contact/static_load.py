@@ -54,7 +54,7 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
         force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
     elif stage.kind == "uniaxial" or stage.moves_walls:
         force[np.isin(ids, lattice.top_layer), 2] = force_on_top(assembly)
-        if case.boundary.bottom == "free" and case.packing.kind == "chain":
+        if case.boundary.bottom == "free" and case.packing.rule.is_chain:
             force[np.isin(ids, lattice.last_layer), 2] = -force_on_top(assembly)
     else:
         force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]

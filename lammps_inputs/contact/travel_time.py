@@ -104,7 +104,7 @@ def row_of(assembly: Assembly) -> Row | None:
         or case.packing.grains is not None
     ):
         return None
-    if case.packing.kind != "chain":
+    if not case.packing.rule.is_chain:
         cosines = lattice.rule.supports[:, 2]
         if not assembly.sites.uniform or not len(cosines):
             return None
@@ -179,7 +179,7 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
     any.
     """
     case = assembly.case
-    if case.packing.kind == "chain":
+    if case.packing.rule.is_chain:
         group = "chain"
         ids = tuple(range(1, assembly.lattice.n_spheres + 1))
     else:

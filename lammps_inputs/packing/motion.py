@@ -176,7 +176,7 @@ def chain_history(assembly: Assembly) -> int:
     packing = assembly.case.packing
     if output.history != "auto":
         return output.history
-    if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
+    if not packing.rule.is_chain or packing.size[0] < _LEAST_HISTORY:
         return 0
     instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / assembly.n_particles))
     if case.load.driven and case.load.oscillates:

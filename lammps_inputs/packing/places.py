@@ -21,7 +21,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Kind, Lattice, kind_of
+from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Lattice, PackingKind, kind_of
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 
 
@@ -50,7 +50,7 @@ class Places:
         return self.period is not None
 
     @property
-    def rule(self) -> Kind:
+    def rule(self) -> PackingKind:
         """Properties of the kind."""
         return kind_of(self.kind)
 

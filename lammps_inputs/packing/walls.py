@@ -13,7 +13,7 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
+from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.places import balanced_overlap
@@ -143,7 +143,7 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
         )
     for axis, letter in enumerate("xy"):
         # a crystal in the x-z plane has walls across y only where boundary.y says so
-        across = letter == "x" or boundary.y is not None or not is_plane_crystal(case.packing.kind)
+        across = letter == "x" or boundary.y is not None or not case.packing.rule.is_plane_crystal
         if boundary.has_planes(letter) and across:
             low, high = _faces(assembly, axis)
             inwards = moves.get(letter, 0.0) - max(boundary.gap, 0.0)
@@ -156,7 +156,7 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
         as_it_is = (
             wall.held_layer
             or wall.tube
-            or case.packing.kind == FILE
+            or not case.packing.rule.is_lattice
             or (wall.axis < 2 and boundary.gap)
         )
         overlap = (
@@ -252,7 +252,6 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
     """
     if wall.held_layer:
         return ()
-    kind = assembly.case.packing.kind
     chosen = touched_by(assembly, wall)
     materials = list(
         dict.fromkeys(species.material for species in assembly.species if species.role == "sphere")
@@ -260,7 +259,7 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
     groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
     if chosen is not None:
         groups = [(group, material) for group, material, _ in touched_groups(assembly, chosen)]
-    elif kind == "chain" and wall.name == "bottom":
+    elif assembly.lattice.rule.is_chain and wall.name == "bottom":
         groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
     elif len(materials) == 1 and not assembly.passing:
         groups = [("all", materials[0])]

@@ -285,7 +285,7 @@ def expected_wall_time(
     )
     if case.precompression is None:
         usual = most = 0.0
-    as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
+    as_png = _FIGURES_OF_CHAIN if case.packing.rule.is_chain else _FIGURES
     return WallTime(
         static=usual * an_iteration,
         most_static=most * an_iteration,

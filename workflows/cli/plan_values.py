@@ -13,7 +13,6 @@ from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
@@ -105,9 +104,8 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
     }
     # a restitution that is asked for is found
     loss = viscous_loss(assembly, case.contact, case.material, case.material)
-    if case.packing.grains is not None or is_plane_crystal(
-        case.packing.kind
-    ):  # contacts of other lattices are known
+    rule = case.packing.rule
+    if rule.is_plane_crystal or not rule.is_lattice:  # contacts of other lattices are known
         found = Counter(assembly.contacts().ravel().tolist())
         grains = Counter(found.values()) | Counter({0: assembly.n_spheres - len(found)})
         numbers = {number: n for number, n in sorted(grains.items()) if n}
@@ -196,11 +194,7 @@ def small_waves(case: Case) -> dict[str, Any] | None:
     its own. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
     from end to end, and for each frequency of the load if it passes; units are part of the names.
     """
-    if (
-        case.precompression is None
-        or case.packing.kind != "chain"
-        or case.packing.grains is not None
-    ):
+    if case.precompression is None or not case.packing.rule.is_chain:
         return None
     from granwave.analysis.spectra.band_structure import (
         band_structure,

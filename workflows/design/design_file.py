@@ -306,7 +306,7 @@ def _layers(
         (way not in ("period", "groups") or not isinstance(count, int) or count < 1, f"{key}.tied",
          f"found {show(tied)}, expected {{period = 2}}, every other layer alike, or {{groups = 3}}, three blocks of "
          "layers; free if left out"),
-        (ends is not None and packing.kind != "chain", f"{key}.diameters",
+        (ends is not None and not packing.rule.is_chain, f"{key}.diameters",
          f'found with packing.kind = "{packing.kind}", expected "chain": smaller spheres leave gaps in a lattice'),
         (ends is not None and not (isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))),
          f"{key}.diameters", f"found {show(ends)}, expected [smallest, largest]"),

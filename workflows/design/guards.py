@@ -23,6 +23,7 @@ from granwave.lammps_inputs.directories import read_summary
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.ownership import clear
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
@@ -120,9 +121,7 @@ def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict
     bottom = boundary.get("bottom")
     by_id = any("index" in entry for entry in tables.get("replace", []))
     if isinstance(size, list) and boundary.get("sides") != "periodic" and not by_id:
-        across = (
-            1 if len(size) == 2 and packing["kind"] != "square" else 2
-        )  # crystals in the plane are one wide
+        across = 1 if kind_of(packing["kind"]).is_plane_crystal else 2
         wider = [
             n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)
         ]
@@ -237,7 +236,7 @@ def findings_without_runs(
         yield Finding("law", "overlaps", text, warning=True)
     case = problem.case(problem.tables_of(best.values))
     yields = (
-        case.contact.yields and case.packing.kind != "chain"
+        case.contact.yields and not case.packing.rule.is_chain
     )  # elastic packings, and rows, rattle for ever
     given = summary.get("energy_input_J")
     kinetic = summary.get("energy_kinetic_J")
