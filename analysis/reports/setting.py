@@ -12,6 +12,7 @@ from granwave.analysis.document.model import Block, Group, Note, show, text_tabl
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
@@ -282,7 +283,7 @@ def _static(case: Mapping[str, Any]) -> str:
     for key, unit in (("pressure", "Pa"), ("force", "N")):
         if isinstance(size := case.get(f"precompression.{key}"), float | int):
             return f"under {quantity_in(size, unit)}"
-    return {"gravity": "under gravity", "walls": "pressed by walls"}.get(kind, "precompressed")
+    return STATIC_LOADS[kind].phrase if kind in STATIC_LOADS else "precompressed"
 
 
 def _bottom(case: Mapping[str, Any]) -> str:

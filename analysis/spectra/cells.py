@@ -193,7 +193,7 @@ def cell_bodies(case: Case) -> Bodies:
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so that there are no "
             'waves of small amplitude: give a static load, such as [precompression] kind = "uniaxial" with a force'
         )
-    if stage.kind == "gravity":
+    if stage.rule.grows_with_depth:
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
     base = packing_bodies(assembly).part(cell.rows, cell.periods)
     planes = walls_along(base.walls, cell.periods)
@@ -319,7 +319,7 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     row = len(cell.periods) == 1
     along_z = float(lengths[2])
     force = stage.force
-    uniaxial = stage.kind == "uniaxial"
+    uniaxial = stage.rule.on_top
     fault = ""
     if stage.moves_walls:
         if force is not None and (not row or along_z == 0):

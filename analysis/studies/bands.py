@@ -141,9 +141,11 @@ def _fits(run: FinishedRun) -> bool:
         return False
     flat = case.packing.rule.is_layer
     layered = not flat and not case.packing.rule.is_chain
-    if case.precompression.kind != ("uniform" if flat else "uniaxial") or (
-        flat and not run.assembly.plain
-    ):
+    rule = case.precompression.rule
+    fits = rule.on_top
+    if flat:
+        fits = rule.on_all_faces and run.assembly.plain
+    if not fits:
         return False
     unlike = case.packing.vacancies or case.replace or case.striker
     if layered and (case.boundary.sides != "periodic" or unlike):

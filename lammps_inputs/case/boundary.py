@@ -1,4 +1,4 @@
-"""``[boundary]`` and ``[precompression]``: bottom, sides and static load of a packing.
+"""``[boundary]``: bottom and sides of a packing.
 
 Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damper``, ``half_space``
 or ``bar``.
@@ -374,71 +374,3 @@ def _read_wall(
         if "material" not in table and getattr(sections[one], "needs_material", False):
             errors.add(f"{key}.material", f"missing; a {one} needs it")
     return found
-
-
-_NONE: dict[str, Any] = {"above": 0, "default": None}
-_MOVE = _NONE | {"unit": hints.DISPLACEMENT}
-_PRESS = _NONE | {"unit": hints.FORCE}
-_WALLS = ("x", "y", "tube")
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Precompression:
-    """``[precompression]``: a static load, applied before the impact and kept during it."""
-
-    kind: str = schema.choice(
-        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
-        "that are moved in and then held, or nothing but the overlaps of grains at the start",
-        ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
-    )
-    pressure: float | None = schema.number(
-        "pressure on the faces of the packing", hints.PRESSURE, **_NONE
-    )
-    force: float | None = schema.number(
-        "force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS
-    )
-    x: float | None = schema.number(
-        "distance by which each of the planes across x moves in", **_MOVE
-    )
-    y: float | None = schema.number(
-        "distance by which each of the planes across y moves in", **_MOVE
-    )
-    tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
-    x_force: float | None = schema.number(
-        "force to which each of the planes across x is moved in", **_PRESS
-    )
-    y_force: float | None = schema.number(
-        "force to which each of the planes across y is moved in", **_PRESS
-    )
-    tube_force: float | None = schema.number(
-        "force outward on the whole tube to which it shrinks", **_PRESS
-    )
-    overlaps: bool | None = schema.choice(
-        "true: overlaps of grains at the start are part of it; else they are refused",
-        (True, False),
-        default=None,
-    )
-    acceleration: float = schema.number(
-        "acceleration of gravity", hints.ACCELERATION, above=0, default=9.81
-    )
-
-    @property
-    def moves(self) -> dict[str, float]:
-        """Distances by which walls move in, by x, y or tube, m."""
-        return {name: getattr(self, name) for name in _WALLS if getattr(self, name) is not None}
-
-    @property
-    def presses(self) -> dict[str, float]:
-        """Forces to which walls move in, by x, y or tube, N."""
-        forces = {name: getattr(self, f"{name}_force") for name in _WALLS}
-        return {name: force for name, force in forces.items() if force is not None}
-
-    @property
-    def moves_walls(self) -> bool:
-        """True if there is no dead load but, perhaps, a force on the top."""
-        return self.kind in ("walls", "overlaps")
-
-    @property
-    def takes_overlaps(self) -> bool:
-        """True if overlaps of grains at the start are part of the load."""
-        return bool(self.overlaps) or self.kind == "overlaps"

@@ -23,11 +23,12 @@ from granwave.lammps_inputs.case.bodies import (
     Sensor,
     Striker,
 )
-from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Precompression, Tube
+from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Tube
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.load import Load
 from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
 from granwave.lammps_inputs.case.run import (
     AUTO_FRAMES,
     FRAMES_OF_A_FILM,
@@ -39,7 +40,6 @@ from granwave.lammps_inputs.case.run import (
 from granwave.lammps_inputs.case.schema import key_fields, keys_of, numbered
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
-PRECOMPRESSION = "precompression"
 #: Section of each table of a case file whose keys are fields of a section, by heading.
 TABLES: dict[str, type] = {
     "[packing]": PackingSection,

@@ -18,12 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.added_grains import with_added_grains
-from granwave.lammps_inputs.case.boundary import Boundary, Precompression, read_boundary
+from granwave.lammps_inputs.case.boundary import Boundary, read_boundary
 from granwave.lammps_inputs.case.case import (
     KNOWN,
     LISTS,
     OPTIONAL,
-    PRECOMPRESSION,
     RECORD,
     SECTIONS,
 )
@@ -36,6 +35,7 @@ from granwave.lammps_inputs.case.material import (
     with_named_materials,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
+from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, MovedWalls, Precompression
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     read_list,
@@ -240,7 +240,7 @@ def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | No
         return given
     flat = packing is not None and packing.rule.is_plane_crystal and boundary.y is None
     moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
-    implied = Precompression(kind="walls", **moves)
+    implied = Precompression(kind=MovedWalls.name, **moves)
     found = (
         f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
     )

@@ -243,7 +243,7 @@ def _check_holder(case: Case, errors: ErrorList) -> None:
     """Check that a holder that rubs bears the weight of a chain."""
     friction = case.boundary.holder_friction or 0.0
     key = "boundary.holder_friction"
-    upright = case.precompression is not None and case.precompression.kind == "gravity"
+    upright = case.precompression is not None and case.precompression.rule.grows_with_depth
     errors.check(
         (friction and not case.packing.rule.is_chain, key,
          f"found {friction:g} for {case.packing.kind}, expected 0: only chains lie in a holder"),

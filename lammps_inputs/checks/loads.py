@@ -34,7 +34,7 @@ def check_plate(case: Case, errors: ErrorList) -> None:
     errors.check(
         (case.striker, "striker", beside),
         (case.incident_bar, "incident_bar", beside),
-        (stage is not None and stage.kind != "walls", "precompression.kind",
+        (stage is not None and not stage.rule.across_alone, "precompression.kind",
          f'found {show(stage.kind if stage else "")} beside load.kind = "plate", expected "walls": the plate is held '
          "while the walls move in, and would bear any other load"),
     )  # fmt: skip
@@ -208,7 +208,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
     seen = dict[int, str]()
     driven = struck_of(assembly) if case.absorb and case.load.kind == "displacement" else ()
     stage = case.precompression
-    no_force = stage is None or stage.kind == "walls" or not len(lattice.rule.supports)
+    no_force = stage is None or stage.rule.across_alone or not len(lattice.rule.supports)
     for key, entry in numbered("absorb", case.absorb).items():
         before = len(errors.lines)
         layers = entry.layers or 0

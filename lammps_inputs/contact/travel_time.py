@@ -97,12 +97,7 @@ def row_of(assembly: Assembly) -> Row | None:
     case = assembly.case
     lattice = assembly.lattice
     stage = case.precompression
-    if (
-        stage is None
-        or stage.kind not in ("uniaxial", "uniform")
-        or assembly.bars
-        or case.packing.grains is not None
-    ):
+    if stage is None or not stage.rule.is_even or assembly.bars or case.packing.grains is not None:
         return None
     if not case.packing.rule.is_chain:
         cosines = lattice.rule.supports[:, 2]

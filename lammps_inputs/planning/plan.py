@@ -189,7 +189,7 @@ def _refuse_endless(case: Case) -> None:
         )
     if case.packing.grains is None or stage is None:
         return
-    if stage.kind == "uniform" or (stage.kind == "uniaxial" and not case.bears_along_z):
+    if stage.rule.on_all_faces or (stage.rule.on_top and not case.bears_along_z):
         raise InputError(
             f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for "
             'granwave bands; expected "walls" for a run, or something that bears it'

@@ -139,7 +139,7 @@ def packing_values(case: Case, plan: Plan) -> dict[str, Any]:
             "presses_N": stage.presses,
             "pressure_Pa": stage.pressure,
             "force_N": stage.force,
-            "acceleration_m_s2": stage.acceleration if stage.kind == "gravity" else None,
+            "acceleration_m_s2": stage.acceleration if stage.rule.takes_acceleration else None,
             "takes_overlaps": stage.takes_overlaps,
         },
         "n_ranks": plan.n_ranks,
