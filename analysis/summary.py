@@ -176,6 +176,7 @@ def restitution(result: Result) -> float | None:
     case = result.case
     boundary = result.case.boundary
     load = result.case.load
+    bottom = boundary.bottom_rule
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
     if (
         load.kind != "impact"
@@ -192,9 +193,9 @@ def restitution(result: Result) -> float | None:
         float(result["energy/struck_velocity"][-1])
         / velocities_of(assemble(case))[result.struck[0]][2]
     )
-    if result.n_spheres == 2 and case.packing.rule.is_chain and boundary.bottom == "free":
+    if result.n_spheres == 2 and case.packing.rule.is_chain and not bottom.bears:
         return 1 - 2 * left
-    return -left if result.n_spheres == 1 and boundary.bottom == "wall" else None
+    return -left if result.n_spheres == 1 and bottom.has_plane else None
 
 
 def _energies(result: Result) -> Summary:

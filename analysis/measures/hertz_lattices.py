@@ -217,10 +217,10 @@ def line_of(case: Case, law: ContactLaw | None = None) -> Line:
     n = len(rule.supports)
     cosine = rule.layer_spacing
     on_layer = n * rule.layer_spacing * force
-    for _ in range(_GEOMETRY_ROUNDS if case.boundary.sides == "periodic" else 1):
+    for _ in range(_GEOMETRY_ROUNDS if case.boundary.periodic else 1):
         force = on_layer / (n * cosine)
         length = diameter - static_overlap(law, force)
-        if case.boundary.sides == "periodic":
+        if case.boundary.periodic:
             cosine = math.sqrt(1 - diameter**2 * (1 - rule.layer_spacing**2) / length**2)
     overlap = static_overlap(law, force)
     length = diameter - overlap

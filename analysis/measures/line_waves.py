@@ -300,7 +300,7 @@ def speed_along_layers(result: Result, line: Line) -> float:
     case, time, (_, mean) = result.case, result.frame_times, _means(result, 2)
     nx, ny, nz = case.packing.size
     deepest = nz - _BEFORE_END
-    if case.boundary.sides != "periodic":
+    if not case.boundary.periodic:
         half = min(nx, ny * np.sqrt(3) / 2) / 2
         deepest = min(deepest, int(_BEFORE_SIDES * half / case.packing.rule.layer_spacing))
     numbers, times = _crests(time, mean[:, :deepest])

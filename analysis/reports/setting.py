@@ -12,6 +12,7 @@ from granwave.analysis.document.model import Block, Group, Note, show, text_tabl
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.lammps_inputs.case.boundary import SUPPORTS
 from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
@@ -292,22 +293,15 @@ def _bottom(case: Mapping[str, Any]) -> str:
     if not support or not isinstance(bottom, dict):
         return ""
     name = f"{bottom.get('material', {}).get('name', '')} {support.replace('_', '-')}".lstrip()
-    mass = f" of {show(bottom[support].get('mass'))} kg" if support == "plate" else ""
-    return f"on a {name}{mass}"
+    mass = bottom[support].get("mass")
+    return f"on a {name}" if mass is None else f"on a {name} of {show(mass)} kg"
 
 
 def target_of(case: Mapping[str, Any]) -> str:
     """Return what the bottom rests on: plate, half_space, bar or damper; empty for a wall or none."""
     bottom = case.get("boundary.bottom")
-    found = bottom if isinstance(bottom, dict) else {}
-    return next(
-        (
-            one
-            for one in ("plate", "half_space", "bar", "damper")
-            if isinstance(found.get(one), dict)
-        ),
-        "",
-    )
+    tables = bottom if isinstance(bottom, dict) else {}
+    return next((name for name in SUPPORTS if isinstance(tables.get(name), dict)), "")
 
 
 def _contacts(case: Mapping[str, Any]) -> list[str]:

@@ -27,7 +27,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice, PackingKind
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import PLATE, Wall, pressed_walls, touched_by, walls
+from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
 
 # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _ALONG = 1e-9
@@ -110,7 +110,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
         )
-    endless = case.boundary.bottom == "periodic"
+    endless = case.boundary.bottom_rule.repeats
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(
@@ -239,11 +239,7 @@ def cell_bodies(case: Case) -> Bodies:
 def walls_along(around: Iterable[Wall], periods: Array) -> tuple[Wall, ...]:
     """Return the walls that an endless packing with these periods has: those that do not cut it."""
     cut = np.abs(periods).max(axis=0) > 0
-    return tuple(
-        wall
-        for wall in around
-        if wall.name not in ("bottom", PLATE) and (wall.tube or not cut[wall.axis])
-    )
+    return tuple(wall for wall in around if wall.is_side and (wall.tube or not cut[wall.axis]))
 
 
 def packing_bodies(assembly: Assembly) -> Bodies:

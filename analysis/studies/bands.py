@@ -148,7 +148,7 @@ def _fits(run: FinishedRun) -> bool:
     if not fits:
         return False
     unlike = case.packing.vacancies or case.replace or case.striker
-    if layered and (case.boundary.sides != "periodic" or unlike):
+    if layered and (not case.boundary.periodic or unlike):
         return False
     try:
         return run.seen_as(Wave).structure is not None

@@ -20,6 +20,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
+from granwave.lammps_inputs.case.bounds import BOTTOMS, SIDES, Bottom, Sides
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -33,6 +34,7 @@ _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
 BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
 # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
 PLATE_OSCILLATION = 0.05
+_SQUARE_CM = 1e4
 _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 
 
@@ -103,10 +105,13 @@ class Support(abc.ABC):
         True if it can bear a static load, by a spring to the ground or as a damper.
     needs_material
         True if its values follow from the material of the surface.
+    absorbs
+        True if it takes up steady waves by its damping alone.
     """
 
     kind: ClassVar[str]
     needs_material: ClassVar[bool] = False
+    absorbs: ClassVar[bool] = False
     bears = True
 
     @abc.abstractmethod
@@ -120,6 +125,21 @@ class Support(abc.ABC):
         footprint
             Radius of the packing's footprint, m.
         """
+
+    @abc.abstractmethod
+    def label(self, material: str) -> str:
+        """Return its name in tables and titles: ``plate of 0.5 kg, 314 µs``.
+
+        Parameters
+        ----------
+        material
+            Name of the material of the surface.
+        """
+
+
+def time_label(seconds: float) -> str:
+    """``314 µs``, ``6.28 ms``."""
+    return f"{1e3 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -138,12 +158,22 @@ class Plate(Support):
     def backing(self, material: Material | None, footprint: float) -> Backing:
         return Backing(self.mass, self.stiffness, self.damping)
 
+    @property
+    def period(self) -> float:
+        """Period of the plate on its spring, undamped, s."""
+        return 2 * math.pi * math.sqrt(self.mass / self.stiffness)
+
+    def label(self, material: str) -> str:
+        damped = ", damped" if self.damping else ""
+        return f"plate of {self.mass:g} kg, {time_label(self.period)}{damped}"
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Damper(Support):
     """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
 
     kind = "damper"
+    absorbs = True
     damping: float = schema.number(
         "force on the ground, beyond the static one, over the velocity of the plate",
         "N s/m",
@@ -152,6 +182,9 @@ class Damper(Support):
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         return Backing(0.0, 0.0, self.damping)
+
+    def label(self, material: str) -> str:
+        return f"damper of {self.damping:g} N s/m"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -176,6 +209,10 @@ class HalfSpace(Support):
             _DAMPER * radius**2 * math.sqrt(material.density * shear) / (1 - material.poisson_ratio)
         )
         return Backing(0.0, stiffness, damping)
+
+    def label(self, material: str) -> str:
+        disc = f", disc of {1e3 * self.radius:g} mm" if self.radius else ""
+        return f"{material} half-space{disc}"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -210,11 +247,14 @@ class SupportBar(Support):
             end=impedance if self.end == "infinite" else self.end,
         )
 
+    def label(self, material: str) -> str:
+        end = "" if self.end == "infinite" else f", far end {self.end}"
+        return f"{material} bar of {_SQUARE_CM * self.area:.3g} cm²{end}"
+
 
 SUPPORTS: dict[str, type[Support]] = {
     one.kind: one for one in (Plate, Damper, HalfSpace, SupportBar)
 }
-BOTTOMS = ("wall", "fixed", "free", "periodic")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -255,14 +295,14 @@ class Boundary:
 
     bottom: str = schema.choice(
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
-        BOTTOMS,
+        tuple(BOTTOMS),
         default="wall",
     )
     # of the bottom plane: bottom = {material = ...}; None: rigid
     bottom_material: Material | None = None
     sides: str = schema.choice(
         "what is at the sides: nothing, planes, or the packing again",
-        ("free", "wall", "periodic"),
+        tuple(SIDES),
         default="free",
     )
     x: str | None = schema.choice(
@@ -303,6 +343,21 @@ class Boundary:
         at_most=2,
         default=0.1,
     )
+
+    @property
+    def bottom_rule(self) -> Bottom:
+        """What the kind of bottom does."""
+        return BOTTOMS[self.bottom]
+
+    @property
+    def sides_rule(self) -> Sides:
+        """What the kind of sides does."""
+        return SIDES[self.sides]
+
+    @property
+    def periodic(self) -> bool:
+        """True if the packing is periodic along x and y."""
+        return self.sides_rule.repeats
 
     @property
     def gap(self) -> float:

@@ -186,7 +186,7 @@ class Case:
     @property
     def bears_along_z(self) -> bool:
         """True if something bears a force along z: a bottom, or a grain that is held along z."""
-        return self.boundary.bottom != "free" or any(
+        return self.boundary.bottom_rule.bears or any(
             "z" in hold.axes for hold in self.holds.values()
         )
 

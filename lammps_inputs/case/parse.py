@@ -211,7 +211,7 @@ def parse_case(
     packing = parts.get("packing")
     added = parts.pop("grains")
     if packing is not None and (added or packing.gaps):
-        periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
+        periodic = parts["boundary"] is not None and parts["boundary"].periodic
         packing = parts["packing"] = with_added_grains(
             packing, added, materials, errors, periodic=periodic, stored=stored
         )

@@ -165,29 +165,28 @@ def _check_history(case: Case, errors: ErrorList) -> None:
 def _check_boundary(case: Case, errors: ErrorList) -> None:
     """Check that a packing can have such a bottom and such sides."""
     kind = case.packing.kind
-    bottom = case.boundary.bottom
-    sides = case.boundary.sides
+    bottom = case.boundary.bottom_rule
+    periodic = case.boundary.periodic
     if case.packing.grains is not None:
         text = 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
-        errors.check((bottom == "periodic", "boundary.bottom", text))
-        if sides == "periodic" and case.packing.period is None:
+        errors.check((bottom.repeats, "boundary.bottom", text))
+        if periodic and case.packing.period is None:
             raise WrongTable("packing.period")  # see `grains.check_places`
         return
     rule = case.packing.rule
     nx, ny, nz = case.packing.lattice().shape
-    endless = bottom == "periodic" and not rule.is_chain
-    periodic = sides == "periodic"
+    endless = bottom.repeats and not rule.is_chain
     across = min(
         (n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes),
         default=_LEAST_PERIODIC,
     )
-    errors.check((bottom == "fixed" and nz == 1, "boundary.bottom",
+    errors.check((bottom.holds_layer and nz == 1, "boundary.bottom",
                   'found "fixed" with a single layer, which is struck; expected two layers or more'))  # fmt: skip
     errors.check_first(
         (endless and "z" not in rule.axes, "boundary.bottom",
          f'found "periodic" for {kind}, a single layer; expected "free"'),
         (endless and not periodic, "boundary.sides",
-         f'found {show(sides)} with boundary.bottom = "periodic", expected "periodic": both or none'),
+         f'found {show(case.boundary.sides)} with boundary.bottom = "periodic", expected "periodic": both or none'),
         (endless and nz % rule.layer_period, "packing.size",
          f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless {kind}"),
     )  # fmt: skip
@@ -226,7 +225,7 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
                  f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses"),
             )  # fmt: skip
     errors.check(
-        (case.bar and case.boundary.bottom != "free", "boundary.bottom",
+        (case.bar and case.boundary.bottom_rule.bears, "boundary.bottom",
          f'found {show(case.boundary.bottom)} beside [bar], expected "free": the bar is what is below'),
         (case.incident_bar and case.striker, "striker", "found beside [incident_bar]; take one of them out"),
     )  # fmt: skip
@@ -329,7 +328,7 @@ def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
             errors.add(key, f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; leave it "
                        f"out of [[{key.partition('.')[0]}]], or strike another (load.index)")  # fmt: skip
     held = sorted(struck & set(assembly.lattice.last_layer.tolist()))
-    if held and case.boundary.bottom == "fixed":
+    if held and case.boundary.bottom_rule.holds_layer:
         errors.add(
             "load.index",
             f'found {held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds',
@@ -341,7 +340,8 @@ def _check_below(assembly: Assembly, errors: ErrorList) -> None:
     act on strikers.
     """
     case = assembly.case
-    if not case.packing.rule.is_chain or (case.boundary.bottom != "wall" and case.bar is None):
+    has_plane = case.boundary.bottom_rule.has_plane or case.bar is not None
+    if not case.packing.rule.is_chain or not has_plane:
         return
     what = "bar" if case.bar is not None else "wall at the bottom"
     for n, (_, centre) in enumerate(assembly.strikers, start=1):

@@ -69,7 +69,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
     if grains is None:
         return
     periodic = (
-        "boundary" in vars(case) and case.boundary.sides == "periodic"
+        "boundary" in vars(case) and case.boundary.periodic
     )  # a wrong boundary hides no overlaps
     if periodic:
         before = len(errors.lines)
@@ -150,9 +150,9 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
             f"found with cylinders, expected {path}",
         ),
     )
-    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (
-        case.boundary.bottom == "wall"
-    )
+    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)]
+    if case.boundary.bottom_rule.has_plane:
+        planes.append("z")
     for shape in cylinders:
         for letter in planes:
             if _OBLIQUE < abs(shape.axis["xyz".index(letter)]) < 1 - _OBLIQUE:

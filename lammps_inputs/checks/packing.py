@@ -54,7 +54,7 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
           for key, entry in replaced.items()),
     )  # fmt: skip
     errors.check(
-        (case.boundary.sides == "periodic", "boundary.sides",
+        (case.boundary.periodic, "boundary.sides",
          'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'),
     )  # fmt: skip
 
@@ -99,7 +99,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
     )
     if errors.lines:
         return  # the named spheres are unknown while other keys are wrong
-    lattice = packing.lattice(periodic=case.boundary.sides == "periodic")
+    lattice = packing.lattice(periodic=case.boundary.periodic)
     present = np.ones(n, dtype=bool)
     if packing.vacancies:
         named = named_spheres(case, lattice)
@@ -159,9 +159,9 @@ def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
     lattice = sites.lattice
     boundary = case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
-    planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
+    planes = [("bottom", 2, high[2], 1)] if boundary.bottom_rule.has_plane else []
     planes += [("plate", 2, low[2], -1)] if case.load.plate is not None else []
-    if boundary.sides == "wall":
+    if boundary.sides_rule.has_planes:
         low[:2] -= max(boundary.gap, 0.0)
         high[:2] += max(boundary.gap, 0.0)
         planes += [(f"{letter}{end}", axis, plane[axis], sign) for axis, letter in enumerate("xy")

@@ -52,14 +52,15 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         return
     flat = rule.on_all_faces and lattice and not packing.rule.has_faces
     support = boundary.bottom_support
+    bottom = boundary.bottom_rule
     errors.check(
         (flat, f"{PRECOMPRESSION}.kind",
          f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
-        (rule.on_all_faces and not flat and boundary.sides != "free" and boundary.bottom != "periodic" and lattice,
+        (rule.on_all_faces and not flat and not boundary.sides_rule.is_free and not bottom.repeats and lattice,
          "boundary.sides",
          f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
          "the pressure is on the sides too"),
-        (not rule.on_all_faces and boundary.bottom == "free" and lattice and not (chain and rule.on_top),
+        (not rule.on_all_faces and not bottom.bears and lattice and not (chain and rule.on_top),
          "boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear'),
         (rule.on_top and packing.rule.is_layer, f"{PRECOMPRESSION}.kind",
          'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
@@ -119,7 +120,7 @@ def _confined(case: Case) -> str:
     """Return the values of keys with which a packing that spreads is confined."""
     if case.packing.rule.is_plane_crystal:
         return '"periodic"'
-    free = "" if case.boundary.sides == "free" else ' with boundary.sides = "free"'
+    free = "" if case.boundary.sides_rule.is_free else ' with boundary.sides = "free"'
     return f'"periodic", or precompression.kind = "uniform"{free}'
 
 
@@ -159,7 +160,7 @@ def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> 
     (nx, ny, nz), packing, boundary = shape, case.packing, case.boundary
     if packing.rule.is_plane_crystal and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
-    held = stage.rule.holds_layers or boundary.sides == "periodic" or boundary.bottom == "fixed"
+    held = stage.rule.holds_layers or boundary.periodic or boundary.bottom_rule.holds_layer
     layers = packing.rule.set_back and nz > 1 and nx * ny > 1
     return layers and not held and not isinstance(packing.vacancies, tuple)
 
@@ -240,7 +241,7 @@ def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList)
     their law.
     """
     for name, force in stage.presses.items():
-        wall = next((wall for wall in walls(assembly) if wall.name.startswith(name)), None)
+        wall = next((wall for wall in walls(assembly) if wall.key == name), None)
         grains = [] if wall is None else grains_at_wall(assembly, wall).tolist()
         if not grains or assembly.shape_of(grains[0]) is not None:  # a cylinder stays elastic
             continue

@@ -80,7 +80,7 @@ class LoadOnTop(DeadLoad):
         lattice = assembly.lattice
         force = np.zeros((len(ids), 3))
         force[np.isin(ids, lattice.top_layer), 2] = force_on_top(assembly)
-        if assembly.case.boundary.bottom == "free" and lattice.rule.is_chain:
+        if not assembly.case.boundary.bottom_rule.bears and lattice.rule.is_chain:
             force[np.isin(ids, lattice.last_layer), 2] = -force_on_top(assembly)
         return force
 
@@ -118,7 +118,8 @@ class Weight(DeadLoad):
     def force_of_contact(self, assembly: Assembly) -> float:
         lattice = assembly.lattice
         n_layers = lattice.n_layers
-        held = assembly.case.boundary.bottom == "fixed" and not isinstance(lattice, Places)
+        bottom = assembly.case.boundary.bottom_rule
+        held = bottom.holds_layer and not isinstance(lattice, Places)
         mass = float(assembly.sphere_masses().sum())
         weight = mass * _stage_of(assembly).acceleration / len(lattice.last_layer)
         return _share_of(weight * (n_layers - held) / n_layers, assembly)
@@ -177,7 +178,7 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
     lattice = assembly.lattice
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
     force = _dead_load(assembly).forces(assembly, ids)
-    if assembly.case.boundary.bottom == "fixed":
+    if assembly.case.boundary.bottom_rule.holds_layer:
         force[np.isin(ids, lattice.last_layer)] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
@@ -253,7 +254,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     lattice = assembly.lattice
     sites = assembly.sites
     ranges = [np.arange(-reach, n + reach) for reach, n in zip(_SHELL, lattice.shape, strict=True)]
-    if case.boundary.bottom != "free":
+    if case.boundary.bottom_rule.bears:
         ranges[2] = ranges[2][: -_SHELL[2]]
     if lattice.rule.dimension == 2:
         ranges[2] = np.zeros(1, dtype=np.int64)

@@ -195,7 +195,7 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
         if loaded & set(hold.axes)
         for one in held_ids(case, hold)
     }
-    if case.boundary.bottom == "fixed":
+    if case.boundary.bottom_rule.holds_layer:
         still |= set(assembly.lattice.last_layer.tolist())
     rest = [place for place, one in enumerate(ids) if one not in still and place != first]
     return MeasuredRow(group, ids, first, rest[-1] if rest else len(ids) - 1)

@@ -346,14 +346,13 @@ def coordinate(assembly: Assembly, wall: Wall) -> str:
     """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a force as a
     formula.
     """
-    name = "tube" if wall.tube else "xyz"[wall.axis]
     place = wall.coordinate
     if not wall.tube:
         place -= float(assembly.deck_origin[wall.axis])
     stage = assembly.case.precompression
-    if stage is None or name not in stage.presses:
+    if stage is None or wall.key not in stage.presses:
         return num(place)
-    return f"$({num(place)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
+    return f"$({num(place)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(wall.key)}:%.17g)"
 
 
 def moved_wall(name: str) -> str:

@@ -215,7 +215,7 @@ def places_of(grains: Grains, diameter: float, period: tuple[float, float] | Non
 
 def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     """Return the lattice of a packing, or the places of its grains."""
-    periodic = boundary.sides == "periodic"
+    periodic = boundary.periodic
     if packing.grains is None:
         return packing.lattice(periodic=periodic)
     return places_of(packing.grains, packing.diameter, packing.period if periodic else None)

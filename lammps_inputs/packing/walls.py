@@ -69,6 +69,18 @@ class Wall:
         default=(), repr=False, compare=False
     )
 
+    @property
+    def key(self) -> str:
+        """Key of ``[precompression]`` that moves it: x, y or tube; z, which is none, of the bottom and a
+        plate.
+        """
+        return "tube" if self.tube else "xyz"[self.axis]
+
+    @property
+    def is_side(self) -> bool:
+        """True for a tube, and for planes across x and y."""
+        return self.name in SIDE_WALLS
+
     def moved_in(self, distance: float) -> Wall:
         """Return the wall after it has moved towards the packing by a distance, m."""
         return dataclasses.replace(self, coordinate=self.coordinate - self.outward * distance)
@@ -113,7 +125,7 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
     found = []
     boundary = case.boundary
     moves = case.precompression.moves if case.precompression else {}
-    if boundary.bottom not in ("free", "periodic"):
+    if boundary.bottom_rule.stops:
         material = boundary.bottom_material
         support = boundary.bottom_support
         found.append(
@@ -122,7 +134,7 @@ def _walls(assembly: Assembly) -> tuple[Wall, ...]:
                 2,
                 1,
                 assembly.bottom(),
-                boundary.bottom == "fixed",
+                boundary.bottom_rule.holds_layer,
                 material=material,
                 support=support,
             )
@@ -178,10 +190,7 @@ def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
     stage = assembly.case.precompression
     names = stage.presses if stage else {}
     there = walls(assembly)
-    return {
-        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
-        for name in names
-    }
+    return {name: [wall for wall in there if wall.key == name] for name in names}
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
@@ -208,7 +217,7 @@ def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
         reach = sites.diameter[others] / 2 if wall.tube else _reach(assembly, others, wall.axis)
         gaps = wall.gaps(sites.positions(1, len(sites.present))[others], reach)
         deepest = int(np.argmin(gaps))
-        depth = -float(gaps[deepest]) - moved.get("tube" if wall.tube else wall.name[0], 0.0)
+        depth = -float(gaps[deepest]) - moved.get(wall.key, 0.0)
         if depth > TOUCHING * assembly.case.packing.diameter:
             found.append((wall.name, int(others[deepest]) + 1, depth))
     return found

@@ -374,7 +374,7 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     (centre,), (last,) = (lattice.positions(one, one) for one in (sphere, lattice.n_spheres))
     room = {"bottom": float(last[2] - centre[2])}
     (nx, ny, _), (i, j, _) = lattice.shape, lattice.indices(sphere)
-    if case.boundary.sides == "periodic":
+    if case.boundary.periodic:
         room["sides"] = min(lattice.lengths) / 2
     elif nx > 1 or ny > 1:  # to the nearest end of a row
         ends = [(0, sphere + (end - i)) for end in (0, nx - 1) if nx > 1]

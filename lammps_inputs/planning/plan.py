@@ -182,7 +182,7 @@ def _refuse_endless(case: Case) -> None:
     runs.
     """
     stage = case.precompression
-    if case.boundary.bottom == "periodic":
+    if case.boundary.bottom_rule.repeats:
         raise InputError(
             f'{case.name}: boundary.bottom: found "periodic": an endless packing has bands (granwave bands), not '
             'runs; expected "wall", "fixed" or "free"'

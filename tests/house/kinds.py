@@ -24,6 +24,8 @@ OWN = (
     "lammps_inputs/case/packing.py",
     "lammps_inputs/case/load.py",
     "lammps_inputs/case/boundary.py",
+    "lammps_inputs/case/bounds.py",
+    "lammps_inputs/case/precompression.py",
 )
 TABLES = ("load", "packing", "precompression", "stage", "lattice", "support")  # with a kind
 KEYS = ("load.kind", "packing.kind", "precompression.kind", "boundary.bottom", "boundary.sides")

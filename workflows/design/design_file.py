@@ -17,6 +17,7 @@ import numpy as np
 
 from granwave.analysis.document.model import is_number
 from granwave.analysis.scans.result import SEED
+from granwave.lammps_inputs.case.bounds import is_target
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.case.schema import (
@@ -378,7 +379,7 @@ def _objectives(
             f"found {len(found)} values, expected one, or two different ones, under minimise or maximise",
         )
     bottom = base.get("boundary", {}).get("bottom", "wall") if base else "wall"
-    without_target = bottom in ("free", "periodic") and "bar" not in base
+    without_target = "bar" not in base and not is_target(bottom)
     for one in found:
         of_target = any(fnmatchcase(one.name, pattern) for pattern in _OF_TARGET)
         errors.check((

@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import HertzImpact, after_impulse
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun, impact_title
@@ -81,7 +80,7 @@ def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] |
     """Largest displacement of an undamped plate, m, and the theory that it is from; None between
     the two limits.
     """
-    period = period_of(plate)
+    period = plate.period
     if plate.damping:
         return None
     if period > _SHORT * impact.duration:
