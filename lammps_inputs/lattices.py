@@ -82,6 +82,8 @@ class PackingKind:
     ----------
     label
         Name of the kind in titles.
+    layers
+        What its layers are, in the table of the manual.
     axes
         The lattice directions that ``packing.size`` counts, of "xyz"; empty for grains that are on
         no lattice.
@@ -99,6 +101,7 @@ class PackingKind:
     """
 
     label: str
+    layers: str
     axes: str
     layer_period: int = 1
     row_period: int = 1
@@ -135,13 +138,19 @@ class PackingKind:
         return "y" in self.axes
 
     @property
+    def size_form(self) -> str:
+        """Form of ``packing.size``: ``[nx, ny, nz]``, ``[nx, nz]``, or ``n`` of a chain."""
+        counts = ", ".join(f"n{axis}" for axis in self.axes)
+        return "n" if self.is_chain else f"[{counts}]"
+
+    @property
     def title(self) -> str:
         """Name in titles: ``Chain``, ``FCC packing``."""
         return self.label if self.is_chain else f"{self.label} packing"
 
     @property
     def noun(self) -> str:
-        """Name in sentences about packings without faces: ``a chain``, ``a crystal in the plane``."""
+        """Name of a packing without faces in sentences: ``a chain``, ``a crystal in the plane``."""
         return "a chain" if self.is_chain else "a crystal in the plane"
 
     @property
@@ -273,6 +282,7 @@ _SIMPLE_PITCH = (1.0, 1.0)
 KINDS: dict[str, PackingKind] = {
     "fcc": PackingKind(
         label="FCC",
+        layers="hexagonal, in the order ABC; impact along [111]",
         axes="xyz",
         layer_period=3,
         row_period=2,
@@ -282,6 +292,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "hcp": PackingKind(
         label="HCP",
+        layers="hexagonal, in the order AB",
         axes="xyz",
         layer_period=2,
         row_period=2,
@@ -291,6 +302,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "bcc": PackingKind(
         label="BCC",
+        layers="square, odd ones shifted by half a side",
         axes="xyz",
         layer_period=2,
         pitch=_BODY_CENTRED_PITCH,
@@ -299,6 +311,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "sc": PackingKind(
         label="Simple cubic",
+        layers="square, on top of each other",
         axes="xyz",
         pitch=_SIMPLE_PITCH,
         site=_simple,
@@ -306,6 +319,7 @@ KINDS: dict[str, PackingKind] = {
     ),
     "square": PackingKind(
         label="Square",
+        layers="one layer",
         axes="xy",
         pitch=_SIMPLE_PITCH,
         site=_simple,
@@ -313,6 +327,8 @@ KINDS: dict[str, PackingKind] = {
     ),
     "hexagonal": PackingKind(
         label="Hexagonal",
+        layers="rows of n and n - 1 in turn in the x-z plane, six neighbours; "
+        "`top_row` says which is struck",
         axes="xz",
         layer_period=2,
         pitch=_SIMPLE_PITCH,
@@ -321,16 +337,25 @@ KINDS: dict[str, PackingKind] = {
     ),
     "centred-square": PackingKind(
         label="Centred square",
+        layers="the same, rows apart by a side of a square: four neighbours, at 45 degrees",
         axes="xz",
         layer_period=2,
         pitch=(math.sqrt(2), 1.0),
         site=_centred_square,
         planes=(Plane(_X, _Z),),
     ),
-    "chain": PackingKind(label="Chain", axes="z", pitch=_SIMPLE_PITCH, site=_simple, planes=()),
+    "chain": PackingKind(
+        label="Chain",
+        layers="one column along z",
+        axes="z",
+        pitch=_SIMPLE_PITCH,
+        site=_simple,
+        planes=(),
+    ),
 }
 _FREE = PackingKind(
     label="Grains of a file",
+    layers="none",
     axes="",
     pitch=_SIMPLE_PITCH,
     site=_no_site,

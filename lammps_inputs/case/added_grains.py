@@ -283,7 +283,8 @@ def with_added_grains(
             (both == (entry.ring is not None), key,
              f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
             (holes_of and not packing.rule.is_close_packed, f"{key}.at",
-             f"found {holes_of} with packing.kind = {show(packing.kind)}, expected {holed}, or places"),
+             f"found {holes_of} with packing.kind = {show(packing.kind)}, "
+             f"expected {holed}, or places"),
             (holes_of and entry.repeat, f"{key}.repeat", f"found beside at = {holes_of}, which are all such holes"),
         )  # fmt: skip
         check_shape(entry, key, errors)

@@ -317,7 +317,7 @@ def check_size(packing: PackingSection, errors: ErrorList) -> bool:
     axes = packing.rule.axes
     size = show(packing.size)
     in_rows = packing.rule.is_plane_crystal
-    form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
+    form = f"a number {packing.rule.size_form}" if len(axes) == 1 else packing.rule.size_form
     return packing.grains is not None or errors.check_first(
         (len(packing.size) != len(axes), _KEY, f"found {size}, expected {form} for {packing.kind}"),
         (in_rows and packing.top_row != "equal" and packing.size[0] <= 1, _KEY,

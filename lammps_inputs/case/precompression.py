@@ -11,6 +11,7 @@ import dataclasses
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
 
@@ -90,6 +91,21 @@ class StaticLoad:
             found = f'belongs to {_KIND}"gravity"; found "{self.name}"'
             errors.add(f"{PRECOMPRESSION}.acceleration", found)
 
+    def check_bounds(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+        """Check that the boundary can bear a load that moves no walls."""
+        support = boundary.bottom_support
+        self._check_bottom(packing, boundary, errors)
+        errors.check(
+            (support is not None and not support.bears, "boundary.bottom.bar.end",
+             f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
+             "such a bar gives way to a load that lasts"),
+        )  # fmt: skip
+
+    def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+        unborne = packing.rule.is_lattice and not boundary.bottom_rule.bears
+        found = f'found "free" under a {self.name} precompression, which something must bear'
+        errors.check((unborne, "boundary.bottom", found))
+
     def _foreign_sizes(self, stage: Precompression) -> list[str]:
         return [name for name in stage.sizes if name not in self.sizes]
 
@@ -135,6 +151,12 @@ class Uniaxial(LoadOnFaces):
     sizes = ("pressure", "force")
     on_top = True
 
+    def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+        if not packing.rule.is_chain:  # without a bottom, the last bead bears the opposite force
+            super()._check_bottom(packing, boundary, errors)
+        layer = 'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'
+        errors.check((packing.rule.is_layer, f"{PRECOMPRESSION}.kind", layer))
+
 
 class Uniform(LoadOnFaces):
     """The same pressure on all free faces."""
@@ -144,6 +166,19 @@ class Uniform(LoadOnFaces):
     sizes = ("pressure",)
     on_all_faces = True
     holds_layers = True
+
+    def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
+        rule = packing.rule
+        called = rule.noun if rule.is_chain else packing.kind
+        repeats = boundary.bottom_rule.repeats
+        beside = rule.has_faces and not repeats and not boundary.sides_rule.is_free
+        errors.check(
+            (rule.is_lattice and not rule.has_faces, f"{PRECOMPRESSION}.kind",
+             f'found "uniform" for {called}, expected "uniaxial" with a force'),
+            (beside, "boundary.sides",
+             f'found {show(boundary.sides)} with precompression.kind = "uniform", '
+             'expected "free": the pressure is on the sides too'),
+        )  # fmt: skip
 
 
 class Gravity(StaticLoad):

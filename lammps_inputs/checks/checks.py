@@ -186,7 +186,8 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
         (endless and "z" not in rule.axes, "boundary.bottom",
          f'found "periodic" for {kind}, a single layer; expected "free"'),
         (endless and not periodic, "boundary.sides",
-         f'found {show(case.boundary.sides)} with boundary.bottom = "periodic", expected "periodic": both or none'),
+         f'found {show(case.boundary.sides)} with boundary.bottom = "periodic", '
+         'expected "periodic": both or none'),
         (endless and nz % rule.layer_period, "packing.size",
          f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless {kind}"),
     )  # fmt: skip
@@ -219,7 +220,8 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
     for name, bar in ((BAR, case.bar), (INCIDENT_BAR, case.incident_bar)):
         if bar is not None:
             errors.check_first(
-                (not case.packing.rule.is_chain, name, f"found with packing.kind = {show(kind)}, expected a chain"),
+                (not case.packing.rule.is_chain, name,
+                 f"found with packing.kind = {show(kind)}, expected a chain"),
                 (bar.length > longest * bar.elements, f"{name}.elements",
                  f"found {bar.elements} in {bar.length:g} m, expected {math.ceil(bar.length / longest)} or more: "
                  f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses"),

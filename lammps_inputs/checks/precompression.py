@@ -40,9 +40,9 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
     rule = stage.rule
     rule.check_keys(stage, packing, errors)
     lattice = packing.grains is None
-    chain = packing.rule.is_chain
+    key = "kind" if rule.from_overlaps else "overlaps"
     errors.check(
-        (stage.takes_overlaps and lattice, f"{PRECOMPRESSION}.{'kind' if rule.from_overlaps else 'overlaps'}",
+        (stage.takes_overlaps and lattice, f"{PRECOMPRESSION}.{key}",
          f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
          "[[grains]]): spheres of a lattice just touch"),
     )  # fmt: skip
@@ -50,24 +50,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(case, stage, errors)
         return
-    flat = rule.on_all_faces and lattice and not packing.rule.has_faces
-    support = boundary.bottom_support
-    bottom = boundary.bottom_rule
-    errors.check(
-        (flat, f"{PRECOMPRESSION}.kind",
-         f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
-        (rule.on_all_faces and not flat and not boundary.sides_rule.is_free and not bottom.repeats and lattice,
-         "boundary.sides",
-         f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
-         "the pressure is on the sides too"),
-        (not rule.on_all_faces and not bottom.bears and lattice and not (chain and rule.on_top),
-         "boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear'),
-        (rule.on_top and packing.rule.is_layer, f"{PRECOMPRESSION}.kind",
-         'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
-        (support is not None and not support.bears, "boundary.bottom.bar.end",
-         f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
-         "such a bar gives way to a load that lasts"),
-    )  # fmt: skip
+    rule.check_bounds(packing, boundary, errors)
 
 
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
@@ -178,7 +161,8 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
         errors.check_first(
             (not there[name], f"{PRECOMPRESSION}.{name}",
              f"found {distance:g} m, but there is no such wall; expected {_wall_key(name)}"),
-            (name in stage.presses, f"{PRECOMPRESSION}.{name}", f"found beside {name}_force; give one of them"),
+            (name in stage.presses, f"{PRECOMPRESSION}.{name}",
+             f"found beside {name}_force; give one of them"),
             (distance > most, f"{PRECOMPRESSION}.{name}",
              f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii"),
         )  # fmt: skip

@@ -71,9 +71,7 @@ class Wall:
 
     @property
     def key(self) -> str:
-        """Key of ``[precompression]`` that moves it: x, y or tube; z, which is none, of the bottom and a
-        plate.
-        """
+        """Key of ``[precompression]`` that moves it: x, y or tube; z of those that stay."""
         return "tube" if self.tube else "xyz"[self.axis]
 
     @property

@@ -13,10 +13,10 @@ import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 
-from tests.house.rules import ROOT, name_of
+from tests.house.rules import name_of, python_files
 
 EXCEPTIONS = Path(__file__).parent / "kinds.toml"
-FOLDERS = ("analysis", "lammps_inputs", "workflows")
+FOLDERS = ("analysis/", "lammps_inputs/", "workflows/")
 
 # Files of the classes themselves, which read the texts of case files.
 OWN = (
@@ -133,7 +133,8 @@ def is_text(node: ast.AST) -> bool:
 def lines() -> dict[str, list[int]]:
     """Lines that ask for a kind, by file."""
     found = {}
-    for path in sorted(path for folder in FOLDERS for path in (ROOT / folder).rglob("*.py")):
+    paths = [path for path in python_files() if name_of(path).startswith(FOLDERS)]
+    for path in paths:
         numbers = sorted(comparisons(ast.parse(path.read_text(encoding="utf-8"))))
         if numbers and name_of(path) not in OWN:
             found[name_of(path)] = numbers
