@@ -71,6 +71,35 @@ class Plane:
     down_label: str = "Depth"
 
 
+@dataclasses.dataclass(frozen=True)
+class PowerLaw:
+    """A length that grows with a power of the energy put in: factor, diameters, and power."""
+
+    factor: float
+    power: float
+
+    def __call__(self, energy: float) -> float:
+        """Return the length at an energy over F_y alpha_y, diameters."""
+        return self.factor * energy**self.power
+
+
+@dataclasses.dataclass(frozen=True)
+class ZoneGrowth:
+    """Growth of the plastic zone under an impact.
+
+    Attributes
+    ----------
+    depth, radius
+        Depth below the struck sphere, and radius from the impact axis.
+    spread
+        Factor of uncertainty of both.
+    """
+
+    depth: PowerLaw
+    radius: PowerLaw
+    spread: float
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
 class PackingKind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its
@@ -98,6 +127,8 @@ class PackingKind:
     planes
         Principal and orthogonal plane of sections; None: vertical planes along and across the first
         preferred direction.
+    zone_growth
+        Growth of the plastic zone, as runs have shown it; None: not known.
     """
 
     label: str
@@ -108,6 +139,7 @@ class PackingKind:
     pitch: tuple[float, float]
     site: Site
     planes: tuple[Plane, ...] | None = None
+    zone_growth: ZoneGrowth | None = None
 
     @property
     def is_lattice(self) -> bool:
@@ -279,6 +311,10 @@ _HEXAGONAL_PITCH = (1.0, math.sqrt(3) / 2)
 _BODY_CENTRED_PITCH = (2 / math.sqrt(3), 2 / math.sqrt(3))
 _SIMPLE_PITCH = (1.0, 1.0)
 
+_OF_CLOSE_PACKED = ZoneGrowth(PowerLaw(1.30, 0.255), PowerLaw(1.0, 0.265), spread=1.5)
+_OF_BODY_CENTRED = ZoneGrowth(PowerLaw(1.30, 0.32), PowerLaw(2.2, 0.26), spread=1.4)
+_ALONG_A_LINE = ZoneGrowth(PowerLaw(75.0, 0.0), PowerLaw(0.0, 0.0), spread=1.0)
+
 KINDS: dict[str, PackingKind] = {
     "fcc": PackingKind(
         label="FCC",
@@ -289,6 +325,7 @@ KINDS: dict[str, PackingKind] = {
         pitch=_HEXAGONAL_PITCH,
         site=_hexagonal(3),
         planes=(Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
+        zone_growth=_OF_CLOSE_PACKED,
     ),
     "hcp": PackingKind(
         label="HCP",
@@ -299,6 +336,7 @@ KINDS: dict[str, PackingKind] = {
         pitch=_HEXAGONAL_PITCH,
         site=_hexagonal(2),
         planes=(Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z)),
+        zone_growth=_OF_CLOSE_PACKED,
     ),
     "bcc": PackingKind(
         label="BCC",
@@ -308,6 +346,7 @@ KINDS: dict[str, PackingKind] = {
         pitch=_BODY_CENTRED_PITCH,
         site=_body_centred,
         planes=(Plane(_DIAGONAL, _Z), Plane(_X, _Z)),
+        zone_growth=_OF_BODY_CENTRED,
     ),
     "sc": PackingKind(
         label="Simple cubic",
@@ -316,6 +355,7 @@ KINDS: dict[str, PackingKind] = {
         pitch=_SIMPLE_PITCH,
         site=_simple,
         planes=(Plane(_X, _Z), Plane(_DIAGONAL, _Z)),
+        zone_growth=_ALONG_A_LINE,
     ),
     "square": PackingKind(
         label="Square",
@@ -351,6 +391,7 @@ KINDS: dict[str, PackingKind] = {
         pitch=_SIMPLE_PITCH,
         site=_simple,
         planes=(),
+        zone_growth=_ALONG_A_LINE,
     ),
 }
 _FREE = PackingKind(
