@@ -84,7 +84,7 @@ class PowerLaw:
 
 
 @dataclasses.dataclass(frozen=True)
-class ZoneGrowth:
+class ZoneEstimate:
     """Growth of the plastic zone under an impact.
 
     Attributes
@@ -139,7 +139,7 @@ class PackingKind:
     pitch: tuple[float, float]
     site: Site
     planes: tuple[Plane, ...] | None = None
-    zone_growth: ZoneGrowth | None = None
+    zone_growth: ZoneEstimate | None = None
 
     @property
     def is_lattice(self) -> bool:
@@ -311,9 +311,9 @@ _HEXAGONAL_PITCH = (1.0, math.sqrt(3) / 2)
 _BODY_CENTRED_PITCH = (2 / math.sqrt(3), 2 / math.sqrt(3))
 _SIMPLE_PITCH = (1.0, 1.0)
 
-_OF_CLOSE_PACKED = ZoneGrowth(PowerLaw(1.30, 0.255), PowerLaw(1.0, 0.265), spread=1.5)
-_OF_BODY_CENTRED = ZoneGrowth(PowerLaw(1.30, 0.32), PowerLaw(2.2, 0.26), spread=1.4)
-_ALONG_A_LINE = ZoneGrowth(PowerLaw(75.0, 0.0), PowerLaw(0.0, 0.0), spread=1.0)
+_OF_CLOSE_PACKED = ZoneEstimate(PowerLaw(1.30, 0.255), PowerLaw(1.0, 0.265), spread=1.5)
+_OF_BODY_CENTRED = ZoneEstimate(PowerLaw(1.30, 0.32), PowerLaw(2.2, 0.26), spread=1.4)
+_ALONG_A_LINE = ZoneEstimate(PowerLaw(75.0, 0.0), PowerLaw(0.0, 0.0), spread=1.0)
 
 KINDS: dict[str, PackingKind] = {
     "fcc": PackingKind(
