@@ -126,6 +126,16 @@ class Support(abc.ABC):
             Radius of the packing's footprint, m.
         """
 
+    def absorber(self, material: Material | None) -> tuple[float, float] | None:
+        """Return spring (N/m) and damper (N s/m) of a surface without an echo; None for others.
+
+        Parameters
+        ----------
+        material
+            Material of the surface.
+        """
+        return None
+
     @abc.abstractmethod
     def label(self, material: str) -> str:
         """Return its name in tables and titles: ``plate of 0.5 kg, 314 µs``.
@@ -210,6 +220,12 @@ class HalfSpace(Support):
         )
         return Backing(0.0, stiffness, damping)
 
+    def absorber(self, material: Material | None) -> tuple[float, float] | None:
+        if self.radius is None:  # it depends on the packing
+            return None
+        behind = self.backing(material, self.radius)
+        return behind.stiffness, behind.damping
+
     def label(self, material: str) -> str:
         disc = f", disc of {1e3 * self.radius:g} mm" if self.radius else ""
         return f"{material} half-space{disc}"
@@ -239,13 +255,21 @@ class SupportBar(Support):
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         assert material is not None
-        impedance = self.area * math.sqrt(material.youngs_modulus * material.density)
+        impedance = self._impedance(material)
         return Backing(
             material.density * self.area * self.length,
             material.youngs_modulus * self.area * self.elements / self.length,
             elements=self.elements,
             end=impedance if self.end == "infinite" else self.end,
         )
+
+    def absorber(self, material: Material | None) -> tuple[float, float] | None:
+        if self.end != "infinite" or material is None:
+            return None
+        return 0.0, self._impedance(material)
+
+    def _impedance(self, material: Material) -> float:
+        return self.area * math.sqrt(material.youngs_modulus * material.density)
 
     def label(self, material: str) -> str:
         end = "" if self.end == "infinite" else f", far end {self.end}"
