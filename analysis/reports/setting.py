@@ -284,7 +284,8 @@ def _static(case: Mapping[str, Any]) -> str:
     for key, unit in (("pressure", "Pa"), ("force", "N")):
         if isinstance(size := case.get(f"precompression.{key}"), float | int):
             return f"under {quantity_in(size, unit)}"
-    return STATIC_LOADS[kind].phrase if kind in STATIC_LOADS else "precompressed"
+    load = STATIC_LOADS.get(kind)
+    return "precompressed" if load is None else load.phrase
 
 
 def _bottom(case: Mapping[str, Any]) -> str:

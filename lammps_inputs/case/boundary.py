@@ -63,6 +63,11 @@ class Backing:
     elements: int = 0
     end: float | str = "free"
 
+    @property
+    def is_damper(self) -> bool:
+        """True for a damper without a mass or a spring."""
+        return not self.mass and not self.stiffness
+
     def longest_timestep(self, contacts: float) -> float:
         """Return the longest timestep that resolves its motion under contacts of this stiffness in
         sum (N/m), s.

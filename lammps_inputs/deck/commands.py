@@ -10,7 +10,6 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from granwave.lammps_inputs.case.boundary import Damper
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
@@ -401,7 +400,7 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
     behind = backing_of(assembly, wall, material)
     if behind is None:
         return []
-    if isinstance(wall.support, Damper):
+    if behind.is_damper:
         return ["support", "damper", num(behind.damping)]
     if not behind.elements:
         return ["support", *map(num, (behind.mass, behind.stiffness, behind.damping))]
