@@ -175,6 +175,7 @@ def restitution(result: Result) -> float | None:
     case = result.case
     boundary = result.case.boundary
     load = result.case.load
+    bottom = boundary.bottom_rule
     moves = boundary.bottom_material is not None or boundary.bottom_support is not None
     if (
         not load.gives_velocity
@@ -191,9 +192,9 @@ def restitution(result: Result) -> float | None:
         float(result["energy/struck_velocity"][-1])
         / velocities_of(result.assembly)[result.struck[0]][2]
     )
-    if result.n_spheres == 2 and case.packing.kind == "chain" and boundary.bottom == "free":
+    if result.n_spheres == 2 and case.packing.rule.is_chain and not bottom.bears:
         return 1 - 2 * left
-    return -left if result.n_spheres == 1 and boundary.bottom == "wall" else None
+    return -left if result.n_spheres == 1 and bottom.has_plane else None
 
 
 def _energies(result: Result) -> Summary:

@@ -37,6 +37,8 @@ _REACH = (
 )  # touching spheres are nearer than this in (i, j, k)
 _BATCH = 1_000_000  # sites processed at once
 _IN_HEXAGONAL_LAYER = 6  # neighbours
+_CLOSE_PACKED_COORDINATION = 12
+_ALONG = 1e-9  # component of a contact direction from which on it has a part along an axis
 _IMAGE = 8.0  # period along y of a periodic crystal in x-z, diameters: its images are far apart
 ROWS = ("long", "short", "equal")  # choices of `packing.top_row`
 
@@ -69,15 +71,48 @@ class Plane:
     down_label: str = "Depth"
 
 
-@dataclasses.dataclass(frozen=True, eq=False)
-class Kind:
+@dataclasses.dataclass(frozen=True)
+class PowerLaw:
+    """A length that grows with a power of the energy put in: factor, diameters, and power."""
+
+    factor: float
+    power: float
+
+    def __call__(self, energy: float) -> float:
+        """Return the length at an energy over F_y alpha_y, diameters."""
+        return self.factor * energy**self.power
+
+
+@dataclasses.dataclass(frozen=True)
+class ZoneEstimate:
+    """Growth of the plastic zone under an impact.
+
+    Attributes
+    ----------
+    depth, radius
+        Depth below the struck sphere, and radius from the impact axis.
+    spread
+        Factor of uncertainty of both.
+    """
+
+    depth: PowerLaw
+    radius: PowerLaw
+    spread: float
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True, eq=False)
+class PackingKind:
     """One kind of packing, given by its sites in diameters; all other properties follow from its
-    contacts.
+    axes and contacts.
+
+    Nothing outside compares names of kinds: what differs between kinds is an attribute here.
 
     Attributes
     ----------
     label
         Name of the kind in titles.
+    layers
+        What its layers are, in the table of the manual.
     axes
         The lattice directions that ``packing.size`` counts, of "xyz"; empty for grains that are on
         no lattice.
@@ -92,15 +127,74 @@ class Kind:
     planes
         Principal and orthogonal plane of sections; None: vertical planes along and across the first
         preferred direction.
+    zone_growth
+        Growth of the plastic zone, as runs have shown it; None: not known.
     """
 
     label: str
+    layers: str
     axes: str
-    layer_period: int
-    row_period: int
+    layer_period: int = 1
+    row_period: int = 1
     pitch: tuple[float, float]
     site: Site
     planes: tuple[Plane, ...] | None = None
+    zone_growth: ZoneEstimate | None = None
+
+    @property
+    def is_lattice(self) -> bool:
+        """True for lattices; False for grains of a file."""
+        return bool(self.axes)
+
+    @property
+    def is_chain(self) -> bool:
+        """True for a single column of grains along z."""
+        return self.axes == "z"
+
+    @property
+    def is_layer(self) -> bool:
+        """True for a single layer in x-y, across the impact of the other kinds."""
+        return self.axes == "xy"
+
+    @property
+    def is_plane_crystal(self) -> bool:
+        """True for a crystal in x-z, whose straight rows are its layers."""
+        return self.axes == "xz"
+
+    @property
+    def has_faces(self) -> bool:
+        """True if layers extend along x and y, so that they have an area and surround the impact.
+
+        False for chains, crystals in x-z and grains of a file.
+        """
+        return "y" in self.axes
+
+    @property
+    def size_form(self) -> str:
+        """Form of ``packing.size``: ``[nx, ny, nz]``, ``[nx, nz]``, or ``n`` of a chain."""
+        counts = ", ".join(f"n{axis}" for axis in self.axes)
+        return "n" if self.is_chain else f"[{counts}]"
+
+    @property
+    def title(self) -> str:
+        """Name in titles: ``Chain``, ``FCC packing``."""
+        return self.label if self.is_chain else f"{self.label} packing"
+
+    @property
+    def noun(self) -> str:
+        """Name of a packing without faces in sentences: ``a chain``, ``a crystal in the plane``."""
+        return "a chain" if self.is_chain else "a crystal in the plane"
+
+    @property
+    def is_close_packed(self) -> bool:
+        """True if twelve spheres touch each one: the densest packings, with holes of two kinds."""
+        return self.coordination == _CLOSE_PACKED_COORDINATION
+
+    @cached_property
+    def cylinder_axis(self) -> Vector:
+        """Axis of cylinders by default: y, or z where contacts are along y."""
+        along_y = np.abs(self.contact_directions[:, 1]) > _ALONG
+        return _Z if along_y.any() else _Y
 
     @cached_property
     def contact_directions(self) -> NDArray[np.float64]:
@@ -213,29 +307,109 @@ _CLOSE_PACKED = (
 )  # down the plane of fcc that holds two preferred directions
 _HCP_ROWS = 0.4  # includes the rows of odd layers, at a distance of sqrt(3)/6 from the plane
 
-KINDS: dict[str, Kind] = {
-    "fcc": Kind(
-        "FCC", "xyz", 3, 2, (1.0, math.sqrt(3) / 2), _hexagonal(3),
-        (Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
+_HEXAGONAL_PITCH = (1.0, math.sqrt(3) / 2)
+_BODY_CENTRED_PITCH = (2 / math.sqrt(3), 2 / math.sqrt(3))
+_SIMPLE_PITCH = (1.0, 1.0)
+
+_OF_CLOSE_PACKED = ZoneEstimate(PowerLaw(1.30, 0.255), PowerLaw(1.0, 0.265), spread=1.5)
+_OF_BODY_CENTRED = ZoneEstimate(PowerLaw(1.30, 0.32), PowerLaw(2.2, 0.26), spread=1.4)
+_ALONG_A_LINE = ZoneEstimate(PowerLaw(75.0, 0.0), PowerLaw(0.0, 0.0), spread=1.0)
+
+KINDS: dict[str, PackingKind] = {
+    "fcc": PackingKind(
+        label="FCC",
+        layers="hexagonal, in the order ABC; impact along [111]",
+        axes="xyz",
+        layer_period=3,
+        row_period=2,
+        pitch=_HEXAGONAL_PITCH,
+        site=_hexagonal(3),
+        planes=(Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
+        zone_growth=_OF_CLOSE_PACKED,
     ),
-    "hcp": Kind(
-        "HCP", "xyz", 2, 2, (1.0, math.sqrt(3) / 2), _hexagonal(2), (Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z))
+    "hcp": PackingKind(
+        label="HCP",
+        layers="hexagonal, in the order AB",
+        axes="xyz",
+        layer_period=2,
+        row_period=2,
+        pitch=_HEXAGONAL_PITCH,
+        site=_hexagonal(2),
+        planes=(Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z)),
+        zone_growth=_OF_CLOSE_PACKED,
     ),
-    "bcc": Kind(
-        "BCC", "xyz", 2, 1, (2 / math.sqrt(3), 2 / math.sqrt(3)), _body_centred, (Plane(_DIAGONAL, _Z), Plane(_X, _Z))
+    "bcc": PackingKind(
+        label="BCC",
+        layers="square, odd ones shifted by half a side",
+        axes="xyz",
+        layer_period=2,
+        pitch=_BODY_CENTRED_PITCH,
+        site=_body_centred,
+        planes=(Plane(_DIAGONAL, _Z), Plane(_X, _Z)),
+        zone_growth=_OF_BODY_CENTRED,
     ),
-    "sc": Kind("Simple cubic", "xyz", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Z), Plane(_DIAGONAL, _Z))),
-    "square": Kind("Square", "xy", 1, 1, (1.0, 1.0), _simple, (Plane(_X, _Y, down_label="y"),)),
-    "hexagonal": Kind("Hexagonal", "xz", 2, 1, (1.0, 1.0), _hexagonal_plane, (Plane(_X, _Z),)),
-    "centred-square": Kind("Centred square", "xz", 2, 1, (math.sqrt(2), 1.0), _centred_square, (Plane(_X, _Z),)),
-    "chain": Kind("Chain", "z", 1, 1, (1.0, 1.0), _simple, ()),
-}  # fmt: skip
-_FREE = Kind(
-    "Grains of a file", "", 1, 1, (1.0, 1.0), _no_site, (Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5))
+    "sc": PackingKind(
+        label="Simple cubic",
+        layers="square, on top of each other",
+        axes="xyz",
+        pitch=_SIMPLE_PITCH,
+        site=_simple,
+        planes=(Plane(_X, _Z), Plane(_DIAGONAL, _Z)),
+        zone_growth=_ALONG_A_LINE,
+    ),
+    "square": PackingKind(
+        label="Square",
+        layers="one layer",
+        axes="xy",
+        pitch=_SIMPLE_PITCH,
+        site=_simple,
+        planes=(Plane(_X, _Y, down_label="y"),),
+    ),
+    "hexagonal": PackingKind(
+        label="Hexagonal",
+        layers="rows of n and n - 1 in turn in the x-z plane, six neighbours; "
+        "`top_row` says which is struck",
+        axes="xz",
+        layer_period=2,
+        pitch=_SIMPLE_PITCH,
+        site=_hexagonal_plane,
+        planes=(Plane(_X, _Z),),
+    ),
+    "centred-square": PackingKind(
+        label="Centred square",
+        layers="the same, rows apart by a side of a square: four neighbours, at 45 degrees",
+        axes="xz",
+        layer_period=2,
+        pitch=(math.sqrt(2), 1.0),
+        site=_centred_square,
+        planes=(Plane(_X, _Z),),
+    ),
+    "chain": PackingKind(
+        label="Chain",
+        layers="one column along z",
+        axes="z",
+        pitch=_SIMPLE_PITCH,
+        site=_simple,
+        planes=(),
+        zone_growth=_ALONG_A_LINE,
+    ),
+}
+_FREE = PackingKind(
+    label="Grains of a file",
+    layers="none",
+    axes="",
+    pitch=_SIMPLE_PITCH,
+    site=_no_site,
+    planes=(Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5)),
 )
 
 
-def kind_of(name: str) -> Kind:
+def kind_names() -> tuple[str, ...]:
+    """Return the names of all kinds of packings: lattices, and grains of a file."""
+    return (*KINDS, FILE)
+
+
+def kind_of(name: str) -> PackingKind:
     """Return the kind of packing of this name: a lattice of `KINDS`, or the one of grains of a
     file.
     """
@@ -252,11 +426,6 @@ def section_planes(kind: str) -> tuple[Plane, ...]:
     level = [direction[:2] for direction in (*rule.preferred_directions, *rule.contact_directions)]
     x, y = next(part / np.linalg.norm(part) for part in level if np.linalg.norm(part) > TOUCHING)
     return Plane((float(x), float(y), 0.0), _Z), Plane((-float(y), float(x), 0.0), _Z)
-
-
-def is_plane_crystal(kind: str) -> bool:
-    """Return True for a kind of packing in the x-z plane."""
-    return kind in KINDS and KINDS[kind].axes == "xz"
 
 
 @dataclasses.dataclass(frozen=True)
@@ -294,7 +463,7 @@ class Lattice:
         return self.diameter - self.overlap
 
     @property
-    def rule(self) -> Kind:
+    def rule(self) -> PackingKind:
         """Properties of the kind."""
         return KINDS[self.kind]
 
@@ -334,7 +503,7 @@ class Lattice:
         diameter, m.
         """
         (nx, ny, _), (x, y) = self.shape, self.rule.pitch
-        if not is_plane_crystal(self.kind):
+        if not self.rule.is_plane_crystal:
             return nx * x * self.spacing, ny * y * self.spacing
         width, depth = (nx * x, _IMAGE) if self.periodic else ((nx - 1) * x + 1, 1.0)
         return width * self.spacing, depth * self.spacing
@@ -495,7 +664,7 @@ class Lattice:
 
 
 @cache
-def _offsets(rule: Kind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
+def _offsets(rule: PackingKind, j: int, k: int, movable: tuple[bool, ...]) -> list[Offset]:
     """Return the steps in (i, j, k) from a sphere of row j and layer k to its neighbours.
 
     Parameters

@@ -44,7 +44,6 @@ from granwave.analysis.measures.zone_size import (
 )
 from granwave.analysis.quantities import SHARES
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.cylinders import CYLINDERS
 
 _MILLI = 1e3  # mm in a metre
@@ -367,8 +366,7 @@ def directions(result: Result) -> Drawing | None:
     Not of crystals in the x-z plane, which are no layer about the impact, and would be a line in a
     stereographic view.
     """
-    kind = result.case.packing.kind
-    if kind == "chain" or is_plane_crystal(kind) or not len(preferred_directions(kind)):
+    if not result.case.packing.rule.has_faces:
         return None
     if result.n_spheres < _LEAST_SPHERES or result.n_frames < 2:
         return None

@@ -54,7 +54,6 @@ _REACH = 5  # diameters ahead and behind of the travelling wave
 # V = 0.6802 (2 E/(D rho^1.5 (1 - nu^2)))^(1/3) F^(1/6) of Nesterenko's wave, D the diameter
 _NESTERENKO = 0.6802
 
-SPACING = {"chain": 1.0, "fcc": math.sqrt(2 / 3), "hcp": math.sqrt(2 / 3)}  # of layers, diameters
 _GEOMETRY_ROUNDS = 20
 _PER_BODY = 64  # grid points of the travelling wave
 _ROUNDS = 1000
@@ -201,7 +200,7 @@ class Line:
 
 
 def line_of(case: Case, law: ContactLaw | None = None) -> Line:
-    """The line of a precompressed chain, fcc or hcp packing of like spheres.
+    """The line of a precompressed chain, or of the layers of a packing, of like spheres.
 
     Where the sides are periodic, the load makes the contacts of a packing less steep.
 
@@ -214,20 +213,19 @@ def line_of(case: Case, law: ContactLaw | None = None) -> Line:
     force = force_of_contact(assemble(case))
     diameter = case.packing.diameter
     mass = case.sphere_mass
-    if case.packing.kind == "chain":
-        overlap = static_overlap(law, force)
-        return Line(force, overlap, diameter, math.sqrt(1.5 * force / overlap / mass))
-    cosine = SPACING[case.packing.kind]
-    on_layer = 3 * SPACING[case.packing.kind] * force
-    for _ in range(_GEOMETRY_ROUNDS if case.boundary.sides == "periodic" else 1):
-        force = on_layer / (3 * cosine)
+    rule = case.packing.rule
+    n = len(rule.supports)
+    cosine = rule.layer_spacing
+    on_layer = n * rule.layer_spacing * force
+    for _ in range(_GEOMETRY_ROUNDS if case.boundary.periodic else 1):
+        force = on_layer / (n * cosine)
         length = diameter - static_overlap(law, force)
-        if case.boundary.sides == "periodic":
-            cosine = math.sqrt(1 - diameter**2 / 3 / length**2)
+        if case.boundary.periodic:
+            cosine = math.sqrt(1 - diameter**2 * (1 - rule.layer_spacing**2) / length**2)
     overlap = static_overlap(law, force)
     length = diameter - overlap
-    stiffness = 3 * (cosine**2 * 1.5 * force / overlap - (1 - cosine**2) * force / length)
-    return Line(force, overlap, SPACING[case.packing.kind] * diameter, math.sqrt(stiffness / mass))
+    stiffness = n * (cosine**2 * 1.5 * force / overlap - (1 - cosine**2) * force / length)
+    return Line(force, overlap, rule.layer_spacing * diameter, math.sqrt(stiffness / mass))
 
 
 @cache

@@ -32,7 +32,7 @@ from scipy.optimize import brentq, least_squares
 from scipy.signal import czt
 
 from granwave.analysis.errors import MissingDataError
-from granwave.analysis.measures.hertz_lattices import SPACING, Line, crest_times
+from granwave.analysis.measures.hertz_lattices import Line, crest_times
 from granwave.analysis.measures.signals import Array, first_peak, width
 from granwave.analysis.result.reader import Result
 
@@ -73,7 +73,7 @@ def velocities_along(result: Result, axis: int = 2) -> tuple[Array, Array, Array
         time, place, velocity = (
             result[f"chain/{name}"] for name in ("time", "position", "velocity")
         )
-    elif result.case.packing.kind == "chain":
+    elif result.case.packing.rule.is_chain:
         raise MissingDataError(
             f"{result.path}: has no history of a chain; run one with output.history"
         )
@@ -300,9 +300,9 @@ def speed_along_layers(result: Result, line: Line) -> float:
     case, time, (_, mean) = result.case, result.frame_times, _means(result, 2)
     nx, ny, nz = case.packing.size
     deepest = nz - _BEFORE_END
-    if case.boundary.sides != "periodic":
+    if not case.boundary.periodic:
         half = min(nx, ny * np.sqrt(3) / 2) / 2
-        deepest = min(deepest, int(_BEFORE_SIDES * half / SPACING[case.packing.kind]))
+        deepest = min(deepest, int(_BEFORE_SIDES * half / case.packing.rule.layer_spacing))
     numbers, times = _crests(time, mean[:, :deepest])
     return long_wave_speed(line, numbers, times) if len(numbers) >= _FEWEST else np.nan
 

@@ -29,7 +29,6 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.measures.signals import Array
-from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import flat_contact
@@ -106,11 +105,6 @@ def reached(result: Result) -> Reached | None:
     if ground is None and name != BAR:
         ground = force
     return Reached(time, force, ground, None if moved is None else moved - moved[0])
-
-
-def period_of(plate: Plate) -> float:
-    """Return the period of a plate on its spring, undamped, s."""
-    return 2 * math.pi * math.sqrt(plate.mass / plate.stiffness)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -249,7 +243,7 @@ def target_of(assembly: Assembly) -> Target | None:
             0.0,
             0.0 if isinstance(behind.end, str) else behind.end,
         )
-    if boundary.bottom != "free":
+    if boundary.bottom_rule.bears:
         return Target(material, np.empty(0))
     bar = next((bar for bar in assembly.bars if bar.name == BAR), None)
     return None if bar is None else Target(bar.material, bar.mass, bar.stiffness)

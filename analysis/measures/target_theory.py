@@ -26,7 +26,7 @@ from scipy.signal import lsim
 from scipy.special import beta
 
 from granwave.analysis.measures.signals import Array, width
-from granwave.analysis.measures.target import Reached, period_of
+from granwave.analysis.measures.target import Reached
 from granwave.lammps_inputs.case.boundary import Plate
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import flat_contact
@@ -190,7 +190,7 @@ def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[floa
     ``held`` is the record of the same packing on a wall, ``end`` that of the record of the plate,
     s.
     """
-    period = period_of(plate)
+    period = plate.period
     if period < _FAST * width(held.time, held.force):
         return held.peak_force / plate.stiffness, "slow force, F/k"
     part = np.array([1 - _MOST_OF_IT, 1 + _MOST_OF_IT]) / 2 * held.impulse[-1]

@@ -216,7 +216,7 @@ def packing_zone(result: Result) -> Zone:
     lattice = result.assembly.lattice
     nx, ny, nz = lattice.shape
     position = result["spheres/position"][own]
-    periodic = result.case.boundary.sides == "periodic"
+    periodic = result.case.boundary.periodic
     energy = np.maximum(result.yield_energy[own], 0.0)
     zone: Zone = {
         "energy": energy,

@@ -32,7 +32,7 @@ from granwave.analysis.reports.figures import of_other_kinds, overlay, picture_i
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
 from granwave.analysis.reports.other_kinds import by_kind, printed, share
 from granwave.analysis.reports.results import compact_table, value_rows
-from granwave.analysis.reports.setting import quantity_in, target_of
+from granwave.analysis.reports.setting import is_chain, quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Key, Means
 from granwave.lammps_inputs.errors import GranwaveError
@@ -315,7 +315,7 @@ def in_words(run: Run) -> str:
     bare = run.number("unprotected_ground_peak_force_N")
     if "target_bore" in values and ground and bare and ground != force:
         values["ground_bore"] = values["ground_peak_force_N"] + _beside(ground, bare)
-    if run.case.get("packing.kind") == "chain" and "transmission" not in values:
+    if is_chain(run.case) and "transmission" not in values:
         values["decay"] = _decay(_peaks(run))
         values["along_chain"] = values.get("wave_speed_m_s", "")
     if (plate := run.number("plate_velocity_m_s")) is not None:

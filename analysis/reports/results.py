@@ -35,7 +35,7 @@ from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports import other_kinds
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
-from granwave.analysis.reports.setting import differing, target_of
+from granwave.analysis.reports.setting import differing, is_chain, target_of
 from granwave.analysis.scans.table import (
     CONFIDENCE,
     COUNT,
@@ -182,7 +182,8 @@ def value_rows(run: Run) -> Table:
         run.number, ("plate_velocity_m_s", "wall_peak_force_N", "ground_peak_force_N")
     )
     first = [*_FIRST, *(_OF_A_TARGET if target_of(run.case) and not driven else ())]
-    first += ["wave_speed_m_s"] * (run.case.get("packing.kind") == "chain")
+    if is_chain(run.case):
+        first.append("wave_speed_m_s")
     first = [key for key in first if run.number(key) is not None]
     left_out = {*_OF_COST, *first, *(key for key in _NOTHING if not summary.get(key))}
     left_out |= _beside_others([summary])

@@ -12,12 +12,15 @@ from granwave.analysis.document.model import Block, Group, Note, show, text_tabl
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
 from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.lammps_inputs.case.boundary import SUPPORTS
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Wording
 from granwave.lammps_inputs.case.loads.registry import LOADS
+from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
+from granwave.lammps_inputs.lattices import PackingKind, kind_names, kind_of
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.run_directory import CASE_FILE
@@ -219,12 +222,27 @@ def _body(case: Mapping[str, Any]) -> str:
     size = case.get("packing.size")
     if kind is None:
         return ""
-    if kind == "file":
+    rule = packing_rule(case)
+    if rule is not None and not rule.is_lattice:
         return "packing of a file"
     shape = (
         " x ".join(map(str, size)) if isinstance(size, list) else "" if size is None else str(size)
     )
-    return f"chain of {shape}" if kind == "chain" and shape else f"{kind} {shape}".rstrip()
+    if shape and is_chain(case):
+        return f"chain of {shape}"
+    return f"{kind} {shape}".rstrip()
+
+
+def packing_rule(case: Mapping[str, Any]) -> PackingKind | None:
+    """Return the properties of the kind of packing of a case, by dotted keys; None without one."""
+    kind = case.get("packing.kind")
+    return kind_of(kind) if kind in kind_names() else None
+
+
+def is_chain(case: Mapping[str, Any]) -> bool:
+    """Return True for a case, by dotted keys, whose packing is a chain."""
+    rule = packing_rule(case)
+    return rule is not None and rule.is_chain
 
 
 def _load(case: Mapping[str, Any]) -> str:
@@ -241,7 +259,8 @@ def _static(case: Mapping[str, Any]) -> str:
     for key, unit in (("pressure", "Pa"), ("force", "N")):
         if isinstance(size := case.get(f"precompression.{key}"), float | int):
             return f"under {quantity_in(size, unit)}"
-    return {"gravity": "under gravity", "walls": "pressed by walls"}.get(kind, "precompressed")
+    load = STATIC_LOADS.get(kind)
+    return "precompressed" if load is None else load.phrase
 
 
 def _bottom(case: Mapping[str, Any]) -> str:
@@ -250,22 +269,15 @@ def _bottom(case: Mapping[str, Any]) -> str:
     if not support or not isinstance(bottom, dict):
         return ""
     name = f"{bottom.get('material', {}).get('name', '')} {support.replace('_', '-')}".lstrip()
-    mass = f" of {show(bottom[support].get('mass'))} kg" if support == "plate" else ""
-    return f"on a {name}{mass}"
+    mass = bottom[support].get("mass")
+    return f"on a {name}" if mass is None else f"on a {name} of {show(mass)} kg"
 
 
 def target_of(case: Mapping[str, Any]) -> str:
     """Return what the bottom rests on: plate, half_space, bar or damper; empty for a wall or none."""
     bottom = case.get("boundary.bottom")
-    found = bottom if isinstance(bottom, dict) else {}
-    return next(
-        (
-            one
-            for one in ("plate", "half_space", "bar", "damper")
-            if isinstance(found.get(one), dict)
-        ),
-        "",
-    )
+    tables = bottom if isinstance(bottom, dict) else {}
+    return next((name for name in SUPPORTS if isinstance(tables.get(name), dict)), "")
 
 
 def _contacts(case: Mapping[str, Any]) -> list[str]:

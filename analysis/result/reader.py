@@ -326,7 +326,7 @@ class Result:
         """Return distances in x and y, (n, 2), m, to the nearest images where the sides are
         periodic.
         """
-        if self.case.boundary.sides != "periodic":
+        if not self.case.boundary.periodic:
             return offset
         periods = np.array(self.assembly.lattice.lengths)[:2]
         return offset - periods * np.round(offset / periods)

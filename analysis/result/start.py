@@ -28,7 +28,7 @@ _MARGIN = 1e-3  # by which a part is searched farther than spheres reach, for ro
 
 def periodic(case: Case) -> tuple[bool, bool, bool]:
     """Return True for the periodic axes of a packing."""
-    sides = case.boundary.sides == "periodic"
+    sides = case.boundary.periodic
     return sides, sides, False
 
 

@@ -24,10 +24,10 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import TOUCHING, Kind, Lattice
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice, PackingKind
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import PLATE, Wall, pressed_walls, touched_by, walls
+from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
 
 # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _ALONG = 1e-9
@@ -43,7 +43,7 @@ class UnitCell(NamedTuple):
     periods: Array
 
 
-def primitive_vectors(kind: Kind) -> tuple[Array, int]:
+def primitive_vectors(kind: PackingKind) -> tuple[Array, int]:
     """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the
     cell.
 
@@ -56,13 +56,13 @@ def primitive_vectors(kind: Kind) -> tuple[Array, int]:
     return np.array(kind.supports if primitive else found), n
 
 
-def vectors_of_layer(kind: Kind) -> Array:
+def vectors_of_layer(kind: PackingKind) -> Array:
     """Return the primitive vectors of a layer of a lattice, in diameters: (1 or 2, 3)."""
     found, _ = _repeats(kind)
     return np.array(found[: len(found) - ("z" in kind.axes)])
 
 
-def _repeats(kind: Kind) -> tuple[list[Array], int]:
+def _repeats(kind: PackingKind) -> tuple[list[Array], int]:
     """Shortest vectors along a row, to an equal row and to an equal layer, and the layers before
     that one.
     """
@@ -110,7 +110,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
         )
-    endless = case.boundary.bottom == "periodic"
+    endless = case.boundary.bottom_rule.repeats
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(
@@ -118,7 +118,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
                 "they do (extxyz: Lattice and pbc), or the case does: packing.cell = [[0, 0, 0.01]]"
             )
         return UnitCell(np.arange(n), np.array(case.packing.cell))
-    if lattice.kind == "chain":
+    if lattice.rule.is_chain:
         period = 1
         length = lattice.diameter
         if not assembly.sites.uniform:
@@ -193,7 +193,7 @@ def cell_bodies(assembly: Assembly) -> Bodies:
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so that there are no "
             'waves of small amplitude: give a static load, such as [precompression] kind = "uniaxial" with a force'
         )
-    if stage.kind == "gravity":
+    if stage.rule.grows_with_depth:
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
     base = packing_bodies(assembly).part(cell.rows, cell.periods)
     planes = walls_along(base.walls, cell.periods)
@@ -239,11 +239,7 @@ def cell_bodies(assembly: Assembly) -> Bodies:
 def walls_along(around: Iterable[Wall], periods: Array) -> tuple[Wall, ...]:
     """Return the walls that an endless packing with these periods has: those that do not cut it."""
     cut = np.abs(periods).max(axis=0) > 0
-    return tuple(
-        wall
-        for wall in around
-        if wall.name not in ("bottom", PLATE) and (wall.tube or not cut[wall.axis])
-    )
+    return tuple(wall for wall in around if wall.is_side and (wall.tube or not cut[wall.axis]))
 
 
 def packing_bodies(assembly: Assembly) -> Bodies:
@@ -319,7 +315,7 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     row = len(cell.periods) == 1
     along_z = float(lengths[2])
     force = stage.force
-    uniaxial = stage.kind == "uniaxial"
+    uniaxial = stage.rule.on_top
     fault = ""
     if stage.moves_walls:
         if force is not None and (not row or along_z == 0):

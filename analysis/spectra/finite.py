@@ -32,7 +32,7 @@ def whole(assembly: Assembly) -> Bodies:
         ids, force = dead_loads(assembly)
         load[np.searchsorted(bodies.ids, ids)] = force
     moves = bodies.moves.copy()
-    if case.boundary.bottom == "fixed":
+    if case.boundary.bottom_rule.holds_layer:
         moves[np.isin(bodies.ids, lattice.last_layer)] = False
     axes = lattice.rule.axes or "xyz"
     periods = np.empty((0, 3))
@@ -53,12 +53,12 @@ def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone"
         )
-    if support is not None and not (damped and support.kind == "damper"):
+    if support is not None and not (damped and support.absorbs):
         raise InputError(
             f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom that stays, or "
             "--end matched; granwave transmission takes a damper too"
         )
-    if case.boundary.bottom == "periodic":
+    if case.boundary.bottom_rule.repeats:
         raise InputError(
             f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
             "granwave bands without --slab takes endless packings"

@@ -40,7 +40,7 @@ from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.lattices import KINDS, Kind
+from granwave.lammps_inputs.lattices import KINDS, PackingKind
 from granwave.lammps_inputs.load_case import assembly_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly
 
@@ -66,22 +66,21 @@ class Wave(FinishedRun):
     @cached_property
     def structure(self) -> BandStructure:
         """Bands along the line; with scattered diameters those of like spheres."""
-        spacing = (
-            1.0 if self.case.packing.kind == "chain" or self.along_x else self._rule.layer_spacing
-        )
+        spacing = 1.0 if self.along_x else self.rule.layer_spacing
         edge = math.pi / (spacing * self.case.packing.diameter)
         path = f"0,0,0; {edge!r},0,0" if self.along_x else f"0,0,0; 0,0,{edge!r}"
         packing = without_scatter(self.case) if self.scattered else self.assembly
         return band_structure(packing, path, points=_POINTS, allow_floppy=True)
 
     @property
-    def _rule(self) -> Kind:
-        return KINDS[self.case.packing.kind]
+    def rule(self) -> PackingKind:
+        """Properties of the kind of packing."""
+        return self.case.packing.rule
 
     @property
     def along_x(self) -> bool:
         """True if the line is along x, in a packing of one layer."""
-        return "z" not in self._rule.axes
+        return "z" not in self.rule.axes
 
     @property
     def scattered(self) -> bool:
@@ -101,7 +100,7 @@ class Wave(FinishedRun):
     def label_of_kind(self) -> str:
         """Name of the packing and of its load."""
         stage = self.case.precompression
-        kind = KINDS[self.case.packing.kind].label
+        kind = self.rule.label
         assert stage is not None
         load = f"{stage.force:g} N" if stage.force is not None else f"{stage.pressure:.3g} Pa"
         other = " of two materials" if self.case.replace else ""
@@ -139,22 +138,22 @@ def select(runs: Sequence[FinishedRun]) -> list[list[Wave]]:
 
 def _fits(run: FinishedRun) -> bool:
     case = run.case
-    kind = run.case.packing.kind
-    flat, layered = (
-        kind != "chain" and ("z" in KINDS[kind].axes) == there for there in (False, True)
-    )
     if (
         case.precompression is None
         or not case.load.gives_velocity
         or case.packing.grains is not None
     ):
         return False
-    if case.precompression.kind != ("uniform" if flat else "uniaxial") or (
-        flat and not run.assembly.plain
-    ):
+    flat = case.packing.rule.is_layer
+    layered = not flat and not case.packing.rule.is_chain
+    rule = case.precompression.rule
+    fits = rule.on_top
+    if flat:
+        fits = rule.on_all_faces and run.assembly.plain
+    if not fits:
         return False
     unlike = case.packing.vacancies or case.replace or case.striker
-    if layered and (case.boundary.sides != "periodic" or unlike):
+    if layered and (not case.boundary.periodic or unlike):
         return False
     try:
         return run.seen_as(Wave).structure is not None
@@ -167,7 +166,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
     for run in runs:
         yield from _closed_forms(run)
         structure = run.structure
-        if len(structure.speeds) and run.case.packing.kind in ("fcc", "hcp") and not run.scattered:
+        if len(structure.speeds) and run.rule.is_close_packed and not run.scattered:
             quantity = f"Speed of long waves along the stacking, {run.label_of_kind}"
             yield Row(
                 quantity,
@@ -186,7 +185,7 @@ def rows(runs: Sequence[Wave]) -> Iterator[Row]:
                 quantity = f"Ridge of the transform at {share:g} of the zone, {run.label_of_kind}"
                 yield Row(quantity, "Hz", None, float(ridge[at]), "dynamical matrix", "", theirs)
 
-    lattice = next((run.case for run in runs if run.case.packing.kind == "fcc"), None)
+    lattice = next((run.case for run in runs if run.rule is KINDS["fcc"]), None)
     if lattice is not None:
         yield from rows_of_square(lattice)
         yield from rows_of_scatter(lattice)
@@ -196,7 +195,7 @@ def _closed_forms(run: Wave) -> Iterator[Row]:
     """Edges of the chains of one and of two masses."""
     network = run.structure.state.network
     edges = run.structure.edges
-    if run.case.packing.kind != "chain" or network.n_grains > 2:
+    if not run.rule.is_chain or network.n_grains > 2:
         return
     stiffness = float(network.springs.stiffness[0])
     mass = network.mass

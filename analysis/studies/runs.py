@@ -14,15 +14,12 @@ from typing import Any, Generic, TypeVar
 
 import numpy as np
 
-from granwave.analysis.measures.target import period_of
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.lammps_inputs.case.boundary import Damper, HalfSpace, Plate, SupportBar
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import read_material
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
@@ -159,7 +156,6 @@ def all_but(case: Case, *left_out: str) -> str:
     return json.dumps(tables, sort_keys=True)
 
 
-_SQUARE_CM = 1e4
 _LAWS = {"hertz": "elastic", "elastoplastic": "elasto-plastic"}
 
 
@@ -186,11 +182,10 @@ def packing_title(assembly: Assembly, *, height: bool = True) -> str:
     if height and assembly.lattice.n_spheres == 1:
         words = f"{own} sphere {diameter}".lstrip()
         return words[:1].upper() + words[1:]
-    whole = height or packing.kind == "square"  # which lies across the height
+    whole = height or packing.rule.is_layer  # which lies across the height
     size = " x ".join(map(str, packing.size if whole else packing.size[:-1]))
-    kind = "Chain" if packing.kind == "chain" else f"{kind_of(packing.kind).label} packing"
     spheres = " ".join(filter(None, (size, own, "spheres", diameter)))
-    return f"{kind} of {spheres}" + ("" if whole or not size else " a layer")
+    return f"{packing.rule.title} of {spheres}" + ("" if whole or not size else " a layer")
 
 
 _MOST_MATERIALS = 3  # named; more are counted
@@ -223,23 +218,5 @@ def bottom_label(case: Case) -> str:
     material = boundary.bottom_material
     name = (material.name or "elastic") if material else "rigid"
     if support is None:
-        return {"fixed": "fixed last layer", "free": "no bottom"}.get(
-            boundary.bottom, f"{name} wall"
-        )
-    if isinstance(support, Plate):
-        damped = ", damped" if support.damping else ""
-        return f"plate of {support.mass:g} kg, {time_label(period_of(support))}{damped}"
-    if isinstance(support, Damper):
-        return f"damper of {support.damping:g} N s/m"
-    if isinstance(support, HalfSpace):
-        return f"{name} half-space" + (
-            f", disc of {1e3 * support.radius:g} mm" if support.radius else ""
-        )
-    assert isinstance(support, SupportBar)
-    end = "" if support.end == "infinite" else f", far end {support.end}"
-    return f"{name} bar of {_SQUARE_CM * support.area:.3g} cm²{end}"
-
-
-def time_label(seconds: float) -> str:
-    """``314 µs``, ``6.28 ms``."""
-    return f"{1e3 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"
+        return boundary.bottom_rule.label.format(material=name)
+    return support.label(name)

@@ -249,7 +249,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Packing]:
     longest counts.
     """
     impacts = [
-        run for run in runs if run.case.load.gives_velocity and run.case.packing.kind != "chain"
+        run for run in runs if run.case.load.gives_velocity and not run.case.packing.rule.is_chain
     ]
     table = pd.DataFrame(
         [{**imperfections(run.case), "end": run.value("end_time_s"), "run": run} for run in impacts]

@@ -480,7 +480,7 @@ def _camera(result: Result, place: NDArray[np.float64]) -> list[float]:
     """
     size = np.ptp(place, axis=0)
     middle = (place.min(axis=0) + place.max(axis=0)) / 2
-    if result.case.packing.kind == "chain":
+    if result.case.packing.rule.is_chain:
         towards = np.array([0.0, 1.0, 0.0])
         up = np.array([1.0, 0.0, 0.0])
     elif size[2] == 0:
@@ -506,14 +506,14 @@ def _cuts(
     str
         Its name at the start; ``none`` for packings that hide nothing.
     """
-    kind = result.case.packing.kind
+    packing = result.case.packing
     own = result.figure_options.plane
     normals = {
         "across x": (1.0, 0.0, 0.0),
         "across y": (0.0, 1.0, 0.0),
         "at a depth": (0.0, 0.0, 1.0),
     }
-    normals |= {f"{plane.name} plane": tuple(plane.normal) for plane in planes(kind)}
+    normals |= {f"{plane.name} plane": tuple(plane.normal) for plane in planes(packing.kind)}
     starts = dict.fromkeys(normals, 0.0)
     if own is not None:
         plane = own_plane(own.normal, own.through)
@@ -534,6 +534,6 @@ def _cuts(
         high = float(along.max()) + stop
         if high - low > 4 * stop:  # more than one plane of spheres
             cuts[name] = [*(sign * direction).tolist(), low, high, sign * starts[name] - stop]
-    flat = kind == "chain" or np.ptp(place[:, 2]) == 0
+    flat = packing.rule.is_chain or np.ptp(place[:, 2]) == 0
     wanted = ("section of the case", "orthogonal plane", "principal plane")
     return cuts, "none" if flat else next((name for name in wanted if name in cuts), "none")

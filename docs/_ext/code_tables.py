@@ -163,13 +163,12 @@ def materials() -> str:
 
 def lattices() -> str:
     """Return the table of the packings."""
-    return "\n".join(
-        [
-            "| kind | name |",
-            "|---|---|",
-            *(f"| `{name}` | {kind.label} |" for name, kind in KINDS.items()),
-        ]
-    )
+    rows = [
+        f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
+        for name, kind in KINDS.items()
+    ]
+    head = "| kind | name | `packing.size` | its layers |"
+    return "\n".join([head, "|---|---|---|---|", *rows])
 
 
 def interface(package: str) -> str:

@@ -41,7 +41,7 @@ from granwave.lammps_inputs.case.material import (
 from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, show
 from granwave.lammps_inputs.files import available_memory
-from granwave.lammps_inputs.lattices import FILE, Lattice
+from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice
 
 _POINT = "[x, y, z] in m"
 _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
@@ -57,7 +57,6 @@ _RING = (
     '[3, 5] or "all" (after which spheres of a chain), and then the radius may be "touching"'
 )
 _REPEAT = "{times = 10, step = [0, 0, 0.015]}"
-_HOLED = ("fcc", "hcp")
 # bytes a grain while the case is read; 1100 to 1600 in rows of spheres and cylinders
 _MEMORY_OF_GRAIN = 1000.0
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
@@ -276,21 +275,23 @@ def with_added_grains(
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
     before = len(errors.lines)
+    holed = " or ".join(name for name, rule in KINDS.items() if rule.is_close_packed)
     for key, entry in schema.numbered("grains", added).items():
         both = entry.at is not None
         holes_of = show(entry.at) if isinstance(entry.at, str) else ""
         errors.check_first(
             (both == (entry.ring is not None), key,
              f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
-            (holes_of and packing.kind not in _HOLED, f"{key}.at",
-             f"found {holes_of} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places"),
+            (holes_of and not packing.rule.is_close_packed, f"{key}.at",
+             f"found {holes_of} with packing.kind = {show(packing.kind)}, "
+             f"expected {holed}, or places"),
             (holes_of and entry.repeat, f"{key}.repeat", f"found beside at = {holes_of}, which are all such holes"),
         )  # fmt: skip
         check_shape(entry, key, errors)
     last = packing.size[0] - 1
     beyond = [sphere for sphere, _ in packing.gaps if sphere > last]
     errors.check_first(
-        (packing.gaps and packing.kind != "chain", "packing.gaps",
+        (packing.gaps and not packing.rule.is_chain, "packing.gaps",
          f"found with packing.kind = {show(packing.kind)}, expected a chain"),
         (beyond, "packing.gaps",
          f"found a gap after sphere {max(beyond, default=0)}, expected after one from 1 to {last}"),

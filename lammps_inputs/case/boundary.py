@@ -1,4 +1,4 @@
-"""``[boundary]`` and ``[precompression]``: bottom, sides and static load of a packing.
+"""``[boundary]``: bottom and sides of a packing.
 
 Supports of a moving bottom plane: ``boundary.bottom = {plate = {...}}``, ``damper``, ``half_space``
 or ``bar``.
@@ -20,6 +20,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
+from granwave.lammps_inputs.case.bounds import BOTTOMS, SIDES, Bottom, Sides
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -33,6 +34,7 @@ _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
 BAR_COURANT_NUMBER = 0.5  # timestep over the time that a wave takes through one element of a bar
 # timestep over sqrt(mass/stiffness), of a plate or the first element of a bar
 PLATE_OSCILLATION = 0.05
+_SQUARE_CM = 1e4
 _OF_DECAY = 0.05  # timestep over damping/stiffness of a massless surface
 
 
@@ -60,6 +62,11 @@ class Backing:
     damping: float = 0.0
     elements: int = 0
     end: float | str = "free"
+
+    @property
+    def is_damper(self) -> bool:
+        """True for a damper without a mass or a spring."""
+        return not self.mass and not self.stiffness
 
     def longest_timestep(self, contacts: float) -> float:
         """Return the longest timestep that resolves its motion under contacts of this stiffness in
@@ -103,10 +110,13 @@ class Support(abc.ABC):
         True if it can bear a static load, by a spring to the ground or as a damper.
     needs_material
         True if its values follow from the material of the surface.
+    absorbs
+        True if it takes up steady waves by its damping alone.
     """
 
     kind: ClassVar[str]
     needs_material: ClassVar[bool] = False
+    absorbs: ClassVar[bool] = False
     bears = True
 
     @abc.abstractmethod
@@ -120,6 +130,31 @@ class Support(abc.ABC):
         footprint
             Radius of the packing's footprint, m.
         """
+
+    def absorber(self, material: Material | None) -> tuple[float, float] | None:
+        """Return spring (N/m) and damper (N s/m) of a surface without an echo; None for others.
+
+        Parameters
+        ----------
+        material
+            Material of the surface.
+        """
+        return None
+
+    @abc.abstractmethod
+    def label(self, material: str) -> str:
+        """Return its name in tables and titles: ``plate of 0.5 kg, 314 µs``.
+
+        Parameters
+        ----------
+        material
+            Name of the material of the surface.
+        """
+
+
+def time_label(seconds: float) -> str:
+    """``314 µs``, ``6.28 ms``."""
+    return f"{1e3 * seconds:.3g} ms" if seconds >= 1e-3 else f"{1e6 * seconds:.3g} µs"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -138,12 +173,22 @@ class Plate(Support):
     def backing(self, material: Material | None, footprint: float) -> Backing:
         return Backing(self.mass, self.stiffness, self.damping)
 
+    @property
+    def period(self) -> float:
+        """Period of the plate on its spring, undamped, s."""
+        return 2 * math.pi * math.sqrt(self.mass / self.stiffness)
+
+    def label(self, material: str) -> str:
+        damped = ", damped" if self.damping else ""
+        return f"plate of {self.mass:g} kg, {time_label(self.period)}{damped}"
+
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Damper(Support):
     """Plate without mass on a damper; the ground bears the force that is on it when the run begins."""
 
     kind = "damper"
+    absorbs = True
     damping: float = schema.number(
         "force on the ground, beyond the static one, over the velocity of the plate",
         "N s/m",
@@ -152,6 +197,9 @@ class Damper(Support):
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         return Backing(0.0, 0.0, self.damping)
+
+    def label(self, material: str) -> str:
+        return f"damper of {self.damping:g} N s/m"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -176,6 +224,16 @@ class HalfSpace(Support):
             _DAMPER * radius**2 * math.sqrt(material.density * shear) / (1 - material.poisson_ratio)
         )
         return Backing(0.0, stiffness, damping)
+
+    def absorber(self, material: Material | None) -> tuple[float, float] | None:
+        if self.radius is None:  # it depends on the packing
+            return None
+        behind = self.backing(material, self.radius)
+        return behind.stiffness, behind.damping
+
+    def label(self, material: str) -> str:
+        disc = f", disc of {1e3 * self.radius:g} mm" if self.radius else ""
+        return f"{material} half-space{disc}"
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -202,7 +260,7 @@ class SupportBar(Support):
 
     def backing(self, material: Material | None, footprint: float) -> Backing:
         assert material is not None
-        impedance = self.area * math.sqrt(material.youngs_modulus * material.density)
+        impedance = self._impedance(material)
         return Backing(
             material.density * self.area * self.length,
             material.youngs_modulus * self.area * self.elements / self.length,
@@ -210,11 +268,22 @@ class SupportBar(Support):
             end=impedance if self.end == "infinite" else self.end,
         )
 
+    def absorber(self, material: Material | None) -> tuple[float, float] | None:
+        if self.end != "infinite" or material is None:
+            return None
+        return 0.0, self._impedance(material)
+
+    def _impedance(self, material: Material) -> float:
+        return self.area * math.sqrt(material.youngs_modulus * material.density)
+
+    def label(self, material: str) -> str:
+        end = "" if self.end == "infinite" else f", far end {self.end}"
+        return f"{material} bar of {_SQUARE_CM * self.area:.3g} cm²{end}"
+
 
 SUPPORTS: dict[str, type[Support]] = {
     one.kind: one for one in (Plate, Damper, HalfSpace, SupportBar)
 }
-BOTTOMS = ("wall", "fixed", "free", "periodic")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -255,14 +324,14 @@ class Boundary:
 
     bottom: str = schema.choice(
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
-        BOTTOMS,
+        tuple(BOTTOMS),
         default="wall",
     )
     # of the bottom plane: bottom = {material = ...}; None: rigid
     bottom_material: Material | None = None
     sides: str = schema.choice(
         "what is at the sides: nothing, planes, or the packing again",
-        ("free", "wall", "periodic"),
+        tuple(SIDES),
         default="free",
     )
     x: str | None = schema.choice(
@@ -303,6 +372,21 @@ class Boundary:
         at_most=2,
         default=0.1,
     )
+
+    @property
+    def bottom_rule(self) -> Bottom:
+        """What the kind of bottom does."""
+        return BOTTOMS[self.bottom]
+
+    @property
+    def sides_rule(self) -> Sides:
+        """What the kind of sides does."""
+        return SIDES[self.sides]
+
+    @property
+    def periodic(self) -> bool:
+        """True if the packing is periodic along x and y."""
+        return self.sides_rule.repeats
 
     @property
     def gap(self) -> float:
@@ -374,71 +458,3 @@ def _read_wall(
         if "material" not in table and getattr(sections[one], "needs_material", False):
             errors.add(f"{key}.material", f"missing; a {one} needs it")
     return found
-
-
-_NONE: dict[str, Any] = {"above": 0, "default": None}
-_MOVE = _NONE | {"unit": hints.DISPLACEMENT}
-_PRESS = _NONE | {"unit": hints.FORCE}
-_WALLS = ("x", "y", "tube")
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Precompression:
-    """``[precompression]``: a static load, applied before the impact and kept during it."""
-
-    kind: str = schema.choice(
-        "a load along z on the top layer, the same pressure on all free faces, the spheres' weight along +z, walls "
-        "that are moved in and then held, or nothing but the overlaps of grains at the start",
-        ("uniaxial", "uniform", "gravity", "walls", "overlaps"),
-    )
-    pressure: float | None = schema.number(
-        "pressure on the faces of the packing", hints.PRESSURE, **_NONE
-    )
-    force: float | None = schema.number(
-        "force on each sphere of the top layer (uniaxial; also beside walls)", **_PRESS
-    )
-    x: float | None = schema.number(
-        "distance by which each of the planes across x moves in", **_MOVE
-    )
-    y: float | None = schema.number(
-        "distance by which each of the planes across y moves in", **_MOVE
-    )
-    tube: float | None = schema.number("distance by which the tube's radius shrinks", **_MOVE)
-    x_force: float | None = schema.number(
-        "force to which each of the planes across x is moved in", **_PRESS
-    )
-    y_force: float | None = schema.number(
-        "force to which each of the planes across y is moved in", **_PRESS
-    )
-    tube_force: float | None = schema.number(
-        "force outward on the whole tube to which it shrinks", **_PRESS
-    )
-    overlaps: bool | None = schema.choice(
-        "true: overlaps of grains at the start are part of it; else they are refused",
-        (True, False),
-        default=None,
-    )
-    acceleration: float = schema.number(
-        "acceleration of gravity", hints.ACCELERATION, above=0, default=9.81
-    )
-
-    @property
-    def moves(self) -> dict[str, float]:
-        """Distances by which walls move in, by x, y or tube, m."""
-        return {name: getattr(self, name) for name in _WALLS if getattr(self, name) is not None}
-
-    @property
-    def presses(self) -> dict[str, float]:
-        """Forces to which walls move in, by x, y or tube, N."""
-        forces = {name: getattr(self, f"{name}_force") for name in _WALLS}
-        return {name: force for name, force in forces.items() if force is not None}
-
-    @property
-    def moves_walls(self) -> bool:
-        """True if there is no dead load but, perhaps, a force on the top."""
-        return self.kind in ("walls", "overlaps")
-
-    @property
-    def takes_overlaps(self) -> bool:
-        """True if overlaps of grains at the start are part of the load."""
-        return bool(self.overlaps) or self.kind == "overlaps"

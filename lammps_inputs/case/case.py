@@ -23,13 +23,14 @@ from granwave.lammps_inputs.case.bodies import (
     Sensor,
     Striker,
 )
-from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Precompression, Tube
+from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Tube
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
 from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
 from granwave.lammps_inputs.case.run import (
     AUTO_FRAMES,
     FRAMES_OF_A_FILM,
@@ -41,7 +42,6 @@ from granwave.lammps_inputs.case.run import (
 from granwave.lammps_inputs.case.schema import key_fields, keys_of, numbered
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
-PRECOMPRESSION = "precompression"
 #: Section of each table of a case file whose keys are fields of a section, by heading.
 TABLES: dict[str, type] = {
     "[packing]": PackingSection,
@@ -188,7 +188,7 @@ class Case:
     @property
     def bears_along_z(self) -> bool:
         """True if something bears a force along z: a bottom, or a grain that is held along z."""
-        return self.boundary.bottom != "free" or any(
+        return self.boundary.bottom_rule.bears or any(
             "z" in hold.axes for hold in self.holds.values()
         )
 
@@ -223,7 +223,7 @@ class Case:
         """Probes: ``output.probes``, and in packings other than a chain also the spheres of the
         sensors.
         """
-        if self.packing.kind == "chain":
+        if self.packing.rule.is_chain:
             return self.output.probes
         return tuple(
             dict.fromkeys(

@@ -24,7 +24,15 @@ from granwave.lammps_inputs.case.material import (
 )
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.files import available_memory
-from granwave.lammps_inputs.lattices import FILE, KINDS, ROWS, Lattice, is_plane_crystal, kind_of
+from granwave.lammps_inputs.lattices import (
+    FILE,
+    KINDS,
+    ROWS,
+    Lattice,
+    PackingKind,
+    kind_names,
+    kind_of,
+)
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
@@ -108,7 +116,7 @@ def _parse_grains(value: Any) -> Grains:
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
-    kind: str = schema.choice("lattice; file: grains at places of their own", (*KINDS, FILE))
+    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names())
     size: tuple[int, ...] = schema.custom(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
         _parse_size,
@@ -178,9 +186,14 @@ class PackingSection:
         default=None,
     )
 
+    @property
+    def rule(self) -> PackingKind:
+        """Properties of the kind."""
+        return kind_of(self.kind)
+
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
-        top_row = self.top_row if is_plane_crystal(self.kind) else "equal"
+        top_row = self.top_row if self.rule.is_plane_crystal else "equal"
         return Lattice(self.kind, self.size, self.diameter, periodic, top_row)
 
     @property
@@ -190,13 +203,8 @@ class PackingSection:
 
     @property
     def of_grain(self) -> Shape:
-        """Shape of the grains of a lattice; the axis of cylinders is y by default, or z where
-        contacts are along y.
-        """
-        along_y = any(
-            abs(y) > _ACROSS for _, y, _ in kind_of(self.kind).contact_directions.tolist()
-        )
-        return shape_of(self, (0.0, 0.0, 1.0) if along_y else (0.0, 1.0, 0.0))
+        """Shape of the grains of a lattice."""
+        return shape_of(self, self.rule.cylinder_axis)
 
     def keys(self) -> dict[str, Any]:
         """Return the keys of the packing, as a case file has them."""
@@ -210,7 +218,7 @@ class PackingSection:
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, "gaps": not self.gaps, "top_row": not is_plane_crystal(self.kind),
+        unused = {"cell": True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
                   "shape": self.shape == "sphere"}  # fmt: skip
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
@@ -235,8 +243,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         foreign = dict.fromkeys(
             _OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}'
         )
-        if kind in list(KINDS) and not is_plane_crystal(kind):
-            able = " or ".join(show(name) for name in KINDS if is_plane_crystal(name))
+        if kind in list(KINDS) and not KINDS[kind].is_plane_crystal:
+            able = " or ".join(show(name) for name, rule in KINDS.items() if rule.is_plane_crystal)
             foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     errors.check(*((name in table, f"packing.{name}", text) for name, text in foreign.items()))
     rest = {name: value for name, value in table.items() if name not in (*foreign, "file")}
@@ -271,7 +279,7 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
     check_shape(packing, "packing", errors)
     if (shape := packing.of_grain) is None:
         return
-    along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
+    along = np.abs(packing.rule.contact_directions @ shape.vector).max()
     flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
     errors.check_first(
         (packing.kind not in flat, "packing.shape",
@@ -306,10 +314,10 @@ def check_size(packing: PackingSection, errors: ErrorList) -> bool:
     """Check that a packing has a size of its kind; return True if it has, or if its grains come
     from a file.
     """
-    axes = kind_of(packing.kind).axes
+    axes = packing.rule.axes
     size = show(packing.size)
-    in_rows = is_plane_crystal(packing.kind)
-    form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
+    in_rows = packing.rule.is_plane_crystal
+    form = f"a number {packing.rule.size_form}" if len(axes) == 1 else packing.rule.size_form
     return packing.grains is not None or errors.check_first(
         (len(packing.size) != len(axes), _KEY, f"found {size}, expected {form} for {packing.kind}"),
         (in_rows and packing.top_row != "equal" and packing.size[0] <= 1, _KEY,

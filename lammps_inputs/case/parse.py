@@ -18,12 +18,11 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case.added_grains import with_added_grains
-from granwave.lammps_inputs.case.boundary import Boundary, Precompression, read_boundary
+from granwave.lammps_inputs.case.boundary import Boundary, read_boundary
 from granwave.lammps_inputs.case.case import (
     KNOWN,
     LISTS,
     OPTIONAL,
-    PRECOMPRESSION,
     RECORD,
     SECTIONS,
 )
@@ -38,6 +37,7 @@ from granwave.lammps_inputs.case.material import (
     with_named_materials,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, read_packing
+from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, MovedWalls, Precompression
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     read_list,
@@ -48,7 +48,7 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths
-from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
+from granwave.lammps_inputs.lattices import KINDS
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -213,13 +213,13 @@ def parse_case(
     packing = parts.get("packing")
     added = parts.pop("grains")
     if packing is not None and (added or packing.gaps):
-        periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
+        periodic = parts["boundary"] is not None and parts["boundary"].periodic
         packing = parts["packing"] = with_added_grains(
             packing, added, materials, errors, periodic=periodic, stored=stored
         )
     parts[MATERIALS] = tuple(materials.values())
     if (
-        packing is not None and packing.cell is not None and packing.kind != FILE
+        packing is not None and packing.cell is not None and packing.rule.is_lattice
     ):  # a lattice has its own
         found = f"found {show(packing.kind)} alone"
         errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
@@ -240,9 +240,9 @@ def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | No
     packing = parts.get("packing")
     if boundary is None or boundary.gap >= 0:
         return given
-    flat = packing is not None and is_plane_crystal(packing.kind) and boundary.y is None
+    flat = packing is not None and packing.rule.is_plane_crystal and boundary.y is None
     moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
-    implied = Precompression(kind="walls", **moves)
+    implied = Precompression(kind=MovedWalls.name, **moves)
     found = (
         f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
     )
@@ -302,6 +302,13 @@ def read_parts(
     return parts
 
 
+def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
+    """Return the axis of cylinders of a packing, as a key, where it is not the usual y."""
+    kind = packing.get("kind")
+    rule = KINDS[kind] if kind in list(KINDS) else None
+    return {"axis": "z"} if rule is not None and rule.cylinder_axis[2] else {}
+
+
 def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with implied values.
 
@@ -319,10 +326,7 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
         and packing.get("shape") == "cylinder"
         and isinstance(data.get("striker"), list | tuple)
     ):
-        usual = (
-            {"axis": "z"} if packing.get("kind") == "square" else {}
-        )  # rows of a square are along y
-        axis = {"axis": packing["axis"]} if "axis" in packing else usual
+        axis = {"axis": packing["axis"]} if "axis" in packing else _usual_axis(packing)
         data["striker"] = [
             axis | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
             for one in data["striker"]

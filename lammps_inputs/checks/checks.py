@@ -18,7 +18,6 @@ from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
-from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.cylinders import extents
@@ -157,7 +156,7 @@ def _check_strikers(case: Case, errors: ErrorList) -> None:
 
 def _check_history(case: Case, errors: ErrorList) -> None:
     history = case.output.history
-    has_one = case.packing.kind == "chain" or case.line
+    has_one = case.packing.rule.is_chain or case.line
     found = (
         f"found {history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"
     )
@@ -167,35 +166,36 @@ def _check_history(case: Case, errors: ErrorList) -> None:
 def _check_boundary(case: Case, errors: ErrorList) -> None:
     """Check that a packing can have such a bottom and such sides."""
     kind = case.packing.kind
-    bottom = case.boundary.bottom
-    sides = case.boundary.sides
+    bottom = case.boundary.bottom_rule
+    periodic = case.boundary.periodic
     if case.packing.grains is not None:
         text = 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
-        errors.check((bottom == "periodic", "boundary.bottom", text))
-        if sides == "periodic" and case.packing.period is None:
+        errors.check((bottom.repeats, "boundary.bottom", text))
+        if periodic and case.packing.period is None:
             raise WrongTable("packing.period")  # see `grains.check_places`
         return
-    rule, (nx, ny, nz) = KINDS[kind], case.packing.lattice().shape
-    endless = bottom == "periodic" and kind != "chain"
-    periodic = sides == "periodic"
+    rule = case.packing.rule
+    nx, ny, nz = case.packing.lattice().shape
+    endless = bottom.repeats and not rule.is_chain
     across = min(
         (n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes),
         default=_LEAST_PERIODIC,
     )
-    errors.check((bottom == "fixed" and nz == 1, "boundary.bottom",
+    errors.check((bottom.holds_layer and nz == 1, "boundary.bottom",
                   'found "fixed" with a single layer, which is struck; expected two layers or more'))  # fmt: skip
     errors.check_first(
         (endless and "z" not in rule.axes, "boundary.bottom",
          f'found "periodic" for {kind}, a single layer; expected "free"'),
         (endless and not periodic, "boundary.sides",
-         f'found {show(sides)} with boundary.bottom = "periodic", expected "periodic": both or none'),
+         f'found {show(case.boundary.sides)} with boundary.bottom = "periodic", '
+         'expected "periodic": both or none'),
         (endless and nz % rule.layer_period, "packing.size",
          f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless {kind}"),
     )  # fmt: skip
     errors.check_first(
-        (periodic and kind == "chain", "boundary.sides",
+        (periodic and rule.is_chain, "boundary.sides",
          'found "periodic" for a chain, expected "free" or "wall"'),
-        (periodic and is_plane_crystal(kind) and case.packing.top_row != "equal", "packing.top_row",
+        (periodic and rule.is_plane_crystal and case.packing.top_row != "equal", "packing.top_row",
          f'found {show(case.packing.top_row)} with boundary.sides = "periodic", expected "equal"'),
         (periodic and across < _LEAST_PERIODIC, "packing.size",
          f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
@@ -221,13 +221,14 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
     for name, bar in ((BAR, case.bar), (INCIDENT_BAR, case.incident_bar)):
         if bar is not None:
             errors.check_first(
-                (kind != "chain", name, f"found with packing.kind = {show(kind)}, expected a chain"),
+                (not case.packing.rule.is_chain, name,
+                 f"found with packing.kind = {show(kind)}, expected a chain"),
                 (bar.length > longest * bar.elements, f"{name}.elements",
                  f"found {bar.elements} in {bar.length:g} m, expected {math.ceil(bar.length / longest)} or more: "
                  f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses"),
             )  # fmt: skip
     errors.check(
-        (case.bar and case.boundary.bottom != "free", "boundary.bottom",
+        (case.bar and case.boundary.bottom_rule.bears, "boundary.bottom",
          f'found {show(case.boundary.bottom)} beside [bar], expected "free": the bar is what is below'),
         (case.incident_bar and case.striker, "striker", "found beside [incident_bar]; take one of them out"),
     )  # fmt: skip
@@ -244,9 +245,9 @@ def _check_holder(case: Case, errors: ErrorList) -> None:
     """Check that a holder that rubs bears the weight of a chain."""
     friction = case.boundary.holder_friction or 0.0
     key = "boundary.holder_friction"
-    upright = case.precompression is not None and case.precompression.kind == "gravity"
+    upright = case.precompression is not None and case.precompression.rule.grows_with_depth
     errors.check(
-        (friction and case.packing.kind != "chain", key,
+        (friction and not case.packing.rule.is_chain, key,
          f"found {friction:g} for {case.packing.kind}, expected 0: only chains lie in a holder"),
         (friction and upright, key,
          f'found {friction:g} under precompression.kind = "gravity", expected 0: a chain that stands has no holder'),
@@ -325,7 +326,7 @@ def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
             errors.add(key, f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; leave it "
                        f"out of [[{key.partition('.')[0]}]], or strike another (load.index)")  # fmt: skip
     held = sorted(struck & set(assembly.lattice.last_layer.tolist()))
-    if held and case.boundary.bottom == "fixed":
+    if held and case.boundary.bottom_rule.holds_layer:
         errors.add(
             "load.index",
             f'found {held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds',
@@ -337,7 +338,8 @@ def _check_below(assembly: Assembly, errors: ErrorList) -> None:
     act on strikers.
     """
     case = assembly.case
-    if case.packing.kind != "chain" or (case.boundary.bottom != "wall" and case.bar is None):
+    has_plane = case.boundary.bottom_rule.has_plane or case.bar is not None
+    if not case.packing.rule.is_chain or not has_plane:
         return
     what = "bar" if case.bar is not None else "wall at the bottom"
     for n, (_, centre) in enumerate(assembly.strikers, start=1):

@@ -47,7 +47,8 @@ def check_columns(case: Case, errors: ErrorList) -> None:
     errors.check(
         *((getattr(case, name), name, f'found with packing.kind = "file": {reason}; take it out')
           for name, reason in _OF_LATTICES.items()),
-        (stage is not None and stage.kind == "uniform" and case.packing.cell is None, "precompression.kind",
+        (stage is not None and stage.rule.on_all_faces and case.packing.cell is None,
+         "precompression.kind",
          'found "uniform" with packing.kind = "file", whose faces are not known; expected "walls", "overlaps", '
          '"uniaxial" or "gravity"'),
     )  # fmt: skip
@@ -69,7 +70,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
     if grains is None:
         return
     periodic = (
-        "boundary" in vars(case) and case.boundary.sides == "periodic"
+        "boundary" in vars(case) and case.boundary.periodic
     )  # a wrong boundary hides no overlaps
     if periodic:
         before = len(errors.lines)
@@ -96,7 +97,8 @@ def check_places(case: Case, errors: ErrorList) -> None:
         overlaps = overlaps[other]
     if not len(pairs):
         return errors.check(
-            (stage is not None and stage.kind == "overlaps" and packing.cell is None, "precompression.kind",
+            (stage is not None and stage.rule.from_overlaps and packing.cell is None,
+             "precompression.kind",
              'found "overlaps" with grains that do not overlap, expected at least two that do; move them together, or '
              'take another kind, such as "walls"'),
         )  # fmt: skip
@@ -151,9 +153,9 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
             f"found with cylinders, expected {path}",
         ),
     )
-    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)] + ["z"] * (
-        case.boundary.bottom == "wall"
-    )
+    planes = [letter for letter in "xy" if case.boundary.has_planes(letter)]
+    if case.boundary.bottom_rule.has_plane:
+        planes.append("z")
     for shape in cylinders:
         for letter in planes:
             if _OBLIQUE < abs(shape.axis["xyz".index(letter)]) < 1 - _OBLIQUE:

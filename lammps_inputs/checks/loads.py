@@ -139,7 +139,7 @@ def _check_arrival(
     if row is None:
         return
     end = case.run.longest
-    chain = case.packing.kind == "chain"
+    chain = case.packing.rule.is_chain
     way = abs(float(assembly.centre_of(last)[2] - assembly.centre_of(first)[2]))
     beads = max(
         abs(last - first)
@@ -211,7 +211,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
     seen = dict[int, str]()
     driven = struck_of(assembly) if case.absorb and case.load.prescribes_motion else ()
     stage = case.precompression
-    no_force = stage is None or stage.kind == "walls" or not len(lattice.rule.supports)
+    no_force = stage is None or stage.rule.across_alone or not len(lattice.rule.supports)
     for key, entry in numbered("absorb", case.absorb).items():
         before = len(errors.lines)
         layers = entry.layers or 0

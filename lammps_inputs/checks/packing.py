@@ -43,7 +43,7 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
         return
     found = f"above packing.diameter, {packing.diameter:g} m, beside packing.tilt; make that the largest diameter"
     errors.check(
-        (packing.kind != "square", "packing.tilt",
+        (not packing.rule.is_layer, "packing.tilt",
          f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor'),
         (packing.vacancies, "packing.vacancies",
          "found beside packing.tilt; spheres beside a vacancy would roll into it"),
@@ -54,7 +54,7 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
           for key, entry in replaced.items()),
     )  # fmt: skip
     errors.check(
-        (case.boundary.sides == "periodic", "boundary.sides",
+        (case.boundary.periodic, "boundary.sides",
          'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'),
     )  # fmt: skip
 
@@ -88,7 +88,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         return
     listed = packing.vacancies if isinstance(packing.vacancies, tuple) else ()
     n = packing.n_spheres
-    chain = bool(packing.vacancies) and packing.kind == "chain"
+    chain = bool(packing.vacancies) and packing.rule.is_chain
     wrong = [sphere for sphere in listed if sphere > n]
     errors.check(
         (chain, key, "found in a chain, which has none: it would be two chains"),
@@ -99,7 +99,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
     )
     if errors.lines:
         return  # the named spheres are unknown while other keys are wrong
-    lattice = packing.lattice(periodic=case.boundary.sides == "periodic")
+    lattice = packing.lattice(periodic=case.boundary.periodic)
     present = np.ones(n, dtype=bool)
     if packing.vacancies:
         named = named_spheres(case, lattice)
@@ -133,7 +133,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
 
 def check_room(case: Case, errors: ErrorList) -> None:
     """Check that spheres larger than the lattice spacing overlap neither other spheres nor walls."""
-    if case.packing.kind == "chain" or not any(
+    if case.packing.rule.is_chain or not any(
         (entry.diameter or 0) > case.packing.diameter for entry in case.replace
     ):
         return
@@ -159,9 +159,9 @@ def _check_walls(case: Case, sites: Sites, errors: ErrorList) -> None:
     lattice = sites.lattice
     boundary = case.boundary
     low, high = lattice.bounds() + np.array([[-1.0], [1.0]]) * lattice.diameter / 2
-    planes = [("bottom", 2, high[2], 1)] if boundary.bottom == "wall" else []
+    planes = [("bottom", 2, high[2], 1)] if boundary.bottom_rule.has_plane else []
     planes += [("plate", 2, low[2], -1)] if case.load.plate is not None else []
-    if boundary.sides == "wall":
+    if boundary.sides_rule.has_planes:
         low[:2] -= max(boundary.gap, 0.0)
         high[:2] += max(boundary.gap, 0.0)
         planes += [(f"{letter}{end}", axis, plane[axis], sign) for axis, letter in enumerate("xy")

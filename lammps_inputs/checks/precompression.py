@@ -8,20 +8,17 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from granwave._contact_laws import ContactLaw
-from granwave.lammps_inputs.case.boundary import Precompression
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
-from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import materials_at, walls
 
-_TABLE = "precompression"
 _UPRIGHT = 0.5  # part of an axis along a wall's normal, above which a cylinder stands on its end
 _INCLINED = 2.0  # way of a wall over the overlap of a contact inclined by 60 degrees to it
 
@@ -36,15 +33,16 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
     for name, bar in (("bar", case.bar), ("incident_bar", case.incident_bar)):
         if bar is not None:
             errors.add(
-                _TABLE, f"found beside [{name}], whose far end nothing holds; take one of them out"
+                PRECOMPRESSION,
+                f"found beside [{name}], whose far end nothing holds; take one of them out",
             )
             return
-    _check_size(stage, packing, errors)
+    rule = stage.rule
+    rule.check_keys(stage, packing, errors)
     lattice = packing.grains is None
-    chain = packing.kind == "chain"
-    uniform = stage.kind == "uniform"
+    key = "kind" if rule.from_overlaps else "overlaps"
     errors.check(
-        (stage.takes_overlaps and lattice, f"{_TABLE}.{'kind' if stage.kind == 'overlaps' else 'overlaps'}",
+        (stage.takes_overlaps and lattice, f"{PRECOMPRESSION}.{key}",
          f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
          "[[grains]]): spheres of a lattice just touch"),
     )  # fmt: skip
@@ -52,23 +50,7 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(case, stage, errors)
         return
-    flat = uniform and (chain or is_plane_crystal(packing.kind))
-    support = boundary.bottom_support
-    errors.check(
-        (flat, f"{_TABLE}.kind",
-         f'found "uniform" for {"a chain" if chain else packing.kind}, expected "uniaxial" with a force'),
-        (uniform and not flat and boundary.sides != "free" and boundary.bottom != "periodic" and lattice,
-         "boundary.sides",
-         f'found {show(boundary.sides)} with precompression.kind = "uniform", expected "free": '
-         "the pressure is on the sides too"),
-        (not uniform and boundary.bottom == "free" and lattice and not (chain and stage.kind == "uniaxial"),
-         "boundary.bottom", f'found "free" under a {stage.kind} precompression, which something must bear'),
-        (stage.kind == "uniaxial" and packing.kind == "square", f"{_TABLE}.kind",
-         'found "uniaxial" for square, a single layer; expected "uniform" or "gravity"'),
-        (support is not None and not support.bears, "boundary.bottom.bar.end",
-         f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
-         "such a bar gives way to a load that lasts"),
-    )  # fmt: skip
+    rule.check_bounds(packing, boundary, errors)
 
 
 def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
@@ -80,7 +62,7 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     contact = case.contact_between(case.material, case.material)
     if stage is None:
         return
-    if stage.kind == "walls":
+    if stage.moves:
         _check_yield_by_walls(assembly, stage, errors)
     if stage.moves_walls or isinstance(assembly.lattice, Places):
         if (
@@ -89,15 +71,11 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
             _check_top(assembly, stage, errors)
         _check_presses(assembly, stage, errors)
         return
-    name, unit = ("force", "N") if stage.force is not None else ("pressure", "Pa")
-    if stage.kind == "gravity":
-        name = "acceleration"
-        unit = "m/s^2"
+    name, unit = stage.rule.size_of(stage)
     law = sphere_contact(case)
     largest = force_of_contact(assembly)
-    least = largest / (
-        assembly.lattice.shape[2] if stage.kind == "gravity" else 1
-    )  # on contacts of the top layer
+    layers = assembly.lattice.shape[2] if stage.rule.grows_with_depth else 1
+    least = largest / layers  # on contacts of the top layer
     deepest = _force_at_largest_overlap(law)
     # contacts with initial dents stay elastic beyond first yield
     elastic_range = contact.yields and law.elastic_limit > 0 and not case.contact.initial_overlap
@@ -108,11 +86,11 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
             f"found {getattr(stage, name):g} {unit}, about {least:.3g} N on each contact"
             f"{most_loaded}: all yield, from {law.yield_force:.3g} N on"
         )
-        errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {most:.3g} {unit}")
+        errors.add(f"{PRECOMPRESSION}.{name}", f"{fault}; give less than {most:.3g} {unit}")
     elif largest > deepest:
         most = getattr(stage, name) * deepest / largest
         fault = f"would press contacts with {largest:.3g} N, the law holds up to {deepest:.3g} N ({LARGEST} R*)"
-        errors.add(f"{_TABLE}.{name}", f"{fault}; give less than {most:.3g} {unit}")
+        errors.add(f"{PRECOMPRESSION}.{name}", f"{fault}; give less than {most:.3g} {unit}")
     elif _spreads(case, stage, assembly.lattice.shape):
         errors.add(
             "boundary.sides",
@@ -123,9 +101,9 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
 
 def _confined(case: Case) -> str:
     """Return the values of keys with which a packing that spreads is confined."""
-    if is_plane_crystal(case.packing.kind):
+    if case.packing.rule.is_plane_crystal:
         return '"periodic"'
-    free = "" if case.boundary.sides == "free" else ' with boundary.sides = "free"'
+    free = "" if case.boundary.sides_rule.is_free else ' with boundary.sides = "free"'
     return f'"periodic", or precompression.kind = "uniform"{free}'
 
 
@@ -163,10 +141,10 @@ def _spreads(case: Case, stage: Precompression, shape: tuple[int, int, int]) -> 
     period holds them.
     """
     (nx, ny, nz), packing, boundary = shape, case.packing, case.boundary
-    if is_plane_crystal(packing.kind) and boundary.has_planes("x") and packing.top_row != "equal":
+    if packing.rule.is_plane_crystal and boundary.has_planes("x") and packing.top_row != "equal":
         return False  # its rows fill the space between straight walls
-    held = stage.kind == "uniform" or boundary.sides == "periodic" or boundary.bottom == "fixed"
-    layers = KINDS[packing.kind].set_back and nz > 1 and nx * ny > 1
+    held = stage.rule.holds_layers or boundary.periodic or boundary.bottom_rule.holds_layer
+    layers = packing.rule.set_back and nz > 1 and nx * ny > 1
     return layers and not held and not isinstance(packing.vacancies, tuple)
 
 
@@ -181,17 +159,18 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
     most = LARGEST * case.packing.diameter / 2
     for name, distance in stage.moves.items():
         errors.check_first(
-            (not there[name], f"{_TABLE}.{name}",
+            (not there[name], f"{PRECOMPRESSION}.{name}",
              f"found {distance:g} m, but there is no such wall; expected {_wall_key(name)}"),
-            (name in stage.presses, f"{_TABLE}.{name}", f"found beside {name}_force; give one of them"),
-            (distance > most, f"{_TABLE}.{name}",
+            (name in stage.presses, f"{PRECOMPRESSION}.{name}",
+             f"found beside {name}_force; give one of them"),
+            (distance > most, f"{PRECOMPRESSION}.{name}",
              f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii"),
         )  # fmt: skip
     errors.check(
-        *((not there[name], f"{_TABLE}.{name}_force",
+        *((not there[name], f"{PRECOMPRESSION}.{name}_force",
            f"found {force:g} N, but there is no such wall; expected {_wall_key(name)}")
           for name, force in stage.presses.items()),
-        (stage.kind == "walls" and not stage.moves and not stage.presses, _TABLE,
+        (stage.rule.takes_moves and not stage.moves and not stage.presses, PRECOMPRESSION,
          'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N'),
     )  # fmt: skip
     if case.contact.line == "plane-strain":
@@ -208,7 +187,7 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
         most, length = min(ends, default=(math.inf, 0.0))
         distance = stage.moves.get(name, 0.0)
         errors.check(
-            (distance >= most, f"{_TABLE}.{name}",
+            (distance >= most, f"{PRECOMPRESSION}.{name}",
              f"found {distance:g} m, expected less than {most:.3g} m, 2 length^2/diameter: the law of the contact of "
              f"a cylinder {length:g} m long on a wall ends there"),
         )  # fmt: skip
@@ -228,11 +207,11 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
     """
     case = assembly.case
     top = set(assembly.lattice.top_layer.tolist())
-    key = f"{_TABLE}.force"
+    key = f"{PRECOMPRESSION}.force"
     held = [min(grains) for hold in case.holds.values()
             if "z" in hold.axes and (grains := top.intersection(held_ids(case, hold)))]  # fmt: skip
     errors.check_first(
-        (stage.pressure is not None, f"{_TABLE}.pressure",
+        (stage.pressure is not None, f"{PRECOMPRESSION}.pressure",
          "found for grains at places of their own, which have no face; give a force"),
         *((stage.force is not None, key, f"acts on grain {one}, the uppermost, which is held along z")
           for one in held),
@@ -246,7 +225,7 @@ def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList)
     their law.
     """
     for name, force in stage.presses.items():
-        wall = next((wall for wall in walls(assembly) if wall.name.startswith(name)), None)
+        wall = next((wall for wall in walls(assembly) if wall.key == name), None)
         grains = [] if wall is None else grains_at_wall(assembly, wall).tolist()
         if not grains or assembly.shape_of(grains[0]) is not None:  # a cylinder stays elastic
             continue
@@ -260,7 +239,7 @@ def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList)
         if share > limit:
             found = f"found {force:g} N, about {share:.3g} N on each of {len(grains)} grains, where {what}"
             hint = f"give less than {limit * len(grains):.3g} N, or a distance {name}"
-            errors.add(f"{_TABLE}.{name}_force", f"{found}; {hint}")
+            errors.add(f"{PRECOMPRESSION}.{name}_force", f"{found}; {hint}")
 
 
 def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
@@ -294,36 +273,7 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
     for name, distance in stage.moves.items():
         limit = _INCLINED * (math.ceil(across[name] / smallest) + 1) * most
         errors.check(
-            (distance > limit, f"{_TABLE}.{name}",
+            (distance > limit, f"{PRECOMPRESSION}.{name}",
              f"found {distance:g} m, by which contacts yield before the load: together they give way by less than "
              f'{limit:.3g} m elastically; give less, a higher yield_strength, or contact.law = "hertz"'),
         )  # fmt: skip
-
-
-def _check_size(stage: Precompression, packing: PackingSection, errors: ErrorList) -> None:
-    """Check that a load has the values of its kind, and no others."""
-    kind = stage.kind
-    of_kind = "precompression.kind = "
-    moving = [*stage.moves, *(f"{name}_force" for name in stage.presses)]
-    given = [name for name in ("pressure", "force") if getattr(stage, name) is not None]
-    instead = (
-        "acceleration" if kind == "gravity" else "x, y or tube, in m, or force, in N, on the top"
-    )
-    foreign = [
-        name for name in given if kind == "gravity" or (stage.moves_walls and name != "force")
-    ]
-    faceless = packing.kind == "chain" or is_plane_crystal(packing.kind)
-    what = "a chain" if packing.kind == "chain" else "a crystal in the plane"
-    count = f"found {'both' if given else 'neither'} pressure {'and' if given else 'nor'} force, expected one of them"
-    by_force = kind == "uniform" and stage.force is not None
-    dead = kind in ("uniaxial", "uniform")
-    errors.check(
-        *((kind != "walls", f"{_TABLE}.{name}", f'belongs to {of_kind}"walls"; found {show(kind)}') for name in moving),
-        *((True, f"{_TABLE}.{name}", f"does not belong to {of_kind}{show(kind)}; give {instead}") for name in foreign),
-        (kind != "gravity" and stage.acceleration != Precompression.acceleration, f"{_TABLE}.acceleration",
-         f'belongs to {of_kind}"gravity"; found "{kind}"'),
-        (by_force, f"{_TABLE}.force", f'found with {of_kind}"uniform", expected a pressure'),
-        (dead and not by_force and len(given) != 1, _TABLE, count),
-        (dead and given == ["pressure"] and faceless, f"{_TABLE}.pressure",
-         f"found for {what}, which has no face; expected a force"),
-    )  # fmt: skip

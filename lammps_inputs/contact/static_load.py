@@ -20,6 +20,7 @@ Fixed spheres and strikers carry no dead load.
 
 from __future__ import annotations
 
+import abc
 import math
 
 import numpy as np
@@ -29,11 +30,19 @@ from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.bodies import MATCHED, Absorb
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.precompression import (
+    Gravity,
+    MovedWalls,
+    Overlaps,
+    Precompression,
+    Uniaxial,
+    Uniform,
+)
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import Wall, touched_by, walls
+from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
 
 _SHELL = (
     3,
@@ -42,23 +51,134 @@ _SHELL = (
 )  # rows of sites around the packing, along x, y, z, that contain all missing neighbours
 
 
+class DeadLoad(abc.ABC):
+    """Dead loads of a kind of static load, by its name in `DEAD_LOADS`."""
+
+    @abc.abstractmethod
+    def forces(self, assembly: Assembly, ids: NDArray[np.int64]) -> NDArray[np.float64]:
+        """Return the forces on spheres of the packing: (n, 3), N.
+
+        Parameters
+        ----------
+        ids
+            Their ids: (n,).
+        """
+
+    @abc.abstractmethod
+    def force_of_contact(self, assembly: Assembly) -> float:
+        """Estimate the largest force on a contact that carries the load, N."""
+
+    def axes(self, assembly: Assembly) -> str:
+        """Return the axes along which there are forces, as letters of "xyz"."""
+        return "z"
+
+
+class LoadOnTop(DeadLoad):
+    """A force along z on each sphere of the top layer, opposite on the last of a free chain."""
+
+    def forces(self, assembly: Assembly, ids: NDArray[np.int64]) -> NDArray[np.float64]:
+        lattice = assembly.lattice
+        force = np.zeros((len(ids), 3))
+        force[np.isin(ids, lattice.top_layer), 2] = force_on_top(assembly)
+        if not assembly.case.boundary.bottom_rule.bears and lattice.rule.is_chain:
+            force[np.isin(ids, lattice.last_layer), 2] = -force_on_top(assembly)
+        return force
+
+    def force_of_contact(self, assembly: Assembly) -> float:
+        return _share_of(force_on_top(assembly), assembly)
+
+
+class LoadOnAllFaces(DeadLoad):
+    """The forces of the missing neighbours outside, where every contact carries the same force."""
+
+    def axes(self, assembly: Assembly) -> str:
+        return "xyz"[: assembly.lattice.rule.dimension]
+
+    def forces(self, assembly: Assembly, ids: NDArray[np.int64]) -> NDArray[np.float64]:
+        return self.force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
+
+    def force_of_contact(self, assembly: Assembly) -> float:
+        lattice = assembly.lattice
+        rule = lattice.rule
+        layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
+        depth = rule.layer_spacing
+        stress = 2 * rule.dimension * (_stage_of(assembly).pressure or 0.0)
+        return stress * layer * depth * lattice.diameter / (rule.coordination * lattice.diameter)
+
+
+class Weight(DeadLoad):
+    """m g along z on each sphere of the packing."""
+
+    def forces(self, assembly: Assembly, ids: NDArray[np.int64]) -> NDArray[np.float64]:
+        force = np.zeros((len(ids), 3))
+        masses = assembly.sphere_masses()[: len(ids)]
+        force[:, 2] = masses * _stage_of(assembly).acceleration
+        return force
+
+    def force_of_contact(self, assembly: Assembly) -> float:
+        lattice = assembly.lattice
+        n_layers = lattice.n_layers
+        bottom = assembly.case.boundary.bottom_rule
+        held = bottom.holds_layer and not isinstance(lattice, Places)
+        mass = float(assembly.sphere_masses().sum())
+        weight = mass * _stage_of(assembly).acceleration / len(lattice.last_layer)
+        return _share_of(weight * (n_layers - held) / n_layers, assembly)
+
+
+class PressOfWalls(LoadOnTop):
+    """None where walls or overlaps press, but for a force on the top."""
+
+    def axes(self, assembly: Assembly) -> str:
+        return "" if _stage_of(assembly).force is None else "z"
+
+    def force_of_contact(self, assembly: Assembly) -> float:
+        stage = _stage_of(assembly)
+        lattice = assembly.lattice
+        overlaps = np.zeros(0)
+        if stage.takes_overlaps and isinstance(lattice, Places):
+            overlaps = lattice.overlapping()[1]
+        deepest = max([*stage.moves.values(), *overlaps.tolist()], default=0.0)
+        hertz = float(sphere_hertz(assembly.case).loading_force(deepest))
+        pressed = pressed_walls(assembly) if stage.presses else {}
+        shares = [
+            stage.presses[name] / len(grains_at_wall(assembly, faces[0]))
+            for name, faces in pressed.items()
+        ]
+        return max([hertz, force_on_top(assembly), *shares])
+
+
+DEAD_LOADS: dict[str, DeadLoad] = {
+    Uniaxial.name: LoadOnTop(),
+    Uniform.name: LoadOnAllFaces(),
+    Gravity.name: Weight(),
+    MovedWalls.name: PressOfWalls(),
+    Overlaps.name: PressOfWalls(),
+}
+
+
+def _stage_of(assembly: Assembly) -> Precompression:
+    """Return the precompression of a case that has one."""
+    stage = assembly.case.precompression
+    assert stage is not None
+    return stage
+
+
+def _dead_load(assembly: Assembly) -> DeadLoad:
+    return DEAD_LOADS[_stage_of(assembly).kind]
+
+
+def _share_of(force: float, assembly: Assembly) -> float:
+    """Return the force on a contact if a sphere of a layer transmits this force along z, N."""
+    lattice = assembly.lattice
+    return force if isinstance(lattice, Places) else force / lattice.rule.carried
+
+
 def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
     """Return the ids of the spheres with a dead load, rising, and the forces: (n,) and (n, 3), N."""
-    case = assembly.case
-    stage = case.precompression
     lattice = assembly.lattice
-    assert stage is not None
     ids = assembly.ids[assembly.ids <= lattice.n_spheres]
-    force = np.zeros((len(ids), 3))
-    if stage.kind == "gravity":
-        force[:, 2] = assembly.sphere_masses()[: len(ids)] * stage.acceleration
-    elif stage.kind == "uniaxial" or stage.moves_walls:
-        force[np.isin(ids, lattice.top_layer), 2] = force_on_top(assembly)
-        if case.boundary.bottom == "free" and case.packing.kind == "chain":
-            force[np.isin(ids, lattice.last_layer), 2] = -force_on_top(assembly)
-    else:
-        force = force_of_contact(assembly) * _missing_neighbours(assembly)[ids - 1]
-    if case.boundary.bottom == "fixed":
+    force = _dead_load(assembly).forces(assembly, ids)
+    if assembly.case.boundary.bottom_rule.holds_layer:
         force[np.isin(ids, lattice.last_layer)] = 0.0
     loaded = force.any(axis=1)
     return ids[loaded], force[loaded]
@@ -66,20 +186,12 @@ def dead_loads(assembly: Assembly) -> tuple[NDArray[np.int64], NDArray[np.float6
 
 def directions(assembly: Assembly) -> str:
     """Return the axes along which there are dead loads, as letters of "xyz"."""
-    stage = assembly.case.precompression
-    if stage is not None and stage.moves_walls:
-        return "z" if stage.force is not None else ""
-    return (
-        "xyz"[: assembly.lattice.rule.dimension]
-        if stage is not None and stage.kind == "uniform"
-        else "z"
-    )
+    return _dead_load(assembly).axes(assembly)
 
 
 def force_on_top(assembly: Assembly) -> float:
     """Return the force on each sphere of the top layer under a uniaxial load, N."""
-    stage = assembly.case.precompression
-    assert stage is not None
+    stage = _stage_of(assembly)
     if stage.force is not None or stage.moves_walls:
         return stage.force or 0.0
     nx, ny, _ = assembly.lattice.shape
@@ -90,46 +202,7 @@ def force_of_contact(assembly: Assembly) -> float:
     """Estimate the force on each contact that carries the load, under gravity on those at the
     bottom, N.
     """
-    case = assembly.case
-    stage = case.precompression
-    lattice = assembly.lattice
-    assert stage is not None
-    if stage.moves_walls:
-        overlaps = (
-            lattice.overlapping()[1]
-            if stage.takes_overlaps and isinstance(lattice, Places)
-            else np.zeros(0)
-        )
-        deepest = max([*stage.moves.values(), *overlaps.tolist()], default=0.0)
-        hertz = float(sphere_hertz(case).loading_force(deepest))
-        there = walls(assembly) if stage.presses else ()
-        first = {
-            name: next(wall for wall in there if wall.name.startswith(name))
-            for name in stage.presses
-        }
-        pressed = (
-            force / len(grains_at_wall(assembly, first[name]))
-            for name, force in stage.presses.items()
-        )
-        return max([hertz, force_on_top(assembly), *pressed])
-    if stage.kind == "uniform":
-        rule = lattice.rule
-        layer = rule.pitch[0] * rule.pitch[1] * lattice.diameter**2
-        depth = rule.layer_spacing
-        stress = 2 * rule.dimension * (stage.pressure or 0.0)
-        return stress * layer * depth * lattice.diameter / (rule.coordination * lattice.diameter)
-    top = force_on_top(assembly) if stage.kind == "uniaxial" else 0.0
-    if stage.kind == "gravity":
-        nz = lattice.n_layers
-        held = case.boundary.bottom == "fixed" and not isinstance(lattice, Places)
-        top = (
-            float(assembly.sphere_masses().sum())
-            * stage.acceleration
-            / len(lattice.last_layer)
-            * (nz - held)
-            / nz
-        )
-    return top if isinstance(lattice, Places) else top / lattice.rule.carried
+    return _dead_load(assembly).force_of_contact(assembly)
 
 
 def grains_at_wall(assembly: Assembly, wall: Wall) -> NDArray[np.int64]:
@@ -181,7 +254,7 @@ def _missing_neighbours(assembly: Assembly) -> NDArray[np.float64]:
     lattice = assembly.lattice
     sites = assembly.sites
     ranges = [np.arange(-reach, n + reach) for reach, n in zip(_SHELL, lattice.shape, strict=True)]
-    if case.boundary.bottom != "free":
+    if case.boundary.bottom_rule.bears:
         ranges[2] = ranges[2][: -_SHELL[2]]
     if lattice.rule.dimension == 2:
         ranges[2] = np.zeros(1, dtype=np.int64)

@@ -97,14 +97,9 @@ def row_of(assembly: Assembly) -> Row | None:
     case = assembly.case
     lattice = assembly.lattice
     stage = case.precompression
-    if (
-        stage is None
-        or stage.kind not in ("uniaxial", "uniform")
-        or assembly.bars
-        or case.packing.grains is not None
-    ):
+    if stage is None or not stage.rule.is_even or assembly.bars or case.packing.grains is not None:
         return None
-    if case.packing.kind != "chain":
+    if not case.packing.rule.is_chain:
         cosines = lattice.rule.supports[:, 2]
         if not assembly.sites.uniform or not len(cosines):
             return None
@@ -179,7 +174,7 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
     any.
     """
     case = assembly.case
-    if case.packing.kind == "chain":
+    if case.packing.rule.is_chain:
         group = "chain"
         ids = tuple(range(1, assembly.lattice.n_spheres + 1))
     else:
@@ -200,7 +195,7 @@ def measured_row(assembly: Assembly) -> MeasuredRow | None:
         if loaded & set(hold.axes)
         for one in held_ids(case, hold)
     }
-    if case.boundary.bottom == "fixed":
+    if case.boundary.bottom_rule.holds_layer:
         still |= set(assembly.lattice.last_layer.tolist())
     rest = [place for place, one in enumerate(ids) if one not in still and place != first]
     return MeasuredRow(group, ids, first, rest[-1] if rest else len(ids) - 1)

@@ -9,7 +9,6 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from granwave.lammps_inputs.case.boundary import Damper
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
@@ -331,14 +330,13 @@ def coordinate(assembly: Assembly, wall: Wall) -> str:
     """Return the position of a plane in the deck, or the radius of a tube; of walls that move to a force as a
     formula.
     """
-    name = "tube" if wall.tube else "xyz"[wall.axis]
     place = wall.coordinate
     if not wall.tube:
         place -= float(assembly.deck_origin[wall.axis])
     stage = assembly.case.precompression
-    if stage is None or name not in stage.presses:
+    if stage is None or wall.key not in stage.presses:
         return num(place)
-    return f"$({num(place)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(name)}:%.17g)"
+    return f"$({num(place)}{'-' if wall.outward > 0 else '+'}v_{moved_wall(wall.key)}:%.17g)"
 
 
 def moved_wall(name: str) -> str:
@@ -387,7 +385,7 @@ def _support_arguments(assembly: Assembly, wall: Wall, material: Material) -> li
     behind = backing_of(assembly, wall, material)
     if behind is None:
         return []
-    if isinstance(wall.support, Damper):
+    if behind.is_damper:
         return ["support", "damper", num(behind.damping)]
     if not behind.elements:
         return ["support", *map(num, (behind.mass, behind.stiffness, behind.damping))]

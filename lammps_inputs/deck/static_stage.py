@@ -145,7 +145,7 @@ def largest_move(assembly: Assembly) -> float:
     stage = case.precompression
     lattice = assembly.lattice
     assert stage is not None
-    on_the_way = max(lattice.shape) if stage.kind == "uniform" else lattice.shape[2]
+    on_the_way = max(lattice.shape) if stage.rule.on_all_faces else lattice.shape[2]
     if isinstance(lattice, Places) and not stage.moves:
         on_the_way = math.ceil(
             float(np.ptp(lattice.bounds(), axis=0).max() / lattice.grains.diameter.min())
@@ -319,11 +319,11 @@ def _pressing(assembly: Assembly) -> list[str]:
 def _relief(case: Case, *, again: bool = False) -> list[str]:
     """Return the commands of inertia relief, if nothing holds the packing in place."""
     stage = case.precompression
-    bottom = case.boundary.bottom
-    if stage is None or stage.kind != "uniform" or bottom == "fixed":
+    bottom = case.boundary.bottom_rule
+    if stage is None or not stage.rule.on_all_faces or bottom.holds_layer:
         return []
     return (relief_state if again else relief_commands)(
-        "static_relief", _SPHERES, on_plane=bottom == "wall"
+        "static_relief", _SPHERES, on_plane=bottom.has_plane
     )
 
 

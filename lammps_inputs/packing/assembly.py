@@ -287,9 +287,7 @@ class Assembly:
         if isinstance(self.lattice, Places):
             return self.lattice.faces()
         radii = (
-            self.sites.nominal
-            if self.lattice.kind == "chain"
-            else np.array([self.lattice.diameter])
+            self.sites.nominal if self.lattice.rule.is_chain else np.array([self.lattice.diameter])
         ) / 2
         side, (low, high) = (
             max(self.lattice.diameter / 2, float(radii.max())),

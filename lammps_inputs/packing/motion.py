@@ -154,7 +154,7 @@ def held_against_load(assembly: Assembly) -> tuple[int, ...]:
     for hold in case.holds.values():
         if moving & set(hold.axes):
             ids.update(held_ids(case, hold))
-    if case.boundary.bottom == "fixed":
+    if case.boundary.bottom_rule.holds_layer:
         ids.update(assembly.lattice.last_layer.tolist())
     return tuple(sorted(ids))
 
@@ -201,7 +201,7 @@ def left_out(assembly: Assembly, line: Line) -> int:
     if not isinstance(line.leave_out, str):
         return line.leave_out
     boundary = assembly.case.boundary
-    if boundary.bottom == "free" or boundary.bottom_support is not None:
+    if not boundary.bottom_rule.bears or boundary.bottom_support is not None:
         return 0
     lowest = assembly.bottom() - _HELD * assembly.case.packing.diameter
     near = [float(assembly.centre_of(one)[2]) > lowest for one in line_ids(assembly, line)]
@@ -231,7 +231,7 @@ def chain_history(assembly: Assembly) -> int:
     packing = assembly.case.packing
     if output.history != "auto":
         return output.history
-    if packing.kind != "chain" or packing.size[0] < _LEAST_HISTORY:
+    if not packing.rule.is_chain or packing.size[0] < _LEAST_HISTORY:
         return 0
     instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / assembly.n_particles))
     if case.load.oscillates:

@@ -21,7 +21,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Kind, Lattice, kind_of
+from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Lattice, PackingKind, kind_of
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 
 
@@ -50,7 +50,7 @@ class Places:
         return self.period is not None
 
     @property
-    def rule(self) -> Kind:
+    def rule(self) -> PackingKind:
         """Properties of the kind."""
         return kind_of(self.kind)
 
@@ -207,7 +207,7 @@ Layout: TypeAlias = Lattice | Places  # where the spheres of a packing are
 
 def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     """Return the lattice of a packing, or the places of its grains."""
-    periodic = boundary.sides == "periodic"
+    periodic = boundary.periodic
     if packing.grains is None:
         return packing.lattice(periodic=periodic)
     return Places(packing.grains, packing.diameter, packing.period if periodic else None)

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.lattices import FILE, TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import TOUCHING, Lattice
 from granwave.lammps_inputs.packing.disorder import (
     diameter_losses,
     lean,
@@ -100,7 +100,7 @@ class Sites:
         """
         if (
             self.uniform
-            or self.lattice.kind != "chain"
+            or not self.lattice.rule.is_chain
             or (self.nominal == self.lattice.diameter).all()
         ):
             return None
@@ -162,7 +162,7 @@ class Sites:
     @cached_property
     def _counts(self) -> tuple[int, int]:
         """Numbers of neighbouring and of touching pairs."""
-        stacked = self.nominal if self.lattice.kind == "chain" else self.lattice.diameter
+        stacked = self.nominal if self.lattice.rule.is_chain else self.lattice.diameter
         if self.uniform or (self.count == len(self.present) and (self.diameter == stacked).all()):
             return (
                 self.lattice.n_contacts,
@@ -247,7 +247,8 @@ class Sites:
         """True for spheres larger than the lattice spacing: (n_sites,); none in a chain and among
         grains of a file.
         """
-        if self.uniform or self.lattice.kind in ("chain", FILE):
+        rule = self.lattice.rule
+        if self.uniform or rule.is_chain or not rule.is_lattice:
             return np.zeros(len(self.present), dtype=bool)
         return self.diameter > self.lattice.diameter
 

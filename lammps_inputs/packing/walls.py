@@ -12,7 +12,7 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import FILE, TOUCHING, is_plane_crystal
+from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.places import balanced_overlap
@@ -68,6 +68,16 @@ class Wall:
         default=(), repr=False, compare=False
     )
 
+    @property
+    def key(self) -> str:
+        """Key of ``[precompression]`` that moves it: x, y or tube; z of those that stay."""
+        return "tube" if self.tube else "xyz"[self.axis]
+
+    @property
+    def is_side(self) -> bool:
+        """True for a tube, and for planes across x and y."""
+        return self.name in SIDE_WALLS
+
     def moved_in(self, distance: float) -> Wall:
         """Return the wall after it has moved towards the packing by a distance, m."""
         return dataclasses.replace(self, coordinate=self.coordinate - self.outward * distance)
@@ -108,7 +118,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
     found = []
     boundary = case.boundary
     moves = case.precompression.moves if case.precompression else {}
-    if boundary.bottom not in ("free", "periodic"):
+    if boundary.bottom_rule.stops:
         material = boundary.bottom_material
         support = boundary.bottom_support
         found.append(
@@ -117,7 +127,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
                 2,
                 1,
                 assembly.bottom(),
-                boundary.bottom == "fixed",
+                boundary.bottom_rule.holds_layer,
                 material=material,
                 support=support,
             )
@@ -138,7 +148,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
         )
     for axis, letter in enumerate("xy"):
         # a crystal in the x-z plane has walls across y only where boundary.y says so
-        across = letter == "x" or boundary.y is not None or not is_plane_crystal(case.packing.kind)
+        across = letter == "x" or boundary.y is not None or not case.packing.rule.is_plane_crystal
         if boundary.has_planes(letter) and across:
             low, high = _faces(assembly, axis)
             inwards = moves.get(letter, 0.0) - max(boundary.gap, 0.0)
@@ -151,7 +161,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
         as_it_is = (
             wall.held_layer
             or wall.tube
-            or case.packing.kind == FILE
+            or not case.packing.rule.is_lattice
             or (wall.axis < 2 and boundary.gap)
         )
         overlap = (
@@ -173,10 +183,7 @@ def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
     stage = assembly.case.precompression
     names = stage.presses if stage else {}
     there = walls(assembly)
-    return {
-        name: [wall for wall in there if wall.name in (f"{name}lo", f"{name}hi", name)]
-        for name in names
-    }
+    return {name: [wall for wall in there if wall.key == name] for name in names}
 
 
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
@@ -203,7 +210,7 @@ def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
         reach = sites.diameter[others] / 2 if wall.tube else _reach(assembly, others, wall.axis)
         gaps = wall.gaps(sites.positions(1, len(sites.present))[others], reach)
         deepest = int(np.argmin(gaps))
-        depth = -float(gaps[deepest]) - moved.get("tube" if wall.tube else wall.name[0], 0.0)
+        depth = -float(gaps[deepest]) - moved.get(wall.key, 0.0)
         if depth > TOUCHING * assembly.case.packing.diameter:
             found.append((wall.name, int(others[deepest]) + 1, depth))
     return found
@@ -247,7 +254,6 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
     """
     if wall.held_layer:
         return ()
-    kind = assembly.case.packing.kind
     chosen = touched_by(assembly, wall)
     materials = list(
         dict.fromkeys(species.material for species in assembly.species if species.role == "sphere")
@@ -255,7 +261,7 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
     groups = [(f"species{n}", material) for n, material in enumerate(materials, start=1)]
     if chosen is not None:
         groups = [(group, material) for group, material, _ in touched_groups(assembly, chosen)]
-    elif kind == "chain" and wall.name == "bottom":
+    elif assembly.lattice.rule.is_chain and wall.name == "bottom":
         groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
     elif len(materials) == 1 and not assembly.passing:
         groups = [("all", materials[0])]

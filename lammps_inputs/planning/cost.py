@@ -285,7 +285,7 @@ def expected_wall_time(
     )
     if case.precompression is None:
         usual = most = 0.0
-    as_png = _FIGURES_OF_CHAIN if case.packing.kind == "chain" else _FIGURES
+    as_png = _FIGURES_OF_CHAIN if case.packing.rule.is_chain else _FIGURES
     return WallTime(
         static=usual * an_iteration,
         most_static=most * an_iteration,
@@ -310,14 +310,6 @@ def _seconds(assembly: Assembly, loaded: float, *, has_friction: bool) -> float:
 
 
 _LEAST = 3.0  # energy input over F_y alpha_y below which the zone is negligible
-
-
-# factor and power of the depth, and of the radius, in diameters; factor of uncertainty
-_CLOSE_PACKED = (1.30, 0.255), (1.0, 0.265), 1.5
-_LINE = (75.0, 0.0), (0.0, 0.0), 1.0
-_GROWTH = {
-    "fcc": _CLOSE_PACKED, "hcp": _CLOSE_PACKED, "bcc": ((1.30, 0.32), (2.2, 0.26), 1.4), "sc": _LINE, "chain": _LINE,
-}  # fmt: skip
 
 
 @dataclasses.dataclass(frozen=True)
@@ -358,7 +350,7 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     """Estimate the plastic zone of a case; None if nothing yields, or there is no estimate."""
     case = assembly.case
     lattice = assembly.lattice
-    growth = _GROWTH.get(case.packing.kind)
+    growth = case.packing.rule.zone_growth
     law = sphere_contact(case)
     if (
         growth is None
@@ -374,7 +366,7 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
     (centre,), (last,) = (lattice.positions(one, one) for one in (sphere, lattice.n_spheres))
     room = {"bottom": float(last[2] - centre[2])}
     (nx, ny, _), (i, j, _) = lattice.shape, lattice.indices(sphere)
-    if case.boundary.sides == "periodic":
+    if case.boundary.periodic:
         room["sides"] = min(lattice.lengths) / 2
     elif nx > 1 or ny > 1:  # to the nearest end of a row
         ends = [(0, sphere + (end - i)) for end in (0, nx - 1) if nx > 1]
@@ -382,6 +374,7 @@ def expected_zone(assembly: Assembly) -> ExpectedZone | None:
         room["sides"] = min(
             abs(float(lattice.positions(one, one)[0, axis] - centre[axis])) for axis, one in ends
         )
-    *sizes, spread = growth
-    depth, radius = (factor * energy**power * case.packing.diameter for factor, power in sizes)
-    return ExpectedZone(depth, radius, spread, room)
+    diameter = case.packing.diameter
+    depth = growth.depth(energy) * diameter
+    radius = growth.radius(energy) * diameter
+    return ExpectedZone(depth, radius, growth.spread, room)

@@ -269,7 +269,7 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
         cosine_squared = float(rule.supports[0, 2] ** 2)
         energy = striking * velocity**2 * cosine_squared / (1 + n * cosine_squared) / 2
         found.append(Encounter(law, energy, mass, loss=loss))
-    if case.boundary.bottom == "wall":
+    if case.boundary.bottom_rule.has_plane:
         # along lines of contacts, or through a single layer, the pulse reaches the wall undivided
         halvings = assembly.lattice.n_layers - 1 if rule.set_back else 0
         energy = striking * (velocity * 0.5**halvings) ** 2 / 2
@@ -370,7 +370,7 @@ def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | Non
         grain = int(lattice.top_layer[0])
         behind = _behind(assembly, PLATE, assembly.material_of(grain))
         flats.append((grain, None, behind, plate.key))
-    if boundary.bottom == "wall":
+    if boundary.bottom_rule.has_plane:
         there = np.unique(of[lattice.last_layer - 1])
         flats += [
             (

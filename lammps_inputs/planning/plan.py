@@ -181,14 +181,14 @@ def _refuse_endless(case: Case) -> None:
     runs.
     """
     stage = case.precompression
-    if case.boundary.bottom == "periodic":
+    if case.boundary.bottom_rule.repeats:
         raise InputError(
             f'{case.name}: boundary.bottom: found "periodic": an endless packing has bands (granwave bands), not '
             'runs; expected "wall", "fixed" or "free"'
         )
     if case.packing.grains is None or stage is None:
         return
-    if stage.kind == "uniform" or (stage.kind == "uniaxial" and not case.bears_along_z):
+    if stage.rule.on_all_faces or (stage.rule.on_top and not case.bears_along_z):
         raise InputError(
             f"{case.name}: precompression.kind: found {stage.kind!r} of grains with packing.cell, which is for "
             'granwave bands; expected "walls" for a run, or something that bears it'

@@ -13,7 +13,7 @@ import pytest
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import KINDS, is_plane_crystal
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import Packing
@@ -75,7 +75,7 @@ BALL = {
 
 def packing_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
     size = size or SIZES.get(kind, ANY_SIZE[: len(KINDS[kind].axes)])
-    equal = is_plane_crystal(kind) and tables.get("boundary", {}).get("sides") == "periodic"
+    equal = KINDS[kind].is_plane_crystal and tables.get("boundary", {}).get("sides") == "periodic"
     packing = {
         "kind": kind,
         "size": list(size) if len(size) > 1 else size[0],

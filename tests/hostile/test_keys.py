@@ -21,7 +21,7 @@ from typing import Any, Literal
 import pytest
 import tomli_w
 
-from granwave.lammps_inputs.case import bodies, boundary, contact, packing, run
+from granwave.lammps_inputs.case import bodies, boundary, contact, packing, precompression, run
 from granwave.lammps_inputs.case.added_grains import AddedGrains
 from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import Material
@@ -63,7 +63,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
         | {"boundary": {"bottom": {"half_space": {}, "material": BRASS}}}),
     (CASE, "boundary.bottom.bar", boundary.SupportBar, SPHERES
         | {"boundary": {"bottom": {"bar": BAR, "material": BRASS}}}),
-    (CASE, "precompression", boundary.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
+    (CASE, "precompression", precompression.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
     (CASE, "run", run.Run, SPHERES),
     (CASE, "output", run.Output, SPHERES | {"output": {}}),
     (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),

@@ -19,7 +19,16 @@ from granwave.lammps_inputs.packing.packing import Packing
 from granwave.lammps_inputs.packing.places import struck_spheres
 
 D = 0.01
-INSIDE = dict(zip(KINDS, (12, 12, 8, 6, 4, 6, 4, 2), strict=True))  # coordination
+INSIDE = {  # coordination
+    "fcc": 12,
+    "hcp": 12,
+    "bcc": 8,
+    "sc": 6,
+    "square": 4,
+    "hexagonal": 6,
+    "centred-square": 4,
+    "chain": 2,
+}
 SOLID = [kind for kind, rule in KINDS.items() if rule.axes == "xyz"]
 
 

@@ -286,13 +286,12 @@ def _static(case: Case) -> str:
         return ""
     walls = {name: "the tube shrinks" if name == "tube" else f"the walls across {name} move in"
              for name in (*stage.moves, *stage.presses)}  # fmt: skip
-    gravity = stage.kind == "gravity"
     parts = [
         *(f"{walls[name]} by {length:.4g} m" for name, length in stage.moves.items()),
         *(f"{walls[name]} to {force:.4g} N" for name, force in stage.presses.items()),
         "" if stage.pressure is None else f"{stage.pressure:.4g} Pa on the free faces",
         "" if stage.force is None else f"{stage.force:.4g} N on each grain of the top",
-        f"weight at {stage.acceleration:.4g} m/s^2" if gravity else "",
+        *stage.rule.words(stage),
         "overlaps at the start press" if stage.takes_overlaps else "",
     ]
     return "; ".join(filter(None, parts))

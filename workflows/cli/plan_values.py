@@ -12,7 +12,6 @@ import numpy as np
 from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
@@ -100,9 +99,8 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
     }
     # a restitution that is asked for is found
     loss = viscous_loss(assembly, case.contact, case.material, case.material)
-    if case.packing.grains is not None or is_plane_crystal(
-        case.packing.kind
-    ):  # contacts of other lattices are known
+    rule = case.packing.rule
+    if rule.is_plane_crystal or not rule.is_lattice:  # contacts of other lattices are known
         found = Counter(assembly.contacts().ravel().tolist())
         grains = Counter(found.values()) | Counter({0: assembly.n_spheres - len(found)})
         numbers = {number: n for number, n in sorted(grains.items()) if n}
@@ -136,7 +134,7 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
             "presses_N": stage.presses,
             "pressure_Pa": stage.pressure,
             "force_N": stage.force,
-            "acceleration_m_s2": stage.acceleration if stage.kind == "gravity" else None,
+            "acceleration_m_s2": stage.acceleration if stage.rule.takes_acceleration else None,
             "takes_overlaps": stage.takes_overlaps,
         },
         "n_ranks": plan.n_ranks,
@@ -192,11 +190,7 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     from end to end, and for each frequency of the load if it passes; units are part of the names.
     """
     case = assembly.case
-    if (
-        case.precompression is None
-        or case.packing.kind != "chain"
-        or case.packing.grains is not None
-    ):
+    if case.precompression is None or not case.packing.rule.is_chain:
         return None
     from granwave.analysis.spectra.band_structure import (
         band_structure,

@@ -17,6 +17,7 @@ import numpy as np
 
 from granwave.analysis.document.model import is_number
 from granwave.analysis.scans.result import SEED
+from granwave.lammps_inputs.case.bounds import is_target
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.case.schema import (
@@ -306,7 +307,7 @@ def _layers(
         (way not in ("period", "groups") or not isinstance(count, int) or count < 1, f"{key}.tied",
          f"found {show(tied)}, expected {{period = 2}}, every other layer alike, or {{groups = 3}}, three blocks of "
          "layers; free if left out"),
-        (ends is not None and packing.kind != "chain", f"{key}.diameters",
+        (ends is not None and not packing.rule.is_chain, f"{key}.diameters",
          f'found with packing.kind = "{packing.kind}", expected "chain": smaller spheres leave gaps in a lattice'),
         (ends is not None and not (isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))),
          f"{key}.diameters", f"found {show(ends)}, expected [smallest, largest]"),
@@ -378,7 +379,7 @@ def _objectives(
             f"found {len(found)} values, expected one, or two different ones, under minimise or maximise",
         )
     bottom = base.get("boundary", {}).get("bottom", "wall") if base else "wall"
-    without_target = bottom in ("free", "periodic") and "bar" not in base
+    without_target = "bar" not in base and not is_target(bottom)
     for one in found:
         of_target = any(fnmatchcase(one.name, pattern) for pattern in _OF_TARGET)
         errors.check((

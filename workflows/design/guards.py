@@ -17,11 +17,14 @@ from typing import Any
 import h5py
 import numpy as np
 
+from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.bounds import SIDES
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, regular
 from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
@@ -116,10 +119,8 @@ def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict
     step = run.get("timestep")
     bottom = boundary.get("bottom")
     by_id = any("index" in entry for entry in tables.get("replace", []))
-    if isinstance(size, list) and boundary.get("sides") != "periodic" and not by_id:
-        across = (
-            1 if len(size) == 2 and packing["kind"] != "square" else 2
-        )  # crystals in the plane are one wide
+    if isinstance(size, list) and not by_id and not _is_periodic(boundary):
+        across = 1 if kind_of(packing["kind"]).is_plane_crystal else 2
         wider = [
             n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)
         ]
@@ -135,9 +136,16 @@ def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict
         yield "tolerance", "diameters that scatter by 0.05 %", scatter
     if random:
         yield "seed", "another seed", {"packing.seed": packing.get("seed", 1) + 1000}
-    if isinstance(bottom, dict) and "plate" in bottom:
-        stiffer = {"boundary.bottom.plate.stiffness": 4 * bottom["plate"]["stiffness"]}
+    plate = bottom.get("plate") if isinstance(bottom, dict) else None
+    if plate is not None:
+        stiffer = {"boundary.bottom.plate.stiffness": 4 * plate["stiffness"]}
         yield "stiffer", "a plate on a spring four times as stiff", stiffer
+
+
+def _is_periodic(boundary: Tables) -> bool:
+    """Return True for the table of a boundary whose sides are periodic."""
+    sides = boundary.get("sides", Boundary.sides)
+    return isinstance(sides, str) and SIDES[sides].repeats
 
 
 def further_runs(
@@ -234,7 +242,7 @@ def findings_without_runs(
         yield Finding("law", "overlaps", text, warning=True)
     case = problem.case(problem.tables_of(best.values))
     yields = (
-        case.contact.yields and case.packing.kind != "chain"
+        case.contact.yields and not case.packing.rule.is_chain
     )  # elastic packings, and rows, rattle for ever
     given = summary.get("energy_input_J")
     kinetic = summary.get("energy_kinetic_J")

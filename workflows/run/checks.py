@@ -12,7 +12,6 @@ from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
-from granwave.lammps_inputs.lattices import is_plane_crystal
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import DUMPS, STATIC_STAGE_FILE
 from granwave.workflows.run.lammps_engine import Engine
@@ -88,9 +87,10 @@ _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
 def _advice(case: Case) -> str:
     """Return what confines a packing of this kind, of the keys that it takes."""
+    rule = case.packing.rule
     if case.packing.grains is not None and case.packing.cell is None:
         remedy = _HELD
-    elif case.packing.kind == "chain" or is_plane_crystal(case.packing.kind):
+    elif rule.is_lattice and not rule.has_faces:
         remedy = _PERIODIC
     else:
         remedy = _PERIODIC + _UNIFORM

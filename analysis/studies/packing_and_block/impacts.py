@@ -28,7 +28,6 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
@@ -126,7 +125,7 @@ def not_ideal(run: FinishedRun) -> str:
     """Return why a run of grains is not compared; empty if it is."""
     case = run.case
     reasons = {
-        "a chain": case.packing.kind == "chain",
+        "a chain": case.packing.rule.is_chain,
         "the load is no impact": not case.load.gives_velocity,
         "the grains are not all alike": not run.assembly.plain,
         "friction": case.has_friction,
@@ -284,7 +283,7 @@ def _granular(run: FinishedRun) -> dict[str, Any]:
         "energy_normalised": energy / (law.yield_force * law.yield_overlap),
         "velocity_normalised": run.value("velocity_normalised"),
         "dissipated_fraction": run.value("dissipated_fraction"), "struck_spheres": int(case.load.spheres),
-        "yield_force": law.yield_force, "solid_fraction": kind_of(packing.kind).solid_fraction,
+        "yield_force": law.yield_force, "solid_fraction": packing.rule.solid_fraction,
         "n_spheres": run.assembly.lattice.n_spheres,
         "packing": f"{packing.kind} {' x '.join(map(str, packing.size))}",
         "substance": (*constants.values(), packing.diameter, case.contact),

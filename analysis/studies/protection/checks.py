@@ -4,15 +4,13 @@ target.
 
 from __future__ import annotations
 
-import math
 from collections.abc import Iterator, Sequence
 
-from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import HertzImpact, after_impulse
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
 from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Row
-from granwave.lammps_inputs.case.boundary import Boundary, HalfSpace, Plate, SupportBar
+from granwave.lammps_inputs.case.boundary import Boundary, Plate
 
 TEXT = (
     "A single elastic sphere on each bottom. Theory: Hertz's impact on a rigid wall; a plate after a short "
@@ -81,7 +79,7 @@ def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] |
     """Largest displacement of an undamped plate, m, and the theory that it is from; None between
     the two limits.
     """
-    period = period_of(plate)
+    period = plate.period
     if plate.damping:
         return None
     if period > _SHORT * impact.duration:
@@ -104,15 +102,10 @@ def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[floa
     material = boundary.bottom_material
     if support is None or material is None:
         return None
-    if isinstance(support, HalfSpace) and support.radius is not None:
-        behind = support.backing(material, support.radius)
-        spring = behind.stiffness
-        damping = behind.damping
-    elif isinstance(support, SupportBar) and support.end == "infinite":
-        spring = 0.0
-        damping = support.area * math.sqrt(material.youngs_modulus * material.density)
-    else:
+    absorber = support.absorber(material)
+    if absorber is None:
         return None
+    spring, damping = absorber
     if impact.mass > _SLIGHT * (damping + spring * impact.duration) * impact.duration:
         return None
     how = (

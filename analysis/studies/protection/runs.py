@@ -17,7 +17,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.runs import FinishedRun, all_but, bottom_label
 from granwave.analysis.studies.study import numeric, span, table_of
-from granwave.lammps_inputs.case.boundary import Plate
+from granwave.lammps_inputs.case.boundary import SUPPORTS, Plate
 from granwave.lammps_inputs.packing.motion import velocities_of
 
 FEWEST_HEIGHTS = 3  # that make a series of packings on one bottom
@@ -89,7 +89,7 @@ class TargetRun(FinishedRun):
     @property
     def held(self) -> bool:
         """The bottom is a plane that does not move."""
-        return self.case.boundary.bottom == "wall" and not self.moves
+        return self.case.boundary.bottom_rule.has_plane and not self.moves
 
     @property
     def moves(self) -> bool:
@@ -140,7 +140,7 @@ def impacts(runs: Iterable[FinishedRun]) -> list[list[TargetRun]]:
     """
     groups: dict[str, dict[str, TargetRun]] = {}
     for run in runs:
-        if run.case.boundary.bottom != "free" and not run.assembly.bars:
+        if run.case.boundary.bottom_rule.bears and not run.assembly.bars:
             one = run.seen_as(TargetRun)
             group = groups.setdefault(_impact(run), {})
             key = all_but(run.case)
@@ -195,7 +195,7 @@ def _impact(run: FinishedRun) -> str:
 
 def _order(run: TargetRun) -> tuple:
     support = run.case.boundary.bottom_support
-    kind = ("plate", "half_space", "bar").index(support.kind) + 1 if support else 0
+    kind = list(SUPPORTS).index(support.kind) + 1 if support else 0
     mass, stiffness = (run.plate.mass, run.plate.stiffness) if run.plate else (0.0, 0.0)
     return kind, -mass, -stiffness, run.bottom, run.friction, run.layers
 

@@ -13,12 +13,12 @@ from pandas import DataFrame
 from granwave.analysis.figures.series import column_name, label, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREY, ORANGE, Drawing
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.measures.target import period_of
 from granwave.analysis.measures.target_theory import expected_displacement, spectrum_curves
 from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
-from granwave.analysis.studies.runs import FinishedRun, impact_title, time_label
+from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture, Row, span
+from granwave.lammps_inputs.case.boundary import time_label
 
 TEXT = (
     "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "
@@ -49,7 +49,7 @@ def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
     rows = [
         {
             "layers": run.layers, "friction": run.friction, "mass": plate.mass, "damping": plate.damping or 0.0,
-            "run": run, "plate": plate, "period": period_of(plate), "displacement": run.displacement.max(),
+            "run": run, "plate": plate, "period": plate.period, "displacement": run.displacement.max(),
             "without": run.value("unprotected_ground_peak_force_N") / (math.nan if plate.damping else plate.stiffness),
         }
         for run in runs

@@ -24,9 +24,9 @@ from granwave.analysis.studies.runs import (
     impact_title,
     load_label,
     packing_title,
-    time_label,
 )
 from granwave.analysis.studies.study import Row, Study, write_rows
+from granwave.lammps_inputs.case.boundary import time_label
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
