@@ -37,7 +37,7 @@ def law(options: argparse.Namespace) -> int:
     rate = options.rate_sensitivity
     speed = options.velocity
     _at_most_two(options)
-    takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.options
+    takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.parameters
     other = (
         "takes all velocities: leave out --restitution"
         if rate
