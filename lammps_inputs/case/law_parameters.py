@@ -6,6 +6,7 @@ each parameter. A section of a case takes the keys of its table from there with 
 
 from __future__ import annotations
 
+import dataclasses
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from typing import Any, TypeVar
 
@@ -58,20 +59,23 @@ def _in_case(parameter: _contact_laws.LawParameter) -> float | str | None:
 
 
 def _field(parameter: _contact_laws.LawParameter) -> Any:
-    """Return the field of a key, with an example of its value."""
+    """Return the field of a key, whose metadata have an ``example`` as well."""
     description = parameter.description
     if parameter.optional and not parameter.of_material:
         description += f"; {parameter.default:g} if left out"
     if parameter.words:
-        field = schema.choice(description, parameter.words, default=_in_case(parameter))
+        made = schema.choice(description, parameter.words)
     else:
-        field = schema.number(
-            description,
-            parameter.unit or None,
-            default=_in_case(parameter),
-            **parameter.case_range,
-        )
-    return field
+        unit = parameter.unit or None
+        made = schema.number(description, unit, **parameter.case_range)
+    metadata = {**made.metadata, "example": parameter.example}
+    return dataclasses.field(default=_in_case(parameter), metadata=metadata)
+
+
+def parser_of(parameter: _contact_laws.LawParameter) -> schema.Parse:
+    """Return the function that checks a value of a parameter as that of its key."""
+    parse: schema.Parse = _field(parameter).metadata["parse"]
+    return parse
 
 
 def keywords(

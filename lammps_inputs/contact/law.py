@@ -160,8 +160,7 @@ def contact_of(
     materials: Sequence[Material | None],
     radii: Sequence[float],
     law: str = "elastoplastic",
-    variant: str = "continuous",
-    constants: Mapping[str, float] | None = None,
+    constants: Mapping[str, float | str] | None = None,
     *,
     checked: bool = True,
     cohesion: Cohesion | None = None,
@@ -172,7 +171,7 @@ def contact_of(
     Parameters
     ----------
     constants
-        Further parameters of the law, by name.
+        Parameters of the law other than its defaults, by name.
     checked
         True to refuse constants of a law that is not passive.
     cohesion
@@ -190,13 +189,12 @@ def contact_of(
             raise InputError(
                 f"material {material.name}: yield_strength: missing; law {law} needs it"
             )
-    values: dict[str, Any] = {"law": law, "variant": variant, **(constants or {})}
-    parameters = LAWS[law].parameters.values()
-    own = [one.name for one in parameters if not one.of_material and one.name != "variant"]
-    if unknown := sorted(values.keys() - {"law", "variant", *own}):
+    values: dict[str, Any] = dict(constants or {})
+    own = [one.name for one in LAWS[law].parameters.values() if not one.of_material]
+    if unknown := sorted(values.keys() - set(own)):
         raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(own)}")
     bodies = (materials[0], materials[-1])
-    contact = Contact(**values, cohesion=cohesion)
+    contact = Contact(law=law, cohesion=cohesion, **values)
     return law_between(contact, bodies, (radii[0], radii[-1]), checked=checked)  # type: ignore[arg-type]
 
 

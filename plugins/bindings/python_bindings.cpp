@@ -479,6 +479,8 @@ PYBIND11_MODULE(_contact_laws, module)
           },
           "value where it is not given: a number or a word; None if it is required")
       .def_property_readonly(
+          "example", [](const LawParameter &p) { return as_python(p, p.example); }, "value that the documents show")
+      .def_property_readonly(
           "words",
           [](const LawParameter &p) {
             py::list words;

@@ -46,7 +46,7 @@ inline constexpr LawParameter HARDENING =
         .of_material()
         .in(BELOW_ONE)
         .in_cases({0.0, 0.2, true, true})
-        .optional(0.0);
+        .optional(0.0, 0.02);
 
 class ElastoplasticFe : public NormalLaw {
  public:

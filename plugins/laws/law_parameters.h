@@ -72,6 +72,7 @@ struct LawParameter {
   Holder holder = Holder::CONTACT;
   Presence presence = Presence::USUAL;
   double fallback = 0.0;    // value where it is not given
+  double example = 0.0;     // value that the documents show
   Range range;              // in which the law holds
   Range case_range;         // that case files accept
   std::array<const char *, MOST_WORDS> words{};
@@ -109,10 +110,11 @@ struct LawParameter {
     return p;
   }
   /* Written out in every case and input script. */
-  constexpr LawParameter usually(double value) const { return with(Presence::USUAL, value); }
-  /* Left out of them unless it is given. */
-  constexpr LawParameter optional(double value) const { return with(Presence::OPTIONAL, value); }
-  constexpr LawParameter required() const { return with(Presence::REQUIRED, 0.0); }
+  constexpr LawParameter usually(double value) const { return with(Presence::USUAL, value, value); }
+  /* Left out of them unless it is given; the example is another value where the default does nothing. */
+  constexpr LawParameter optional(double value) const { return with(Presence::OPTIONAL, value, value); }
+  constexpr LawParameter optional(double value, double shown) const { return with(Presence::OPTIONAL, value, shown); }
+  constexpr LawParameter required(double shown) const { return with(Presence::REQUIRED, 0.0, shown); }
   constexpr LawParameter of_material() const
   {
     LawParameter p(*this);
@@ -159,11 +161,12 @@ struct LawParameter {
   }
 
  private:
-  constexpr LawParameter with(Presence present, double value) const
+  constexpr LawParameter with(Presence present, double value, double shown) const
   {
     LawParameter p(*this);
     p.presence = present;
     p.fallback = value;
+    p.example = shown;
     return p;
   }
 };

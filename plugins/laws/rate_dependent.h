@@ -44,7 +44,7 @@ inline constexpr LawParameter RATE_SENSITIVITY =
         .after("rate")
         .in(NOT_NEGATIVE)
         .in_cases({0.0, 0.2, true, true})
-        .optional(0.0);
+        .optional(0.0, 0.014);
 inline constexpr LawParameter REFERENCE_RATE =
     LawParameter("reference_rate", "r0", "strain rate up to which the yield strength is that given; 1/s, usually 1")
         .of_material()
