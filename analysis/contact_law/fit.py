@@ -203,7 +203,7 @@ def fit_law(
         law = law_of(x, checked=True)
     except ValueError as error:
         raise InputError(
-            f"{curve.source}: the constants that fit best make no passive law ({error}); hold some with --free"
+            f"{curve.source}: the constants that fit best make {error}; hold some with --free"
         ) from None
     held = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
     rho = _neighbours(residuals(x)[:-1], curve.branch[rows])

@@ -5,13 +5,19 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from granwave import _contact_laws
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
+from granwave.lammps_inputs.case.law_parameters import (
+    OF_CONTACT,
+    PARAMETERS,
+    value_of,
+    with_parameters,
+)
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
@@ -237,7 +243,6 @@ def parse_cohesion(value: Any) -> Cohesion:
     return Cohesion(kind=kind, energy=energy)
 
 
-DEFAULT_YIELD_FACTOR = 1.60
 FITTED_POISSON_RATIO = 0.30
 _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
 
@@ -286,45 +291,33 @@ LAWS = {name: law for name, law in ALL_LAWS.items() if not law.is_power}  # thos
 NO_FORCE = "none"  # law of materials whose grains do not touch each other
 LINES = ("half-space", "plane-strain")
 LINE = "line"  # law of crystals of cylinders alone: Hertz's, with lines in plane strain
-LAW_CONSTANTS = tuple(
-    _contact_laws.LAW_CONSTANTS
-)  # names of the constants of the elasto-plastic law
-
-_CONSTANT: dict[str, Any] = {"above": 0, "default": None}
+#: Published values of the constants of the elasto-plastic law, by name.
+LAW_CONSTANTS: dict[str, float] = {
+    name: parameter.default
+    for name, parameter in ALL_LAWS["elastoplastic"].parameters.items()
+    if parameter.optional and not parameter.of_material
+}
+_FIRST = ("law", "variant", "yield_factor", "constant", "exponent", "line", "beta")
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+@with_parameters(OF_CONTACT, first=_FIRST)
 class Contact:
-    """``[contact]``: contact law and friction."""
+    """``[contact]``: contact law and friction.
+
+    The parameters of the laws are fields as well, with the names of the table of laws.
+    """
 
     law: str = schema.choice(
         'contact law; "line" is "hertz" with line = "plane-strain", for cylinders alone',
         (*ALL_LAWS, LINE),
         default="elastoplastic",
     )
-    variant: str = schema.choice(
-        "constants of the elasto-plastic law: made continuous, or as printed",
-        ("continuous", "published"),
-        default="continuous",
-    )
-    yield_factor: float = schema.number(
-        "C = p_y / sigma_y, contact pressure at first yield",
-        at_least=0.1,
-        at_most=10,
-        default=DEFAULT_YIELD_FACTOR,
-    )
-    constant: float | None = schema.number(
-        "law power: K of F = K overlap^p, N/m^p", above=0, default=None
-    )
-    exponent: float | None = schema.number("law power: p", at_least=1, default=None)
     line: str = schema.choice(
         "contact along a line, of a cylinder on a plane or beside another: with bodies that give way over its length "
         "(half-space), or in plane strain",
         LINES,
         default="half-space",
-    )
-    beta: float = schema.number(
-        "bilinear law: residual overlap over the largest overlap", at_least=0, below=1, default=0.8
     )
     friction: float = schema.number(
         "coefficient of Coulomb friction between spheres",
@@ -370,42 +363,37 @@ class Contact:
         default=0.0,
     )
 
-    # Constants of the elasto-plastic law, for materials whose curve differs from the published one
-    # (None: published). a = alpha/alpha_y; pressure in units of sigma_y, area in units of pi R*
-    # alpha_y.
-    pressure_limit: float | None = schema.number(
-        "c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1)); 2.48 if left out", **_CONSTANT
-    )
-    pressure_rate: float | None = schema.number(
-        "c2 of the same; 0.098 if left out", at_least=1e-4, at_most=10, default=None
-    )
-    area_switch: float | None = schema.number(
-        "a from which the area is A = c4 a - c5, a power of a below; 177.6 if left out",
-        above=1,
-        default=None,
-    )
-    area_slope: float | None = schema.number("c4 of the area; 2.37 if left out", **_CONSTANT)
-    area_offset: float | None = schema.number("c5 of the area; 59.96 if left out", default=None)
-    residual_slope: float | None = schema.number(
-        "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1)); 0.95 if left out", **_CONSTANT
-    )
-    residual_offset: float | None = schema.number("c7 of the same; 25.94 if left out", default=None)
-    residual_rate: float | None = schema.number("c8 of the same; 0.015 if left out", **_CONSTANT)
-    unloading_exponent: float | None = schema.number(
-        "n of f = f_max ((a - a_R)/(a_max - a_R))^n; 1.35 if left out", at_least=1, default=None
-    )
-
     def __post_init__(self) -> None:
         """Take the law of lines for what it is."""
         if self.law == LINE:
             object.__setattr__(self, "law", "hertz")
             object.__setattr__(self, "line", "plane-strain")
 
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def parameters(self) -> dict[str, float | str]:
+        """Values of the parameters that the law has for a contact, by name; without those that are
+        left out.
+        """
+        own = [name for name, one in self.entry.parameters.items() if not one.of_material]
+        values = {name: getattr(self, name) for name in own}
+        return {name: value for name, value in values.items() if value is not None}
+
     @property
     def constants(self) -> dict[str, float]:
-        """Constants of the elasto-plastic law that the case gives, by name."""
-        given = {name: getattr(self, name) for name in LAW_CONSTANTS}
-        return {name: value for name, value in given.items() if value is not None}
+        """Constants of the curve of its law that the case gives, by name."""
+        values: dict[str, Any] = self.parameters
+        return {name: values[name] for name in values if PARAMETERS[name].optional}
+
+    @property
+    def foreign(self) -> dict[str, float]:
+        """Parameters of other laws, without a default, that the case gives, by name."""
+        others = [one.name for one in OF_CONTACT if one.optional or one.required]
+        values = {name: getattr(self, name) for name in others if not self.takes(name)}
+        return {name: value for name, value in values.items() if value is not None}
 
     @property
     def entry(self) -> _contact_laws.LawEntry:
@@ -442,31 +430,19 @@ class Contact:
         bodies = [(one.youngs_modulus, one.poisson_ratio, one.yield_strength or math.inf) if one else _RIGID
                   for one in materials]  # fmt: skip
         moduli, ratios, strengths = zip(*bodies, strict=True)
-        first, second = ((one.hardening or 0.0) if one else 0.0 for one in materials)
-        sensitivity, reference = zip(
-            *(one.rate if one else (0.0, 1.0) for one in materials), strict=True
-        )
-        given = {
-            name: getattr(self, name)
-            for name in ("constant", "exponent")
-            if getattr(self, name) is not None
-        }
+        parameters: dict[str, Any] = self.parameters
+        for name, parameter in self.entry.parameters.items():
+            if parameter.of_material:
+                parameters[name] = tuple(value_of(one, parameter) for one in materials)
         if self.cohesion is not None and self.coheres:
-            given["cohesion"] = (self.cohesion.kind, self.cohesion.energy)
+            parameters["cohesion"] = (self.cohesion.kind, self.cohesion.energy)
         return _contact_laws.ContactLaw(
             youngs_modulus=moduli,
             poisson_ratio=ratios,
             yield_strength=strengths,
             radius=radii,
             law=self.law,
-            variant=self.variant,
-            yield_factor=self.yield_factor,
-            beta=self.beta,
-            constants=self.constants,
-            hardening=(first, second),
-            rate_sensitivity=sensitivity,
-            reference_rate=reference,
-            **given,
+            **parameters,
             **others,
         )
 
@@ -475,9 +451,9 @@ class Contact:
         """True if the law needs a yield strength."""
         return bool(self.entry.yields)
 
-    def takes(self, option: str) -> bool:
-        """Return True if the law has an option: such as ``variant``, ``yield_factor`` or ``beta``."""
-        return option in self.entry.options
+    def takes(self, parameter: str) -> bool:
+        """Return True if the law has a parameter of this name."""
+        return parameter in self.entry.parameters
 
 
 RIGID = "rigid"  # name of a rigid wall in `Pair.materials`

@@ -14,13 +14,14 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import TYPE_CHECKING, Any, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import DENSITY, DIAMETER, YIELD_STRENGTH, YOUNGS_MODULUS
+from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, with_parameters
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
     ValidationError,
@@ -33,11 +34,19 @@ from granwave.lammps_inputs.files import read_toml
 
 SELECTORS = ("preset", "file")
 MATERIALS = "materials"  # table of further materials of a case
+_FIRST = (
+    "name", "youngs_modulus", "poisson_ratio", "density", "yield_strength", "hardening",
+    "rate_sensitivity", "reference_rate", "source",
+)  # fmt: skip
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+@with_parameters(OF_MATERIAL, first=_FIRST)
 class Material:
-    """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
+    """An isotropic elastic material that yields (von Mises) at ``yield_strength``.
+
+    The parameters that laws have for each material are fields as well.
+    """
 
     name: str | None = schema.custom(
         "what the material is called in figures and tables", schema.parse_label, default=None
@@ -48,25 +57,11 @@ class Material:
     yield_strength: float | None = schema.number(
         "uniaxial yield strength", YIELD_STRENGTH, above=0, default=None
     )
-    hardening: float | None = schema.number(
-        "tangent modulus after yield over Young's modulus; only the law elastoplastic-fe and finite elements of two "
-        "spheres take it",
-        at_least=0,
-        at_most=0.2,
-        default=None,
-    )
-    rate_sensitivity: float | None = schema.number(
-        "growth of the yield strength with the strain rate: C of the factor 1 + C ln(rate/reference rate)",
-        at_least=0,
-        at_most=0.2,
-        default=None,
-    )
-    reference_rate: float | None = schema.number(
-        "strain rate up to which the yield strength is that given; 1/s, usually 1",
-        above=0,
-        default=None,
-    )
     source: str | None = schema.text("where the values come from", default=None)
+
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
 
     @property
     def rate(self) -> tuple[float, float]:

@@ -11,6 +11,7 @@ import numpy as np
 from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material, check_shape
 from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_size
@@ -428,9 +429,15 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     materials = {id(one.material): one.material for one in assembly.species}.values()
     if law.takes("hardening"):
         warnings += filter(None, map(outside_fit, materials))
-    elif any(one.hardening for one in materials):
-        text = "expected law elastoplastic-fe for a material with hardening, which others leave out"
-        warnings.append(f"contact.law: found {law.law}, {text}")
+    for parameter in OF_MATERIAL:
+        if law.takes(parameter.name) or parameter.keyword == RATE:  # of rates see `check_rates`
+            continue
+        if any(is_set(one, parameter) for one in materials):
+            laws = " or ".join(laws_with(parameter))
+            text = (
+                f"expected law {laws} for a material with {parameter.name}, which others leave out"
+            )
+            warnings.append(f"contact.law: found {law.law}, {text}")
     if law.yields and assembly.has_cylinders:
         text = "contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: contact.law ="
         warnings.append(f"{text} {law.law} holds for the others")

@@ -9,10 +9,11 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAWS, MARSHALL, RIGID, Contact
+from granwave.lammps_inputs.case.contact import MARSHALL, RIGID, Contact
+from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
-from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_constants, viscous_loss
+from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_parameters, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import vacant_sites
 from granwave.lammps_inputs.packing.places import Places, layout_of
@@ -241,15 +242,6 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
     """Check that a law has the constants that it takes, and no others, and that it can cohere and
     resist twisting.
     """
-    for name in ("constant", "exponent"):
-        value = getattr(contact, name)
-        takes = contact.takes(name)
-        errors.check(
-            (value is None and takes, f"{key}.{name}",
-             f'missing; law = "{contact.law}" is F = constant overlap^exponent'),
-            (value is not None and not takes, f"{key}.{name}",
-             f'found {value or 0.0:g} with law = "{contact.law}"; it belongs to law = "power"'),
-        )  # fmt: skip
     kind = contact.cohesion.kind if contact.cohesion is not None and contact.coheres else ""
     found = f'found "{kind}" with law = "{contact.law}"'
     errors.check(
@@ -260,16 +252,29 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
         (kind == "jkr" and contact.yields, f"{key}.cohesion",
          f'{found}; "jkr" is of elastic spheres: expected law = "hertz", or kind = "dmt"'),
     )  # fmt: skip
+    _check_parameters(contact, key, errors)
+
+
+def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
+    """Check that a law has the parameters that it requires, and none of other laws, and that they
+    make a passive law.
+    """
+    before = len(errors.lines)
+    required = [one.name for one in contact.entry.parameters.values() if one.required]
+    for name in required:
+        expected = f'missing; law = "{contact.law}" requires {" and ".join(required)}'
+        errors.check((name not in contact.parameters, f"{key}.{name}", expected))
+    for name, value in contact.foreign.items():
+        laws = " or ".join(f'law = "{law}"' for law in laws_with(PARAMETERS[name]))
+        found = f'found {value:g} with law = "{contact.law}"; it belongs to {laws}'
+        errors.add(f"{key}.{name}", found)
+    if len(errors.lines) > before or not (fault := error_in_parameters(contact)):
+        return
     names = list(contact.constants)
-    if names and (not contact.takes("constants") or contact.variant != "continuous"):
-        found = f"found {contact.law}, {contact.variant}"
-        errors.check(*((True, f"{key}.{name}", f"belongs to law elastoplastic, variant continuous; {found}")
-                       for name in names))  # fmt: skip
-    elif names and (fault := error_in_constants(contact)):
-        key, found = (
-            (f"{key}.{names[0]}", "") if len(names) == 1 else (key, f"{', '.join(names)}: ")
-        )
-        errors.add(key, f"{found}no passive law: {fault}")
+    if len(names) == 1:
+        errors.add(f"{key}.{names[0]}", fault)
+    else:
+        errors.add(key, f"{', '.join(names)}: {fault}")
 
 
 # overlap by cohesion over the radius of a sphere, up to which contacts are small
@@ -359,9 +364,7 @@ def check_rates(assembly: Assembly, errors: ErrorList) -> None:
             and any(one is not None and one.rate_sensitivity for one in (first, second))
         ):
             law = f"{contact.law}, {contact.variant}" if contact.takes("variant") else contact.law
-            names = ", ".join(
-                name for name, entry in LAWS.items() if "rate_sensitivity" in entry.options
-            )
+            names = ", ".join(laws_with(PARAMETERS["rate_sensitivity"]))
             errors.add(
                 "material.rate_sensitivity",
                 f"found with law {law}, expected one of {names} (continuous), or none",

@@ -20,7 +20,6 @@ from granwave._contact_laws import ContactLaw, LineContact
 from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import (
-    LAW_CONSTANTS,
     LAWS,
     Cohesion,
     Contact,
@@ -137,15 +136,19 @@ def law_between(
     return contact.between(materials, radii, **others)
 
 
-def error_in_constants(contact: Contact) -> str:
-    """Describe why the constants of the elasto-plastic law do not give a passive law; empty if they
-    do.
+def error_in_parameters(contact: Contact) -> str:
+    """Describe why the parameters of a law exclude each other, or do not give a passive law; empty
+    if they do.
     """
     try:
         ContactLaw(
-            youngs_modulus=(1.0, 1.0), poisson_ratio=(0.0, 0.0), yield_strength=(1.0, 1.0), radius=(1.0, 1.0),
-            yield_factor=contact.yield_factor, constants=contact.constants,
-        )  # fmt: skip
+            contact.law,
+            youngs_modulus=(1.0, 1.0),
+            poisson_ratio=(0.0, 0.0),
+            yield_strength=(1.0, 1.0),
+            radius=(1.0, 1.0),
+            **contact.parameters,
+        )
     except ValueError as error:
         return str(error)
     return ""
@@ -155,8 +158,7 @@ def contact_of(
     materials: Sequence[Material | None],
     radii: Sequence[float],
     law: str = "elastoplastic",
-    variant: str = "continuous",
-    constants: Mapping[str, float] | None = None,
+    constants: Mapping[str, float | str] | None = None,
     *,
     checked: bool = True,
     cohesion: Cohesion | None = None,
@@ -167,7 +169,7 @@ def contact_of(
     Parameters
     ----------
     constants
-        Constants of the elasto-plastic law that differ from the published ones.
+        Parameters of the law other than its defaults, by name.
     checked
         True to refuse constants of a law that is not passive.
     cohesion
@@ -185,14 +187,12 @@ def contact_of(
             raise InputError(
                 f"material {material.name}: yield_strength: missing; law {law} needs it"
             )
-    values: dict[str, Any] = {"law": law, "variant": variant, **(constants or {})}
-    unknown = sorted(values.keys() - {"law", "variant", *LAW_CONSTANTS})
-    if unknown:
-        raise ValueError(
-            f"found the constant {unknown[0]}, expected some of {', '.join(LAW_CONSTANTS)}"
-        )
+    values: dict[str, Any] = dict(constants or {})
+    own = [one.name for one in LAWS[law].parameters.values() if not one.of_material]
+    if unknown := sorted(values.keys() - set(own)):
+        raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(own)}")
     bodies = (materials[0], materials[-1])
-    contact = Contact(**values, cohesion=cohesion)
+    contact = Contact(law=law, cohesion=cohesion, **values)
     return law_between(contact, bodies, (radii[0], radii[-1]), checked=checked)  # type: ignore[arg-type]
 
 

@@ -19,7 +19,7 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from granwave._contact_laws import ContactLaw, elliptic_radius
-from granwave.lammps_inputs.case.contact import ALL_LAWS, LAW_CONSTANTS, LINE, NO_FORCE, Contact
+from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE, NO_FORCE, Contact
 from granwave.lammps_inputs.case.material import (
     SELECTORS,
     Cylinder,
@@ -126,9 +126,7 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         errors.add("law", f"found {show(law)}, expected {expected}{did_you_mean(law, LAW_NAMES)}")
         return None
     entry = ALL_LAWS["hertz" if law == LINE else law]
-    known = [
-        one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))
-    ]
+    known = [one.name for one in entry.parameters.values() if not one.of_material]
     known += [] if entry.is_power or law == LINE else ["cohesion"]
     before = len(errors.lines)
     if known:
@@ -142,18 +140,14 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         "",
         errors,
     )
-    missing = "missing; law power is F = constant overlap^exponent, N/m^exponent"
+    required = [one.name for one in entry.parameters.values() if one.required]
+    missing = f"missing; law {law} requires {' and '.join(required)}"
     if contact is not None and contact.cohesion is not None:
         neck = contact.cohesion.kind == "jkr" and contact.yields
         errors.check(
             (neck, "cohesion", f'found "jkr" with law {law}; it is of law hertz, expected "dmt"')
         )
-    errors.check(
-        *(
-            (entry.is_power and name not in options, name, missing)
-            for name in ("constant", "exponent")
-        )
-    )
+    errors.check(*((name not in options, name, missing) for name in required))
     return contact if len(errors.lines) == before else None
 
 

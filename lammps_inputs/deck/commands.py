@@ -10,6 +10,7 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
+from granwave.lammps_inputs.case.law_parameters import is_set, keywords, value_of
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
     HERTZ,
@@ -154,15 +155,7 @@ def law_coefficients(
         words += [num(material.youngs_modulus), num(material.poisson_ratio)]
         strength = "INF" if material.yield_strength is None else num(material.yield_strength)
         words += [strength] if contact.yields else []
-    if contact.takes("variant"):
-        words += ["variant", contact.variant]
-    for option in filter(contact.takes, ("yield_factor", "beta", "constant", "exponent")):
-        words += [option, num(getattr(contact, option))]
-    if contact.takes("hardening") and any(one.hardening for one in both):
-        words += ["hardening", *(num(one.hardening or 0.0) for one in both)]
-    if contact.takes("rate_sensitivity") and any(one.rate[0] for one in both):
-        words += ["rate", *(num(value) for one in both for value in one.rate)]
-    words += [word for name, value in contact.constants.items() for word in (name, num(value))]
+    words += _law_parameters(contact, both)
     if friction:
         words += ["friction", num(friction)]
         words += (
@@ -177,6 +170,29 @@ def law_coefficients(
     if contact.cohesion is not None and contact.coheres:
         words += ["cohesion", contact.cohesion.kind, num(contact.cohesion.energy)]
     return joined(words)
+
+
+def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str]:
+    """Return the words of the parameters of a law; those that are left out have its defaults."""
+    words: list[str] = []
+    for keyword, parameters in keywords(contact.entry.parameters).items():
+        of_material = parameters[0].of_material
+        if of_material:
+            holders: Sequence[Contact | Material] = materials
+            is_given = any(is_set(one, parameters[0]) for one in materials)
+        else:
+            holders = [contact]
+            is_given = parameters[0].name in contact.parameters
+        if is_given:
+            words.append(keyword)
+            for holder in holders:
+                words += [_word(value_of(holder, parameter)) for parameter in parameters]
+    return words
+
+
+def _word(value: float | str) -> str:
+    """Return the value of a parameter as an input script has it."""
+    return value if isinstance(value, str) else num(value)
 
 
 def _slider(key: str, resistance: Resistance | str | None) -> list[str]:

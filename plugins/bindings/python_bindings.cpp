@@ -30,27 +30,55 @@ std::pair<Material, Material> elastic_bodies(Two modulus, Two poisson)
   return {{modulus.first, poisson.first, INFINITE}, {modulus.second, poisson.second, INFINITE}};
 }
 
-py::dict by_name(const LawConstants &constants)
+/* Value of a parameter in Python: a number or a word. */
+py::object as_python(const LawParameter &parameter, double value)
 {
+  if (parameter.is_word()) return py::str(parameter.words[static_cast<std::size_t>(value)]);
+  return py::float_(value);
+}
+
+double from_python(const LawParameter &parameter, py::handle given)
+{
+  const std::string name(parameter.name);
+  if (!parameter.is_word()) {
+    const double value = given.cast<double>();
+    require(std::isfinite(value), name + " must be a finite number");
+    require(parameter.range.holds(value), name + " must " + must(parameter.range));
+    return value;
+  }
+  const std::string word = given.cast<std::string>();
+  const int value = parameter.number_of(word);
+  require(value >= 0, name + " must be " + parameter.all_words(" or ") + ", found '" + word + "'");
+  return value;
+}
+
+/* Bounds of a range by the names that the schema of case files has for them. */
+py::dict bounds(const Range &range)
+{
+  const auto plain = [](double bound) {    // 1, not 1.0
+    return bound == std::floor(bound) ? py::object(py::int_(static_cast<long>(bound))) : py::object(py::float_(bound));
+  };
   py::dict found;
-  for (const auto &[name, member] : LAW_CONSTANTS) found[name] = constants.*member;
+  if (std::isfinite(range.low)) found[range.with_low ? "at_least" : "above"] = plain(range.low);
+  if (std::isfinite(range.high)) found[range.with_high ? "at_most" : "below"] = plain(range.high);
   return found;
 }
 
-/* Names of the options of a law in input scripts and Python. */
-py::tuple option_names(const LawEntry &entry)
+/* Constants of the curve of a law, by name. */
+py::dict constants_of(const LawEntry &entry, const LawValues &values)
 {
-  py::list names;
-  for (const auto &[name, option] : {std::pair("variant", VARIANT),
-                                     {"yield_factor", YIELD_FACTOR},
-                                     {"beta", BETA},
-                                     {"constants", CONSTANTS},
-                                     {"constant", POWER},
-                                     {"exponent", POWER},
-                                     {"hardening", HARDENING},
-                                     {"rate_sensitivity", RATE}})
-    if (entry.takes(option)) names.append(name);
-  return py::tuple(names);
+  py::dict found;
+  for (const LawParameter *parameter : entry.parameters)
+    if (parameter->is_optional() && !parameter->is_of_material())
+      found[parameter->name] = as_python(*parameter, values[*parameter]);
+  return found;
+}
+
+const LawParameter *find_parameter(const std::string &name)
+{
+  for (const LawParameter *parameter : law_parameters())
+    if (name == parameter->name) return parameter;
+  return nullptr;
 }
 
 const LawEntry &known_law(const std::string &name)
@@ -146,55 +174,30 @@ CohesionModel cohesion_of(const LawEntry &entry, const Cohesion &given, bool lin
 /* Contact law and contact. History variables of the law other than the largest overlap are those of a new contact. */
 class Contact {
  public:
-  Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::string &variant,
-          double yield_factor, double beta, const std::map<std::string, double> &own, bool checked, double constant,
-          double exponent, std::optional<double> effective_radius, const std::optional<LineContact> &line, Two hardening,
-          Two rate_sensitivity, Two reference_rate, const Cohesion &cohesion)
+  Contact(const std::string &name, Two modulus, Two poisson, Two yield, Two radius, const std::map<std::string, double> &fit,
+          bool checked, std::optional<double> effective_radius, const std::optional<LineContact> &line,
+          const Cohesion &cohesion, const py::kwargs &parameters)
   {
     const LawEntry &entry = known_law(name);
     const auto both = [](const Two &two, const auto &holds) { return holds(two.first) && holds(two.second); };
     const auto positive = [](double value) { return value > 0.0; };
-    const auto share = [](double value) { return value >= 0.0 && value < 1.0; };
-    const bool published = variant == "published", fe = entry.takes(HARDENING);
-    require(published || variant == "continuous", "variant must be continuous or published, found '" + variant + "'");
     require(both(modulus, positive) && both(yield, positive) && both(radius, positive),
             "moduli, yield strengths and radii must be positive");
     require(both(poisson, [](double nu) { return nu > -1.0 && nu <= 0.5; }), "Poisson's ratio must lie in (-1, 0.5]");
-    require(yield_factor > 0.0, "yield_factor must be positive");
-    require(share(beta), "beta must lie in [0, 1)");
-    require(!entry.takes(POWER) || (constant > 0.0 && exponent >= 1.0),
-            "law power needs a constant above 0 and an exponent of 1 or more");
-    require(both(hardening, share), "hardening must lie in [0, 1)");
-    require(own.empty() || fe || (entry.takes(CONSTANTS) && !published),
-            "constants belong to law elastoplastic, variant continuous");
-    require(both(rate_sensitivity, [](double c) { return c >= 0.0; }), "rate_sensitivity must not be negative");
-    require(both(reference_rate, positive), "reference_rate must be positive");
     LawOptions options;
-    options.variant = published ? Variant::published : Variant::continuous;
-    options.yield_factor = yield_factor;
-    options.beta = beta;
-    options.constant = constant;
-    options.exponent = exponent;
+    Material first{modulus.first, poisson.first, yield.first}, second{modulus.second, poisson.second, yield.second};
+    for (const auto &[key, value] : parameters) set(key.cast<std::string>(), value, entry, options.values, first, second);
+    for (const LawParameter *parameter : entry.parameters)
+      require(!parameter->is_required() || options.values.has(*parameter),
+              "law " + name + " needs " + parameter->name + ", which must " + must(parameter->range));
+    options.fe_constants = fe_constants(entry, fit);
     options.cohesion = cohesion_of(entry, cohesion, line.has_value());
-    for (const auto &[key, value] : own) {
-      require(std::isfinite(value), "constants must be finite numbers, found " + key);
-      if (fe) {
-        const auto *const found = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
-                                               [&name = key](const auto &one) { return name == one.first; });
-        require(found != std::end(FE_CONSTANTS), "constants: '" + key + "' is none of the law");
-        options.fe_constants.*found->second = value;
-      } else {
-        const auto member = law_constant(key);
-        require(member, "constants: '" + key + "' is none of LAW_CONSTANTS");
-        options.constants.*member = value;
-      }
-    }
-    const auto body = [&](double Two::*of) {
-      return Material{modulus.*of, poisson.*of, yield.*of, hardening.*of, rate_sensitivity.*of, reference_rate.*of};
-    };
-    law = ContactLaw(entry, body(&Two::first), body(&Two::second), options);
-    const std::string fault = checked && !own.empty() ? law.fault() : "";
-    require(fault.empty(), fault);
+    const bool has_rate = first[RATE_SENSITIVITY] > 0.0 || second[RATE_SENSITIVITY] > 0.0;
+    const std::string conflict = entry.conflict_of(options.values, has_rate);
+    require(conflict.empty(), conflict);
+    law = ContactLaw(entry, first, second, options);
+    const std::string fault = checked && entry.has_constants(options.values) ? law.fault() : "";
+    require(fault.empty(), "no passive law: " + fault);
     const double effective = effective_radius.value_or(granwave::effective_radius(radius.first, radius.second));
     require(effective > 0.0, "effective_radius must be positive");
     scaled = effective_radius ? ScaledLaw(law, effective) : ScaledLaw(law, effective, radius.first, radius.second);
@@ -358,6 +361,37 @@ class Contact {
  private:
   std::vector<double> extra;
   LawHistory history(double peak) const { return {peak, extra.data()}; }
+
+  /* Set a parameter of the contact, or of both materials, which may have more than the law takes. */
+  static void set(const std::string &name, py::handle value, const LawEntry &entry, LawValues &values, Material &first,
+                  Material &second)
+  {
+    const LawParameter *const parameter = find_parameter(name);
+    require(parameter, "'" + name + "' is no parameter of a law");
+    if (parameter->is_of_material()) {
+      const auto [one, other] = value.cast<std::pair<py::object, py::object>>();
+      first.values.set(*parameter, from_python(*parameter, one));
+      second.values.set(*parameter, from_python(*parameter, other));
+      return;
+    }
+    values.set(*parameter, from_python(*parameter, value));
+    require(entry.takes(*parameter), "'" + name + "' must be left out: it is no option of law '" + entry.name + "'");
+  }
+
+  /* Constants of elastoplastic-fe, some of them other than those of its fit. */
+  static FeConstants fe_constants(const LawEntry &entry, const std::map<std::string, double> &fit)
+  {
+    FeConstants constants;
+    require(fit.empty() || entry.takes(HARDENING), "fit holds constants of law elastoplastic-fe");
+    for (const auto &[key, value] : fit) {
+      const auto *const constant = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
+                                                [&name = key](const auto &one) { return name == one.first; });
+      require(constant != std::end(FE_CONSTANTS), "fit: '" + key + "' is no constant of the law");
+      require(std::isfinite(value), "fit: constants must be finite numbers, found " + key);
+      constants.*constant->second = value;
+    }
+    return constants;
+  }
 };
 
 /* A constant of the contact, from its member of this method. */
@@ -374,7 +408,6 @@ PYBIND11_MODULE(_contact_laws, module)
   module.doc() =
       "Force-overlap laws of a contact: the functions that the LAMMPS pair style uses, for numpy arrays in SI units.";
   module.attr("LAMMPS_RELEASE") = GRANWAVE_LAMMPS_RELEASE;
-  module.attr("LAW_CONSTANTS") = by_name({});
   module.def("power", py::vectorize(power), x, py::arg("y"), "x^y as the laws compute it, for positive x.");
   module.def("elliptic_radius", py::vectorize(elliptic_radius), py::arg("first"), py::arg("second"),
              "Radius of the sphere that is as stiff on a plane as a contact with these two relative curvatures (1/m), m.");
@@ -429,6 +462,38 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly("length", &CylinderPair::length, "length of that line, m")
       .def("effective_radius", &CylinderPair::effective_radius, py::arg("first"), py::arg("second"),
            "Radius of the sphere that is as stiff on a plane, from both radii, m.");
+  py::class_<LawParameter>(module, "LawParameter", "A parameter of contact laws: a number, or one of some words.")
+      .def_readonly("name", &LawParameter::name)
+      .def_readonly("symbol", &LawParameter::symbol, "of its value")
+      .def_readonly("keyword", &LawParameter::keyword, "in input scripts; those of one keyword follow it together")
+      .def_readonly("description", &LawParameter::description)
+      .def_readonly("unit", &LawParameter::unit, "SI; empty if the description tells it, or there is none")
+      .def_property_readonly("of_material", &LawParameter::is_of_material,
+                             "True if each material has a value, False if the contact has one")
+      .def_property_readonly("optional", &LawParameter::is_optional, "True if it is left out of cases unless it is given")
+      .def_property_readonly("required", &LawParameter::is_required, "True if laws have no default for it")
+      .def_property_readonly(
+          "default",
+          [](const LawParameter &p) -> py::object {
+            return p.is_required() ? py::object(py::none()) : as_python(p, p.fallback);
+          },
+          "value where it is not given: a number or a word; None if it is required")
+      .def_property_readonly(
+          "example", [](const LawParameter &p) { return as_python(p, p.example); }, "value that the documents show")
+      .def_property_readonly(
+          "words",
+          [](const LawParameter &p) {
+            py::list words;
+            for (int n = 0; n < LawParameter::MOST_WORDS && p.words[n]; n++) words.append(p.words[n]);
+            return py::tuple(words);
+          },
+          "its values, if it is no number")
+      .def_property_readonly(
+          "range", [](const LawParameter &p) { return bounds(p.range); },
+          "bounds of the law by name: above, at_least, below, at_most")
+      .def_property_readonly(
+          "case_range", [](const LawParameter &p) { return bounds(p.case_range); }, "bounds of case files, likewise")
+      .def("__repr__", [](const LawParameter &p) { return "<LawParameter " + std::string(p.name) + ">"; });
   py::class_<LawEntry>(module, "LawEntry", "A contact law of the table LAWS.")
       .def_readonly("name", &LawEntry::name)
       .def_readonly("elastic_limit", &LawEntry::elastic_limit,
@@ -438,7 +503,15 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly("yields", &LawEntry::yields, "True if the law needs a yield strength")
       .def_property_readonly("is_power", &LawEntry::is_power,
                              "True for a power of the overlap, or no force at all, whatever the radii")
-      .def_property_readonly("options", &option_names, "names of its options, of variant, yield_factor, beta and constants");
+      .def_property_readonly(
+          "parameters",
+          [](const LawEntry &entry) {
+            py::dict found;
+            for (const LawParameter *parameter : entry.parameters)
+              found[parameter->name] = py::cast(parameter, py::return_value_policy::reference);
+            return found;
+          },
+          "its parameters, by name, in the order of input scripts");
   using Fe = ElastoplasticFe;
   py::dict range;
   range["poisson_ratio"] = std::pair(0.0, Fe::LARGEST_POISSON);
@@ -448,26 +521,29 @@ PYBIND11_MODULE(_contact_laws, module)
   py::dict laws;
   for (const LawEntry &entry : law_table()) laws[entry.name] = py::cast(entry, py::return_value_policy::reference);
   module.attr("LAWS") = laws;
+  py::dict parameters;
+  for (const LawParameter *parameter : law_parameters())
+    parameters[parameter->name] = py::cast(parameter, py::return_value_policy::reference);
+  module.attr("PARAMETERS") = parameters;
   py::class_<Contact>(
       module, "ContactLaw",
       "Contact of two spheres, or of a sphere and a plane (radius inf), rigid where the modulus is inf.\n\n"
       "Every pair of arguments is (first, second) body. Overlaps in m, forces in N, energies in J.\n"
-      "The elasto-plastic law takes other constants than those of LAW_CONSTANTS, by name.\n"
-      "Raises ValueError for constants without meaning, or (unless checked is False) that make no passive law.")
-      .def(py::init<const std::string &, Two, Two, Two, Two, const std::string &, double, double,
-                    const std::map<std::string, double> &, bool, double, double, std::optional<double>,
-                    const std::optional<LineContact> &, Two, Two, Two, const Cohesion &>(),
+      "Further arguments are parameters of the law by name, those of materials as pairs; `fit` has constants of\n"
+      "elastoplastic-fe by name, for its fit.\n"
+      "Raises ValueError for values without meaning, or (unless checked is False) constants that make no passive law.")
+      .def(py::init<const std::string &, Two, Two, Two, Two, const std::map<std::string, double> &, bool,
+                    std::optional<double>, const std::optional<LineContact> &, const Cohesion &, const py::kwargs &>(),
            py::arg("law") = "elastoplastic", py::kw_only(), py::arg("youngs_modulus"), py::arg("poisson_ratio"),
-           py::arg("yield_strength"), py::arg("radius"), py::arg("variant") = "continuous", py::arg("yield_factor") = 1.6,
-           py::arg("beta") = 0.8, py::arg("constants") = std::map<std::string, double>(), py::arg("checked") = true,
-           py::arg("constant") = 0.0, py::arg("exponent") = 1.5, py::arg("effective_radius") = py::none(),
-           py::arg("line") = py::none(), py::arg("hardening") = Two(0.0, 0.0), py::arg("rate_sensitivity") = Two(0.0, 0.0),
-           py::arg("reference_rate") = Two(1.0, 1.0), py::arg("cohesion") = py::none())
+           py::arg("yield_strength"), py::arg("radius"), py::arg("fit") = std::map<std::string, double>(),
+           py::arg("checked") = true, py::arg("effective_radius") = py::none(), py::arg("line") = py::none(),
+           py::arg("cohesion") = py::none())
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")
       .def_property_readonly(
-          "constants", [](const Contact &b) { return by_name(b.law.constants()); }, "of the elasto-plastic law, by name")
+          "constants", [](const Contact &b) { return constants_of(b.law.entry(), b.law.values()); },
+          "of the curve of the law, by name")
       .def_property_readonly("effective_radius", of<&Contact::scaled, &ScaledLaw::effective_radius>(), "R*, m")
       .def_property_readonly("effective_modulus", of<&Contact::law, &ContactLaw::modulus>(), "E*, Pa")
       .def_property_readonly("shear_modulus", of<&Contact::law, &ContactLaw::shear_modulus>(),

@@ -40,27 +40,31 @@ class ContactLaw {
   ContactLaw() : ContactLaw(law_table().front(), {1.0, 0.0, INFINITE}, {1.0, 0.0, INFINITE}, {}) {}
 
   ContactLaw(const LawEntry &entry, const Material &m1, const Material &m2, const LawOptions &options) :
-      entry_(&entry), constants_(options.constants), cohesion_(options.cohesion),
-      modulus_(granwave::effective_modulus(m1, m2)), shear_modulus_(granwave::effective_shear_modulus(m1, m2)),
-      yield_(std::min(m1.yield_strength, m2.yield_strength)),
+      entry_(&entry), values_(options.values), cohesion_(options.cohesion), modulus_(granwave::effective_modulus(m1, m2)),
+      shear_modulus_(granwave::effective_shear_modulus(m1, m2)), yield_(std::min(m1.yield_strength, m2.yield_strength)),
       share1_(m1.yield_strength == m2.yield_strength ? 0.5 : (m1.yield_strength < m2.yield_strength ? 1.0 : 0.0))
   {
-    const double pressure = entry.exact_yield ? ElastoplasticFe::yield_pressure(m1, m2) : options.yield_factor * yield_;
+    const double pressure =
+        entry.exact_yield ? ElastoplasticFe::yield_pressure(m1, m2) : options.values[YIELD_FACTOR] * yield_;
     const double ratio = pressure / modulus_;
     overlap_per_radius_ = std::isfinite(yield_) ? 0.25 * PI * PI * ratio * ratio : INFINITE;
     force_per_area_ = std::isfinite(yield_) ? 4.0 / 3.0 * modulus_ * power(overlap_per_radius_, 1.5) : INFINITE;
     normal_ = entry.make(options, {yield_, overlap_per_radius_, force_per_area_, m1, m2});
-    const auto softness = [](const Material &m) { return std::tie(m.yield_strength, m.rate_sensitivity, m.reference_rate); };
+    const auto softness = [](const Material &m) {
+      return std::make_tuple(m.yield_strength, m[RATE_SENSITIVITY], m[REFERENCE_RATE]);
+    };
     const Material &softer = softness(m2) < softness(m1) ? m2 : m1;
-    if (entry.takes(RATE))
-      rate_ = {softer.rate_sensitivity, softer.reference_rate, overlap_per_radius_, share1_ == 0.5 ? 0.5 : 1.0};
+    if (entry.takes(RATE_SENSITIVITY))
+      rate_ = {softer[RATE_SENSITIVITY], softer[REFERENCE_RATE], overlap_per_radius_, share1_ == 0.5 ? 0.5 : 1.0};
     if (rate_) normal_ = with_rate(normal_, rate_);
-    if (entry.is_power()) elastic_.emplace(PowerContact{entry.no_force ? 0.0 : options.constant, options.exponent});
+    if (entry.is_power())
+      elastic_.emplace(
+          PowerContact{entry.no_force ? 0.0 : values_[POWER_CONSTANT], entry.no_force ? 1.5 : values_[POWER_EXPONENT]});
   }
 
   const LawEntry &entry() const { return *entry_; }
   const AnyLaw &normal() const { return normal_; }
-  const LawConstants &constants() const { return constants_; }
+  const LawValues &values() const { return values_; }                                  // of parameters of the contact
   const ElasticContact *elastic() const { return elastic_ ? &*elastic_ : nullptr; }    // of a power of the overlap
   const CohesionModel &cohesion() const { return cohesion_; }
   std::string fault() const
@@ -122,7 +126,7 @@ class ContactLaw {
 
  private:
   const LawEntry *entry_;
-  LawConstants constants_;
+  LawValues values_;
   CohesionModel cohesion_;
   double modulus_, shear_modulus_, yield_, share1_;
   double overlap_per_radius_, force_per_area_;

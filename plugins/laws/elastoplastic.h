@@ -8,7 +8,7 @@
        unloading    exponent n
        residual     a_R = 0.95 a_max - 25.94 + 24.99 exp(-0.015 (a_max - 1))
 
-   The numbers are the defaults of LawConstants, which can be set for materials with another curve. */
+   The numbers are defaults of parameters, which can be set for materials with another curve. */
 
 #ifndef GRANWAVE_ELASTOPLASTIC_H
 #define GRANWAVE_ELASTOPLASTIC_H
@@ -22,43 +22,55 @@
 
 namespace granwave {
 
-enum class Variant { continuous, published };
+inline constexpr LawParameter VARIANT =
+    LawParameter("variant", "", "constants of the elasto-plastic law: made continuous, or as printed")
+        .one_of({"continuous", "published"})
+        .usually(0.0);
 
-/* Constants of the elastoplastic law. Derived constants are computed in Elastoplastic: the pressure at yield 2C/3, the area
-   exponent by which the area is continuous, and the amplitude by which a_R(1) = 0. */
-struct LawConstants {
-  double pressure_limit = 2.48, pressure_rate = 0.098;                             // thesis 2.8
-  double area_switch = 177.6, area_slope = 2.37, area_offset = 59.96;              // thesis 2.10
-  double residual_slope = 0.95, residual_offset = 25.94, residual_rate = 0.015;    // thesis 2.13
-  double unloading_exponent = 1.35;                                                // thesis 2.12
-
-  bool operator==(const LawConstants &other) const { return std::memcmp(this, &other, sizeof(other)) == 0; }
-};
-
-/* Names of the constants in input scripts, case files and Python, in the order of restart files. */
-constexpr std::pair<const char *, double LawConstants::*> LAW_CONSTANTS[] = {
-    {"pressure_limit", &LawConstants::pressure_limit},
-    {"pressure_rate", &LawConstants::pressure_rate},
-    {"area_switch", &LawConstants::area_switch},
-    {"area_slope", &LawConstants::area_slope},
-    {"area_offset", &LawConstants::area_offset},
-    {"residual_slope", &LawConstants::residual_slope},
-    {"residual_offset", &LawConstants::residual_offset},
-    {"residual_rate", &LawConstants::residual_rate},
-    {"unloading_exponent", &LawConstants::unloading_exponent},
-};
+/* Constants of the curve, for materials whose curve differs from the published one. a = alpha/alpha_y; pressure in units of
+   sigma_y, area in units of pi R* alpha_y. */
+inline constexpr LawParameter PRESSURE_LIMIT =    // thesis 2.8
+    LawParameter("pressure_limit", "x", "c1 of p = c1 - (c1 - 2C/3) exp(-c2 (a-1))").in_cases(POSITIVE).optional(2.48);
+inline constexpr LawParameter PRESSURE_RATE =
+    LawParameter("pressure_rate", "x", "c2 of the same").in_cases({1e-4, 10.0, true, true}).optional(0.098);
+inline constexpr LawParameter AREA_SWITCH =    // thesis 2.10
+    LawParameter("area_switch", "x", "a from which the area is A = c4 a - c5, a power of a below")
+        .in_cases({1.0})
+        .optional(177.6);
+inline constexpr LawParameter AREA_SLOPE =
+    LawParameter("area_slope", "x", "c4 of the area").in_cases(POSITIVE).optional(2.37);
+inline constexpr LawParameter AREA_OFFSET = LawParameter("area_offset", "x", "c5 of the area").optional(59.96);
+inline constexpr LawParameter RESIDUAL_SLOPE =    // thesis 2.13
+    LawParameter("residual_slope", "x", "c6 of a_R = c6 a_max - c7 + (c7 - c6) exp(-c8 (a_max - 1))")
+        .in_cases(POSITIVE)
+        .optional(0.95);
+inline constexpr LawParameter RESIDUAL_OFFSET = LawParameter("residual_offset", "x", "c7 of the same").optional(25.94);
+inline constexpr LawParameter RESIDUAL_RATE =
+    LawParameter("residual_rate", "x", "c8 of the same").in_cases(POSITIVE).optional(0.015);
+inline constexpr LawParameter UNLOADING_EXPONENT =    // thesis 2.12
+    LawParameter("unloading_exponent", "x", "n of f = f_max ((a - a_R)/(a_max - a_R))^n")
+        .in_cases(AT_LEAST_ONE)
+        .optional(1.35);
 
 class Elastoplastic : public NormalLaw {
  public:
-  Elastoplastic(Variant variant, double yield_factor, const LawConstants &constants) :
-      variant_(variant), constants_(constants), amplitude_(1.5 / yield_factor)
+  Elastoplastic(const LawValues &values, const LawScales &) :
+      continuous_(is_continuous(values)), constants_(values), amplitude_(1.5 / values[YIELD_FACTOR])
   {
-    const bool printed = variant == Variant::published;
-    pressure_at_yield_ = printed ? 1.07 : 2.0 * yield_factor / 3.0;
-    area_exponent_ = printed ? 1.14 : std::log(linear_area(constants.area_switch)) / std::log(constants.area_switch);
+    pressure_at_yield_ = continuous_ ? 2.0 * values[YIELD_FACTOR] / 3.0 : 1.07;
+    const double joint = constants_.area_switch;
+    area_exponent_ = continuous_ ? std::log(linear_area(joint)) / std::log(joint) : 1.14;
     // rounded to 12 decimals: the result for 25.94 - 0.95 is 24.99 and not the neighboring double
-    residual_amplitude_ = std::round((constants.residual_offset - constants.residual_slope) * 1e12) / 1e12;
-    if (variant == Variant::continuous) examine();
+    residual_amplitude_ = std::round((constants_.residual_offset - constants_.residual_slope) * 1e12) / 1e12;
+    if (continuous_) examine();
+  }
+
+  /* Description of values that exclude each other; empty if none do. */
+  static std::string conflict(const LawValues &values, bool has_constants, bool has_rate)
+  {
+    if (is_continuous(values)) return "";
+    if (has_rate) return "rate needs a law that is passive: variant continuous";
+    return has_constants ? "variant published has constants of its own: take one or the other" : "";
   }
 
   std::string fault() const
@@ -94,7 +106,7 @@ class Elastoplastic : public NormalLaw {
   {
     Turning t{peak, loading(peak, site), residual(peak), constants_.unloading_exponent};
     // just after yield this exponent would return more energy than loading absorbed, but the law must be passive
-    if (variant_ == Variant::continuous && peak < settled_)
+    if (continuous_ && peak < settled_)
       t.exponent = std::max(t.exponent, t.force * (peak - t.residual) / loading_work(peak, site) - 1.0);
     return t;
   }
@@ -102,7 +114,7 @@ class Elastoplastic : public NormalLaw {
   double dissipated_energy(const Turning &t, const Site &site) const
   {
     // if the exponent was chosen to return all energy, the difference is rounding
-    if (variant_ == Variant::continuous && t.exponent > constants_.unloading_exponent) return 0.0;
+    if (continuous_ && t.exponent > constants_.unloading_exponent) return 0.0;
     return energy_lost(loading_work(t.peak, site), t);
   }
 
@@ -119,12 +131,27 @@ class Elastoplastic : public NormalLaw {
   static constexpr double ROUNDING = 1e-12;                          // relative to the work, in a difference of energies
   static constexpr double LEAST_RATE = 1e-4, LARGEST_RATE = 10.0;    // range in which loading_work is accurate to 1e-8
 
-  Variant variant_;
-  LawConstants constants_;
+  struct Constants {
+    double pressure_limit, pressure_rate, area_switch, area_slope, area_offset, residual_slope, residual_offset,
+        residual_rate, unloading_exponent;
+
+    explicit Constants(const LawValues &values) :
+        pressure_limit(values[PRESSURE_LIMIT]), pressure_rate(values[PRESSURE_RATE]), area_switch(values[AREA_SWITCH]),
+        area_slope(values[AREA_SLOPE]), area_offset(values[AREA_OFFSET]), residual_slope(values[RESIDUAL_SLOPE]),
+        residual_offset(values[RESIDUAL_OFFSET]), residual_rate(values[RESIDUAL_RATE]),
+        unloading_exponent(values[UNLOADING_EXPONENT])
+    {
+    }
+  };
+
+  bool continuous_;
+  Constants constants_;
   double amplitude_, pressure_at_yield_, area_exponent_, residual_amplitude_;
   double settled_ = INFINITE;    // peak from which on the law is passive with the given unloading exponent
   const char *fault_ = nullptr;
   double fault_at_ = 0.0;
+
+  static bool is_continuous(const LawValues &values) { return values[VARIANT] == 0.0; }
 
   double pressure(double a) const
   {
@@ -145,7 +172,7 @@ class Elastoplastic : public NormalLaw {
      absorbed. */
   void examine()
   {
-    const LawConstants &c = constants_;
+    const Constants &c = constants_;
     if (!(c.area_switch > 1.0 && linear_area(c.area_switch) > 1.0))
       fault_ = "area_switch and area_slope area_switch - area_offset must both exceed 1";
     else if (!(c.pressure_rate >= LEAST_RATE && c.pressure_rate <= LARGEST_RATE))

@@ -38,20 +38,30 @@
 
 namespace granwave {
 
+inline constexpr LawParameter HARDENING =
+    LawParameter(
+        "hardening", "h",
+        "tangent modulus after yield over Young's modulus; only the law elastoplastic-fe and finite elements of two "
+        "spheres take it")
+        .of_material()
+        .in(BELOW_ONE)
+        .in_cases({0.0, 0.2, true, true})
+        .optional(0.0, 0.02);
+
 class ElastoplasticFe : public NormalLaw {
  public:
   ElastoplasticFe(const Material &m1, const Material &m2, double overlap_per_radius, const FeConstants &constants) :
       c_(constants), overlap_per_radius_(overlap_per_radius)
   {
     const auto key = [](const Material &m) {
-      return std::make_tuple(m.yield_strength, m.youngs_modulus, m.poisson_ratio, m.hardening);
+      return std::make_tuple(m.yield_strength, m.youngs_modulus, m.poisson_ratio, m[HARDENING]);
     };
     swapped_ = key(m2) < key(m1);
     same_ = key(m1) == key(m2);
     const Material &a = swapped_ ? m2 : m1, &b = swapped_ ? m1 : m2;
     const auto softness = [](const Material &m) { return (1.0 - m.poisson_ratio * m.poisson_ratio) / m.youngs_modulus; };
     const auto rate = [](const Material &m) {
-      return std::isfinite(m.yield_strength) ? m.youngs_modulus * m.hardening / ((1.0 - m.hardening) * m.yield_strength)
+      return std::isfinite(m.yield_strength) ? m.youngs_modulus * m[HARDENING] / ((1.0 - m[HARDENING]) * m.yield_strength)
                                              : 0.0;
     };
     compliance_a_ = softness(a) / (softness(a) + softness(b));
@@ -201,7 +211,7 @@ class ElastoplasticFe : public NormalLaw {
     const double ratio = m.youngs_modulus / m.yield_strength;
     return m.poisson_ratio >= 0.0 && m.poisson_ratio <= LARGEST_POISSON + ROUNDING &&
            ratio >= LEAST_RATIO * (1.0 - ROUNDING) && ratio <= LARGEST_RATIO * (1.0 + ROUNDING) &&
-           m.hardening <= LARGEST_HARDENING + ROUNDING;
+           m[HARDENING] <= LARGEST_HARDENING + ROUNDING;
   }
 
   /* True for equal spheres, and a sphere on a rigid flat. */

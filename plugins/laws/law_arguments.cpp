@@ -18,24 +18,13 @@ bool is_number(const std::string &word)
   return !word.empty() && *end == '\0';
 }
 
-/* Values that a number may have, and what a message says that it must. */
-struct Range {
-  bool (*holds)(double);
-  const char *must;
-};
+constexpr Range POISSON = {-1.0, 0.5, false, true};
 
-constexpr Range FINITE = {[](double) { return true; }, "be a number"};
-constexpr Range POSITIVE = {[](double value) { return value > 0.0; }, "be positive"};
-constexpr Range NOT_NEGATIVE = {[](double value) { return value >= 0.0; }, "not be negative"};
-constexpr Range AT_LEAST_ONE = {[](double value) { return value >= 1.0; }, "be 1 or more"};
-constexpr Range SHARE = {[](double value) { return value >= 0.0 && value < 1.0; }, "lie in [0, 1)"};
-constexpr Range POISSON = {[](double value) { return value > -1.0 && value <= 0.5; }, "lie in (-1, 0.5]"};
-
-double number(const std::string &word, const std::string &what, const Range &range = FINITE)
+double number(const std::string &word, const std::string &what, const Range &range = ANY_NUMBER)
 {
   const double value = is_number(word) ? std::strtod(word.c_str(), nullptr) : INFINITE;
   const bool finite = std::isfinite(value);
-  if (!finite || !range.holds(value)) refuse(what + " must " + (finite ? range : FINITE).must + ", found '" + word + "'");
+  if (!finite || !range.holds(value)) refuse(what + " must " + must(finite ? range : ANY_NUMBER) + ", found '" + word + "'");
   return value;
 }
 
@@ -56,33 +45,119 @@ std::size_t read_slider(const std::vector<std::string> &words, std::size_t at, S
   return 4;
 }
 
+/* Value of a parameter from its word. */
+double value_of(const LawParameter &parameter, const std::string &word)
+{
+  if (!parameter.is_word()) return number(word, parameter.title(), parameter.range);
+  const int value = parameter.number_of(word);
+  if (value < 0) refuse(parameter.title() + " must be " + parameter.all_words(" or ") + ", found '" + word + "'");
+  return value;
+}
+
+std::string symbols(const std::vector<const LawParameter *> &parameters, const std::string &separator,
+                    const char *suffix = "")
+{
+  std::string text;
+  for (const LawParameter *parameter : parameters)
+    text +=
+        (text.empty() ? "" : separator) + (parameter->is_word() ? parameter->all_words("|") : parameter->symbol) + suffix;
+  return text;
+}
+
+/* Read the values of parameters with one keyword: of a contact once, of materials once for each. Returns the number of words
+   after the keyword at `at`. */
+std::size_t read_values(const std::vector<std::string> &words, std::size_t at,
+                        const std::vector<const LawParameter *> &parameters, LawArguments &args, const std::string &usage)
+{
+  const bool of_material = parameters.front()->is_of_material();
+  std::vector<LawValues *> holders{of_material ? &args.first.values : &args.options.values};
+  if (of_material && args.second) holders.push_back(&args.second->values);
+  const std::size_t count = holders.size() * parameters.size();
+  if (at + count >= words.size())
+    refuse(words[at] + " needs " +
+           (parameters.size() == 1 ? "a value for each of the two materials"
+                                   : symbols(parameters, " and ") + " for each of the materials") +
+           "; " + usage);
+  for (LawValues *values : holders)
+    for (const LawParameter *parameter : parameters) values->set(*parameter, value_of(*parameter, words[++at]));
+  return count;
+}
+
+/* "constant K exponent p" of the parameters that a law requires; empty if there are none. */
+std::string required_words(const LawEntry &law, const std::string &separator)
+{
+  std::string text;
+  for (const LawParameter *parameter : law.parameters)
+    if (parameter->is_required())
+      text += (text.empty() ? "" : separator) + std::string(parameter->keyword) + " " + parameter->symbol;
+  return text;
+}
+
+/* "[rate C r0 [C2 r02]]" of the other parameters of all laws. */
+std::string optional_words()
+{
+  std::string text, last;
+  for (const LawParameter *parameter : law_parameters()) {
+    if (parameter->is_required() || last == parameter->keyword) continue;
+    last = parameter->keyword;
+    std::vector<const LawParameter *> alike;
+    for (const LawParameter *other : law_parameters())
+      if (last == other->keyword) alike.push_back(other);
+    text += " [" + last + " " + symbols(alike, " ");
+    text += parameter->is_of_material() ? " [" + symbols(alike, " ", "2") + "]]" : "]";
+  }
+  return text;
+}
+
+std::string usage_of_laws()
+{
+  std::string elastic, powers;
+  for (const LawEntry &entry : law_table()) {
+    if (entry.yields()) continue;
+    const std::string required = required_words(entry, " ");
+    if (required.empty()) elastic += (elastic.empty() ? "" : "|") + std::string(entry.name);
+    else powers += std::string(entry.name) + " E nu [E2 nu2] " + required + ", ";
+  }
+  return "expected: " + elastic + " E nu [E2 nu2], " + powers + "or " + law_names("|", true) +
+         " E nu sigma_y [E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
+         "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
+         "[loss time A|dashpot alpha] [cohesion jkr|dmt w]" +
+         optional_words();
+}
+
+/* A law made of the values of its parameters and the scales of the pair. */
+template <class Law> AnyLaw make(const LawOptions &options, const LawScales &scales) { return Law(options.values, scales); }
+
+AnyLaw make_hertz(const LawOptions &, const LawScales &) { return Hertz(); }
+
+AnyLaw make_elastoplastic_fe(const LawOptions &options, const LawScales &scales)
+{
+  return ElastoplasticFe(scales.first, scales.second, scales.overlap_per_radius, options.fe_constants);
+}
+
 }    // namespace
 
 const std::vector<LawEntry> &law_table()
 {
-  // name, elastic limit, fitted, options, doubles of history beyond the largest overlap; new laws last, since restart files
-  // have the number of the line
-  using Options = const LawOptions &;
-  using Scales = const LawScales &;
-  const auto hertz = [](Options, Scales) -> AnyLaw { return Hertz(); };
-  const auto elastoplastic = [](Options o, Scales) -> AnyLaw {
-    return Elastoplastic(o.variant, o.yield_factor, o.constants);
-  };
-  const auto bilinear = [](Options o, Scales s) -> AnyLaw {
-    return Bilinear(Bilinear::STIFFNESS * s.yield_strength * s.overlap_per_radius / s.force_per_area, o.beta);
-  };
-  const auto thornton = [](Options o, Scales) -> AnyLaw { return Thornton(o.yield_factor); };
-  const auto elastoplastic_fe = [](Options o, Scales s) -> AnyLaw {
-    return ElastoplasticFe(s.first, s.second, s.overlap_per_radius, o.fe_constants);
-  };
+  // new laws last, since restart files have the number of the line
   static const std::vector<LawEntry> TABLE = {
-      {"hertz", INFINITE, false, 0, 0, hertz},
-      {"elastoplastic", 1.0, true, VARIANT | YIELD_FACTOR | CONSTANTS | RATE, 0, elastoplastic},
-      {"bilinear", 0.0, false, BETA, 0, bilinear},
-      {"thornton", 1.0, false, YIELD_FACTOR | RATE, 0, thornton},
-      {"power", INFINITE, false, POWER, 0, hertz},
-      {"none", INFINITE, false, 0, 0, hertz, true},
-      {"elastoplastic-fe", 1.0, true, HARDENING | RATE, 0, elastoplastic_fe, false, true, true},
+      LawEntry("hertz", make_hertz),
+      LawEntry("elastoplastic", make<Elastoplastic>)
+          .yielding_beyond(1.0)
+          .fit()
+          .with({&VARIANT, &YIELD_FACTOR, &RATE_SENSITIVITY, &REFERENCE_RATE, &PRESSURE_LIMIT, &PRESSURE_RATE, &AREA_SWITCH,
+                 &AREA_SLOPE, &AREA_OFFSET, &RESIDUAL_SLOPE, &RESIDUAL_OFFSET, &RESIDUAL_RATE, &UNLOADING_EXPONENT})
+          .excluding(Elastoplastic::conflict),
+      LawEntry("bilinear", make<Bilinear>).yielding_beyond(0.0).with({&BETA}),
+      LawEntry("thornton", make<Thornton>).yielding_beyond(1.0).with({&YIELD_FACTOR, &RATE_SENSITIVITY, &REFERENCE_RATE}),
+      LawEntry("power", make_hertz).with({&POWER_CONSTANT, &POWER_EXPONENT}),
+      LawEntry("none", make_hertz).without_force(),
+      LawEntry("elastoplastic-fe", make_elastoplastic_fe)
+          .yielding_beyond(1.0)
+          .fit()
+          .yielding_exactly()
+          .with_error_bars()
+          .with({&HARDENING, &RATE_SENSITIVITY, &REFERENCE_RATE}),
   };
   return TABLE;
 }
@@ -102,11 +177,29 @@ std::string law_names(const std::string &separator, bool yielding)
   return names;
 }
 
-double LawConstants::*law_constant(const std::string &name)
+std::vector<const LawParameter *> law_parameters()
 {
-  for (const auto &[known, member] : LAW_CONSTANTS)
-    if (name == known) return member;
-  return nullptr;
+  std::vector<const LawParameter *> all;
+  for (const LawEntry &entry : law_table())
+    for (const LawParameter *parameter : entry.parameters)
+      if (std::none_of(all.begin(), all.end(), [&](const LawParameter *other) { return *other == *parameter; }))
+        all.push_back(parameter);
+  return all;
+}
+
+std::vector<const LawParameter *> LawEntry::with_keyword(const std::string &keyword) const
+{
+  std::vector<const LawParameter *> alike;
+  for (const LawParameter *parameter : parameters)
+    if (keyword == parameter->keyword) alike.push_back(parameter);
+  return alike;
+}
+
+bool LawEntry::has_constants(const LawValues &values) const
+{
+  return std::any_of(parameters.begin(), parameters.end(), [&](const LawParameter *own) {
+    return own->is_optional() && !own->is_of_material() && values.has(*own);
+  });
 }
 
 TangentialModel tangential_model(const std::string &name)
@@ -119,14 +212,7 @@ TangentialModel tangential_model(const std::string &name)
 
 LawArguments parse_law(const std::vector<std::string> &words)
 {
-  const std::string usage =
-      "expected: hertz|none E nu [E2 nu2], power E nu [E2 nu2] constant K exponent p, or " + law_names("|", true) +
-      " E nu sigma_y "
-      "[E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
-      "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
-      "[loss time A|dashpot alpha] [cohesion jkr|dmt w] [variant continuous|published] [yield_factor C] "
-      "[beta b] [hardening h [h2]] [rate C r0 [C2 r02]], and for elastoplastic its constants "
-      "[pressure_limit x] [pressure_rate x] ...";
+  const std::string usage = usage_of_laws();
   if (words.empty()) refuse("no contact law; " + usage);
   LawArguments args;
   args.words = words;
@@ -148,7 +234,6 @@ LawArguments parse_law(const std::vector<std::string> &words)
   if (each == 3 && !std::isfinite(std::min(args.first.yield_strength, args.second.value_or(args.first).yield_strength)))
     refuse("law '" + words[0] + "' needs a yield strength for one of the two bodies; if none yields, take law hertz");
 
-  bool given = false, has_constant = false, has_exponent = false;    // true if a constant of the law, K or p are given
   for (std::size_t k = 1 + numbers; k < words.size(); k += 2) {
     const std::string &key = words[k];
     if (k + 1 == words.size()) refuse("'" + key + "' has no value; " + usage);
@@ -168,38 +253,8 @@ LawArguments parse_law(const std::vector<std::string> &words)
       const double size = number(words[k + 1], key + " " + value, NOT_NEGATIVE);
       if (size > 0.0 && loss) args.loss = {first ? LossKind::TIME : LossKind::DASHPOT, size};
       if (size > 0.0 && !loss) args.options.cohesion = {first ? CohesionKind::JKR : CohesionKind::DMT, size};
-    } else if (key == "variant" && args.law->takes(VARIANT)) {
-      if (value != "continuous" && value != "published")
-        refuse("variant must be continuous or published, found '" + value + "'");
-      args.options.variant = value == "published" ? Variant::published : Variant::continuous;
-    } else if (key == "yield_factor" && args.law->takes(YIELD_FACTOR)) {
-      args.options.yield_factor = number(value, key, POSITIVE);
-    } else if (key == "beta" && args.law->takes(BETA)) {
-      args.options.beta = number(value, key, SHARE);
-    } else if (key == "hardening" && args.law->takes(HARDENING)) {
-      args.first.hardening = number(value, key, SHARE);
-      if (args.second) {
-        if (++k + 1 == words.size()) refuse("hardening needs a value for each of the two materials; " + usage);
-        args.second->hardening = number(words[k + 1], key, SHARE);
-      }
-    } else if (key == "rate" && args.law->takes(RATE)) {
-      k--;
-      for (Material *of : {&args.first, args.second ? &*args.second : nullptr}) {
-        if (!of) continue;
-        if (k + 3 >= words.size()) refuse("rate needs C and a reference rate for each of the materials; " + usage);
-        of->rate_sensitivity = number(words[k + 2], "rate sensitivity", NOT_NEGATIVE);
-        of->reference_rate = number(words[k + 3], "reference rate", POSITIVE);
-        k += 2;
-      }
-    } else if (key == "constant" && args.law->takes(POWER)) {
-      args.options.constant = number(value, key, POSITIVE);
-      has_constant = true;
-    } else if (key == "exponent" && args.law->takes(POWER)) {
-      args.options.exponent = number(value, key, AT_LEAST_ONE);
-      has_exponent = true;
-    } else if (const auto constant = law_constant(key); constant && args.law->takes(CONSTANTS)) {
-      args.options.constants.*constant = number(value, key);
-      given = true;
+    } else if (const auto parameters = args.law->with_keyword(key); !parameters.empty()) {
+      k += read_values(words, k, parameters, args, usage) - 1;
     } else {
       refuse("'" + key + "' is no option of law '" + words[0] + "'; " + usage);
     }
@@ -212,13 +267,13 @@ LawArguments parse_law(const std::vector<std::string> &words)
     refuse("cohesion holds for a yield strength that does not depend on the rate: leave out cohesion or rate");
   if (args.options.cohesion.kind == CohesionKind::JKR && args.law->yields())
     refuse("cohesion jkr is of elastic spheres: take law hertz, or cohesion dmt with law '" + words[0] + "'");
-  if (args.law->takes(POWER) && !(has_constant && has_exponent))
-    refuse("law power needs constant K and exponent p; " + usage);
-  if (args.has_rate() && args.options.variant == Variant::published)
-    refuse("rate needs a law that is passive: variant continuous");
-  if (given && args.options.variant == Variant::published)
-    refuse("variant published has constants of its own: take one or the other");
-  if (const std::string fault = given ? args.contact(args.first, args.first).fault() : ""; !fault.empty())
+  const LawValues &values = args.options.values;
+  for (const LawParameter *parameter : args.law->parameters)
+    if (parameter->is_required() && !values.has(*parameter))
+      refuse("law " + words[0] + " needs " + required_words(*args.law, " and ") + "; " + usage);
+  if (const std::string conflict = args.law->conflict_of(values, args.has_rate()); !conflict.empty()) refuse(conflict);
+  if (!args.law->has_constants(values)) return args;
+  if (const std::string fault = args.contact(args.first, args.first).fault(); !fault.empty())
     refuse("these constants make no passive law: " + fault);
   return args;
 }

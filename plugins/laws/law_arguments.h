@@ -29,7 +29,7 @@ struct LawArguments {
            resistance == other.resistance && loss == other.loss;
   }
 
-  bool has_rate() const { return first.rate_sensitivity > 0.0 || (second && second->rate_sensitivity > 0.0); }
+  bool has_rate() const { return first[RATE_SENSITIVITY] > 0.0 || (second && (*second)[RATE_SENSITIVITY] > 0.0); }
   int n_extra() const { return law->n_extra + (has_rate() ? RATE_EXTRA : 0); }    // most that a pair of these materials has
 
   /* Add the parts of its history to those that contacts have already. */
@@ -50,9 +50,6 @@ TangentialModel tangential_model(const std::string &name);
 
 /* Parse the words of a law. Throws std::invalid_argument with the word found and the word expected. */
 LawArguments parse_law(const std::vector<std::string> &words);
-
-/* Member of LawConstants with this name; null if the name is not in LAW_CONSTANTS. */
-double LawConstants::*law_constant(const std::string &name);
 
 }    // namespace granwave
 

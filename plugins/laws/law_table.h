@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Table of contact laws, with their names and options in input scripts, restart files and Python. A new law requires a
-   header in this folder, its class in AnyLaw, and an entry in law_arguments.cpp. No LAMMPS types. */
+/* Table of contact laws, with their names and parameters in input scripts, restart files and Python. A new law requires a
+   header in this folder, with its parameters, its class in AnyLaw, and an entry in law_arguments.cpp. No LAMMPS types. */
 
 #ifndef GRANWAVE_LAW_TABLE_H
 #define GRANWAVE_LAW_TABLE_H
@@ -9,59 +9,86 @@
 #include "elastoplastic.h"
 #include "rate_dependent.h"
 
+#include <algorithm>
 #include <variant>
-#include <vector>
 
 namespace granwave {
 
-/* Options of all laws; each law uses those listed in its table entry. */
+/* F = constant overlap^exponent of law power (elastic_contact.h). */
+inline constexpr LawParameter POWER_CONSTANT =
+    LawParameter("constant", "K", "law power: K of F = K overlap^p, N/m^p").in(POSITIVE).required(2e9);
+inline constexpr LawParameter POWER_EXPONENT = LawParameter("exponent", "p", "law power: p").in(AT_LEAST_ONE).required(1.5);
+
+/* What a law is made of, besides materials. */
 struct LawOptions {
-  Variant variant = Variant::continuous;
-  double yield_factor = 1.6, beta = 0.8;
-  double constant = 0.0, exponent = 1.5;    // F = constant overlap^exponent
-  LawConstants constants;
+  LawValues values;            // of parameters of the contact
   FeConstants fe_constants;    // of elastoplastic-fe, set only where it is fitted
   CohesionModel cohesion;
 
-  bool operator==(const LawOptions &other) const
-  {
-    return variant == other.variant && yield_factor == other.yield_factor && beta == other.beta &&
-           constant == other.constant && exponent == other.exponent && constants == other.constants &&
-           cohesion == other.cohesion;
-  }
+  bool operator==(const LawOptions &other) const { return values == other.values && cohesion == other.cohesion; }
 };
 
 using AnyLaw = std::variant<Hertz, Elastoplastic, Bilinear, Thornton, ElastoplasticFe, RateDependent<Elastoplastic>,
                             RateDependent<Thornton>, RateDependent<ElastoplasticFe>>;
 
-/* Scales of a pair of materials, on which a law may depend. */
-struct LawScales {
-  double yield_strength;        // of the softer body
-  double overlap_per_radius;    // alpha_y / R*
-  double force_per_area;        // F_y / R*^2
-  Material first, second;
-};
-
-enum LawOption : unsigned { VARIANT = 1, YIELD_FACTOR = 2, BETA = 4, CONSTANTS = 8, POWER = 16, HARDENING = 32, RATE = 64 };
-
 struct LawEntry {
+  using Make = AnyLaw (*)(const LawOptions &, const LawScales &);
+  using Conflict = std::string (*)(const LawValues &, bool has_constants, bool has_rate);
+
   const char *name;
-  double elastic_limit;    // overlap up to which a contact is Hertzian, without dent, in alpha_y; infinite without yield
-  bool fitted;             // true for a fit, valid up to overlaps of 0.2 R*
-  unsigned options;        // LawOption
-  int n_extra;             // doubles of history beyond the largest overlap
-  AnyLaw (*make)(const LawOptions &, const LawScales &);    // Hertz's for a power of the overlap, which has no history
+  Make make;                                       // Hertz's for a power of the overlap, which has no history
+  double elastic_limit = INFINITE;                 // overlap up to which a contact is Hertzian, without dent, in alpha_y
+  std::vector<const LawParameter *> parameters;    // in the order of input scripts
+  int n_extra = 0;                                 // doubles of history beyond the largest overlap
+  bool fitted = false;                             // true for a fit, valid up to overlaps of 0.2 R*
   bool no_force = false;
   bool exact_yield = false;     // first yield where von Mises' stress reaches the yield strength, for every Poisson's ratio
   bool states_error = false;    // true if it has error bars of its own
+  Conflict conflict = nullptr;    // description of values that exclude each other; empty if none do
+
+  LawEntry(const char *name, Make make) : name(name), make(make) {}
+
+  LawEntry &yielding_beyond(double overlap) { return set(elastic_limit, overlap); }
+  LawEntry &with(std::vector<const LawParameter *> own) { return set(parameters, std::move(own)); }
+  LawEntry &with_history(int doubles) { return set(n_extra, doubles); }
+  LawEntry &fit() { return set(fitted, true); }
+  LawEntry &without_force() { return set(no_force, true); }
+  LawEntry &yielding_exactly() { return set(exact_yield, true); }
+  LawEntry &with_error_bars() { return set(states_error, true); }
+  LawEntry &excluding(Conflict values) { return set(conflict, values); }
 
   bool yields() const { return elastic_limit < INFINITE; }    // requires the yield strength of at least one body
-  bool takes(LawOption option) const { return options & option; }
-  bool is_power() const { return options & POWER || no_force; }    // of the overlap, whatever the radii
+  bool takes(const LawParameter &parameter) const
+  {
+    return std::any_of(parameters.begin(), parameters.end(), [&](const LawParameter *own) { return *own == parameter; });
+  }
+  bool is_power() const { return takes(POWER_EXPONENT) || no_force; }    // of the overlap, whatever the radii
+
+  /* Its parameters with this keyword, in their order. */
+  std::vector<const LawParameter *> with_keyword(const std::string &keyword) const;
+
+  /* True if constants of its curve are given: optional parameters of the contact. */
+  bool has_constants(const LawValues &values) const;
+
+  /* Description of values that exclude each other; empty if none do. */
+  std::string conflict_of(const LawValues &values, bool has_rate) const
+  {
+    return conflict ? conflict(values, has_constants(values), has_rate) : "";
+  }
+
+ private:
+  template <class Value> LawEntry &set(Value &member, Value value)
+  {
+    member = std::move(value);
+    return *this;
+  }
 };
 
 /* All laws, in the order of their numbers in restart files. */
 const std::vector<LawEntry> &law_table();
+
+/* Parameters of all laws, without repetition. */
+std::vector<const LawParameter *> law_parameters();
 
 /* Find a law by name; null if there is none. */
 const LawEntry *find_law(const std::string &name);

@@ -4,18 +4,26 @@
 #ifndef GRANWAVE_MATERIAL_H
 #define GRANWAVE_MATERIAL_H
 
-#include <limits>
+#include "law_parameters.h"
 
 namespace granwave {
 
 constexpr double PI = 3.14159265358979323846;
-constexpr double INFINITE = std::numeric_limits<double>::infinity();
 
 /* Elastic-perfectly-plastic material; a rigid partner has infinite modulus and yield strength. */
 struct Material {
   double youngs_modulus, poisson_ratio, yield_strength;
-  double hardening = 0.0;    // tangent modulus after yield over Young's modulus; law elastoplastic-fe alone
-  double rate_sensitivity = 0.0, reference_rate = 1.0;    // C and r0 of rate_dependent.h
+  LawValues values = {};    // of parameters that laws have for each material
+
+  double operator[](const LawParameter &parameter) const { return values[parameter]; }
+};
+
+/* Scales of a pair of materials, on which a law may depend. */
+struct LawScales {
+  double yield_strength;        // of the softer body
+  double overlap_per_radius;    // alpha_y / R*
+  double force_per_area;        // F_y / R*^2
+  Material first, second;
 };
 
 inline double effective_modulus(const Material &a, const Material &b)

@@ -19,6 +19,7 @@
 #ifndef GRANWAVE_NORMAL_LAW_H
 #define GRANWAVE_NORMAL_LAW_H
 
+#include "material.h"
 #include "power.h"
 
 #include <cmath>
@@ -84,6 +85,10 @@ struct ErrorBar {
        Turning turning(double peak, const Site &) const          branch below a peak beyond the elastic limit
        double dissipated_energy(const Turning &, const Site &) const     dissipated energy of a contact that has yielded
 
+   a constructor from the values of its parameters and the scales of the pair,
+
+       Law(const LawValues &, const LawScales &)
+
    and with those below whose defaults do not apply. There are no virtual functions: loading is called in the innermost loop,
    and the table (law_table.h) lists all classes. */
 struct NormalLaw {
@@ -132,14 +137,25 @@ class Hertz : public NormalLaw {
   double dissipated_energy(const Turning &, const Site &) const { return 0.0; }
 };
 
+inline constexpr LawParameter YIELD_FACTOR =
+    LawParameter("yield_factor", "C", "C = p_y / sigma_y, contact pressure at first yield")
+        .in(POSITIVE)
+        .in_cases({0.1, 10.0, true, true})
+        .usually(1.6);
+
+inline constexpr LawParameter BETA =
+    LawParameter("beta", "b", "bilinear law: residual overlap over the largest overlap").in(BELOW_ONE).usually(0.8);
+
 /* Bilinear law of Walton and Braun (thesis 4.2): F = k alpha on loading, k = 18.5 sigma_y R*; unloading slope k/(1-beta),
    residual overlap beta alpha_max. It has no elastic range. */
 class Bilinear : public NormalLaw {
  public:
   static constexpr double STIFFNESS = 18.5;    // k / (sigma_y R*), thesis 4.2
 
-  /* `slope` is k alpha_y / F_y. */
-  Bilinear(double slope, double beta) : slope_(slope), beta_(beta) {}
+  Bilinear(const LawValues &values, const LawScales &scales) :
+      slope_(STIFFNESS * scales.yield_strength * scales.overlap_per_radius / scales.force_per_area), beta_(values[BETA])
+  {
+  }
 
   double loading(double a, const Site &) const { return slope_ * a; }
   double loading_slope(double, const Site &) const { return slope_; }
@@ -148,14 +164,14 @@ class Bilinear : public NormalLaw {
   double dissipated_energy(const Turning &t, const Site &site) const { return energy_lost(loading_work(t.peak, site), t); }
 
  private:
-  double slope_, beta_;
+  double slope_, beta_;    // k alpha_y / F_y, beta
 };
 
 /* Thornton's law (thesis 2.4 to 2.6): loading f = 1 + K (a-1) beyond first yield, K = 1.5/C; Hertzian unloading with the
    flattened radius R*_p. */
 class Thornton : public NormalLaw {
  public:
-  explicit Thornton(double yield_factor) : yield_factor_(yield_factor), slope_(1.5 / yield_factor) {}
+  Thornton(const LawValues &values, const LawScales &) : yield_factor_(values[YIELD_FACTOR]), slope_(1.5 / yield_factor_) {}
 
   double loading(double a, const Site &) const { return a <= 1.0 ? hertz_force(a) : 1.0 + slope_ * (a - 1.0); }
   double loading_slope(double a, const Site &) const { return a <= 1.0 ? hertz_slope(a) : slope_; }

@@ -11,10 +11,10 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
+from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs import flat_contact, write_deck
-from granwave.lammps_inputs.case import contact
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, Contact
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
@@ -34,7 +34,7 @@ SPHERES = {"packing": {"kind": "chain", "size": 2, "diameter": 2 * R}, "material
 
 
 def law(**constants) -> ContactLaw:
-    return ContactLaw(**BRASS, radius=(R, R), constants=constants)
+    return ContactLaw(**BRASS, radius=(R, R), **constants)
 
 
 def case(**contact) -> Case:
@@ -43,9 +43,9 @@ def case(**contact) -> Case:
 
 def test_one_list_of_constants():
     """Header, case file and twin agree on the names and on the published values."""
-    assert tuple(LAW_CONSTANTS) == contact.LAW_CONSTANTS == CONSTANTS
+    assert tuple(LAW_CONSTANTS) == CONSTANTS
     assert tuple(LAW_CONSTANTS.values()) == PRINTED
-    described = {f.name: f.metadata["description"] for f in dataclasses.fields(contact.Contact)}
+    described = {f.name: f.metadata["description"] for f in dataclasses.fields(Contact)}
     for name, printed in LAW_CONSTANTS.items():
         assert described[name].endswith(f"; {printed:g} if left out"), name
 
@@ -154,12 +154,11 @@ def test_no_passive_law(lammps, own, fault):
     "other", [{"law": "hertz"}, {"law": "thornton"}, {"law": "bilinear"}, {"variant": "published"}]
 )
 def test_only_the_continuous_elastoplastic_law_takes_them(lammps, other):
-    with pytest.raises(
-        InputError, match=r"contact\.area_slope: belongs to law elastoplastic, variant continuous"
-    ):
+    answer = r'contact\.area_slope: .*(belongs to law = "elastoplastic"|constants of its own)'
+    with pytest.raises(InputError, match=answer):
         case(area_slope=2.3, **other)
-    with pytest.raises(ValueError, match="belong to law elastoplastic"):
-        ContactLaw(**BRASS, radius=(R, R), constants={"area_slope": 2.3}, **other)
+    with pytest.raises(ValueError, match=r"no option of law|constants of its own"):
+        ContactLaw(**BRASS, radius=(R, R), area_slope=2.3, **other)
     name = other.get("law", "elastoplastic")
     words = f"{name} 115e9 0.3{'' if name == 'hertz' else ' 550e6'}{' variant published' if 'variant' in other else ''}"
     with pytest.raises(Exception, match=r"no option of law|constants of its own"):

@@ -134,7 +134,7 @@ REFUSED = {
         ("hertz 115e9 0.3 cohesion dmt 0.1\nfix c all gran/cylinder 1 0.01 0 1 0\ncomm_modify vel yes\nrun 0", "found cylinders"),
     ]),
     "rates": (ONE, "pair_coeff * * {}", [
-        ("elastoplastic 115e9 0.3 550e6 rate 0.01", "rate needs C and a reference rate for each of the materials"),
+        ("elastoplastic 115e9 0.3 550e6 rate 0.01", "rate needs C and r0 for each of the materials"),
         ("elastoplastic 115e9 0.3 550e6 rate -0.01 1", "rate sensitivity must not be negative, found '-0.01'"),
         ("elastoplastic 115e9 0.3 550e6 rate 0.01 0", "reference rate must be positive, found '0'"),
         ("elastoplastic 115e9 0.3 550e6 rate fast 1", "rate sensitivity must be a number, found 'fast'"),

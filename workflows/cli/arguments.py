@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.case.hints import POSSIBLE
+from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.directories import output_path
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number, read_whole
@@ -72,6 +73,18 @@ def _number(
     return read
 
 
+def number_of(parse: Callable[[float], float]) -> Callable[[str], float]:
+    """Make a function that reads a number of a key with the parser of its values."""
+
+    def read(text: str) -> float:
+        try:
+            return parse(number(text))
+        except ValidationError as error:
+            raise argparse.ArgumentTypeError(f"found {text}, expected {error}") from None
+
+    return read
+
+
 positive = _number(
     "a whole number, 1 or more", lambda value: value.is_integer() and value >= 1, int
 )
@@ -79,8 +92,6 @@ count = _number("a whole number, 0 or more", lambda value: value.is_integer() an
 seconds = _number("a number above 0 (s)", lambda value: 0 < value < math.inf)
 hertz = _number("a number above 0 (Hz)", lambda value: 0 < value < math.inf)
 speed = _number("a number above 0 (m/s)", lambda value: 0 < value < math.inf)
-#: Rate sensitivity, as `Material.rate_sensitivity`.
-sensitivity = _number("a number from 0 to 0.2", lambda value: 0 <= value <= 0.2)
 #: An overlap over that at first yield.
 overlap = _number(
     f"a number above 0 and at most {_LARGEST_OVERLAP:g}",

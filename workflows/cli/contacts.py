@@ -9,9 +9,11 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
+from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs.case.contact import LAWS, Cohesion, parse_cohesion
+from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.contact.law import contact_of
@@ -33,11 +35,43 @@ def law(options: argparse.Namespace) -> int:
     from granwave.analysis.contact_law import curves
 
     output = options.output or Path("restitution.png" if options.restitution else "law.png")
-    contact_law = LAWS[options.law]
-    rate = options.rate_sensitivity
     speed = options.velocity
     _at_most_two(options)
-    takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.options
+    _check_law(options, output)
+    parameters = _parameters(options)
+    materials = [
+        dataclasses.replace(_material(name), **parameters["material"]) for name in options.material
+    ]
+    cohesion = _cohesion(options)
+    constants = parameters["contact"]
+    spheres = _contact(materials, options.radius, options.law, constants, cohesion)
+    names = " on ".join(text.rpartition(":")[2] for text in options.material)
+    if not options.restitution:
+        title = f"{names}, {speed:g} m/s" if speed else names
+        curves.write_law(spheres, output, options.max_overlap, title, speed)
+    else:
+        first = sphere_mass(materials[0], options.radius[0])
+        flat = (options.radius[0], math.inf)
+        wall = _contact((materials[0], None), flat, options.law, constants)
+        if math.isinf(options.radius[-1]):
+            contacts = {"sphere and plane": (spheres, first)}
+        else:
+            second = sphere_mass(materials[-1], options.radius[-1])
+            contacts = {"two spheres": (spheres, first * second / (first + second))}
+        contacts["sphere and rigid wall"] = (wall, first)
+        title = f"{names}, {options.law}"
+        curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
+    print(output)
+    return 0
+
+
+def _check_law(options: argparse.Namespace, output: Path) -> None:
+    """Raise InputError for options of ``granwave law`` that do not fit together."""
+    rate = options.rate_sensitivity
+    speed = options.velocity
+    contact_law = LAWS[options.law]
+    published = options.variant not in (None, "continuous")
+    takes_rate = contact_law.yields and "rate_sensitivity" in contact_law.parameters
     other = (
         "takes all velocities: leave out --restitution"
         if rate
@@ -62,7 +96,7 @@ def law(options: argparse.Namespace) -> int:
             f"--rate-sensitivity: found with law {options.law}, which knows no strain rate",
         ),
         (
-            rate and options.variant != "continuous",
+            rate and published,
             f"--rate-sensitivity: found with variant {options.variant}, expected continuous",
         ),
         (
@@ -72,31 +106,44 @@ def law(options: argparse.Namespace) -> int:
     ):
         if wrong:
             raise InputError(fault)
-    materials = [
-        dataclasses.replace(_material(name), rate_sensitivity=rate or None)
-        for name in options.material
-    ]
-    cohesion = _cohesion(options)
-    spheres = contact_of(materials, options.radius, options.law, options.variant, cohesion=cohesion)
-    names = " on ".join(text.rpartition(":")[2] for text in options.material)
-    if not options.restitution:
-        title = f"{names}, {speed:g} m/s" if speed else names
-        curves.write_law(spheres, output, options.max_overlap, title, speed)
-    else:
-        first = sphere_mass(materials[0], options.radius[0])
-        wall = contact_of(
-            (materials[0], None), (options.radius[0], math.inf), options.law, options.variant
-        )
-        if math.isinf(options.radius[-1]):
-            contacts = {"sphere and plane": (spheres, first)}
-        else:
-            second = sphere_mass(materials[-1], options.radius[-1])
-            contacts = {"two spheres": (spheres, first * second / (first + second))}
-        contacts["sphere and rigid wall"] = (wall, first)
-        title = f"{names}, {options.law}"
-        curves.write_restitution(contacts, output, max_overlap=options.max_overlap, title=title)
-    print(output)
-    return 0
+
+
+def _parameters(options: argparse.Namespace) -> dict[str, dict[str, Any]]:
+    """Return the parameters of the law that are given, of ``contact`` and of each ``material``.
+
+    As in a case, those that have a default there may stand with another law, which has no use for
+    them.
+    """
+    law = LAWS[options.law]
+    slow = {"rate_sensitivity": None}  # unless a rate is asked for
+    parameters: dict[str, dict[str, Any]] = {"contact": {}, "material": slow}
+    for name, parameter in PARAMETERS.items():
+        value = getattr(options, name, None)
+        if value is None or value == parameter.default:
+            continue
+        if name in law.parameters:
+            parameters["material" if parameter.of_material else "contact"][name] = value
+        elif parameter.optional:
+            flag = name.replace("_", "-")
+            laws = " or ".join(laws_with(parameter))
+            raise InputError(f"--{flag}: found with law {options.law}; it belongs to {laws}")
+    return parameters
+
+
+def _contact(
+    materials: Sequence[Material | None],
+    radii: Sequence[float],
+    law: str,
+    constants: dict[str, Any],
+    cohesion: Cohesion | None = None,
+) -> ContactLaw:
+    """Return the law between two bodies; raise InputError where its parameters do not fit."""
+    try:
+        return contact_of(materials, radii, law, constants, cohesion=cohesion)
+    except InputError:
+        raise
+    except ValueError as error:
+        raise InputError(f"law {law}: {error}") from None
 
 
 def _cohesion(options: argparse.Namespace) -> Cohesion | None:

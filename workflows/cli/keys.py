@@ -241,6 +241,7 @@ def _of_section(file: str, heading: str, section: type, description: str = "") -
                 default="" if none else _written(default),
                 required=field.default is REQUIRED and field.default_factory is REQUIRED,
                 usual="" if usual is None else _usual(usual),
+                example=_written(given["example"]) if "example" in given else "",
                 json=json,
             )
         )
@@ -274,9 +275,8 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> T
     """Return a table with an example of each key; where none is given it is the default."""
     name = heading.strip("[]") or file
     given = _examples()[file].get(name, {})
-    shown = {
-        key.name: _written(given[key.name]) if key.name in given else key.default for key in found
-    }
+    shown = {key.name: key.example or key.default for key in found}
+    shown |= {key.name: _written(given[key.name]) for key in found if key.name in given}
     keys = (dataclasses.replace(key, example=f"{key.name} = {shown[key.name]}") for key in found)
     return Table(file, name, heading, description, tuple(keys))
 

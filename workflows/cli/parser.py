@@ -13,8 +13,10 @@ from pathlib import Path
 from typing import Any, NoReturn
 
 from granwave import __version__
+from granwave._contact_laws import LawParameter
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
+from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, parser_of
 from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.arguments import BENCH_PARTS, FILE_KINDS
@@ -80,6 +82,16 @@ def _output(what: str, metavar: str = "FILE", **settings: Any) -> Option:
     return _option(
         "-o", dest="output", type=read.output_name, metavar=metavar, help=what, **settings
     )
+
+
+def _law_parameter(parameter: LawParameter) -> Option:
+    """Return the option of a parameter of contact laws."""
+    name = "--" + parameter.name.replace("_", "-")
+    what = f"{parameter.description} (default: {parameter.default})"
+    if parameter.words:
+        return _option(name, choices=list(parameter.words), help=what)
+    kind = read.number_of(parser_of(parameter))
+    return _option(name, type=kind, metavar=parameter.symbol, help=what)
 
 
 def _json(what: str) -> Option:
@@ -296,13 +308,10 @@ COMMANDS = (
         _materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
         _radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
         _option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
-        _option("--variant", default="continuous", choices=["continuous", "published"],
-                help="constants of the elasto-plastic law, as contact.variant (default: continuous)"),
+        *(_law_parameter(one) for one in PARAMETERS.values() if set(laws_with(one)) & set(LAWS)),
         _option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
         _option("--max-overlap", type=read.overlap, default=200.0, metavar="A",
                 help="largest overlap, in units of that at first yield (default: 200)"),
-        _option("--rate-sensitivity", type=read.sensitivity, default=0.0, metavar="C",
-                help="growth of the yield strength with the strain rate, as material.rate_sensitivity"),
         _option("--velocity", type=read.speed, default=0.0, metavar="V",
                 help="approach velocity, m/s, with --rate-sensitivity (default: slow)"),
         _flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "

@@ -17,11 +17,11 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from granwave._contact_laws import LAW_CONSTANTS
 from granwave.analysis.contact_law.curves import Curve, curve_of, read_curve, write_law
 from granwave.analysis.contact_law.fit import YIELD, fit_law
 from granwave.analysis.contact_law.fit_output import fit_toml
 from granwave.analysis.figures.style import write_csv
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError

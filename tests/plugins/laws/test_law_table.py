@@ -38,7 +38,7 @@ def case(law: str, **contact):
     needed = {
         name: OPTIONS[name]
         for name in ("constant", "exponent")
-        if law in LAWS and name in LAWS[law].options
+        if law in LAWS and name in LAWS[law].parameters
     }
     return case_from_dict({**SPHERES, "contact": {"law": law, **needed, **contact}}, "case")
 
@@ -46,7 +46,7 @@ def case(law: str, **contact):
 @pytest.mark.parametrize("law", TOUCHING)
 def test_every_law_of_the_table_serves_everywhere(lammps, tmp_path, law):
     """Case, deck, LAMMPS, binding, command line and manual have the names of the table."""
-    own = {name: OPTIONS[name] for name in LAWS[law].options if name in OPTIONS}
+    own = {name: OPTIONS[name] for name in LAWS[law].parameters if name in OPTIONS}
     made = case(law, **own)
     words = law_coefficients(made.contact, made.material)
     assert words.split()[0] == law and all(name in words.split() for name in own)

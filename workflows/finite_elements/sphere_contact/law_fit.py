@@ -88,7 +88,7 @@ class Measured:
 
     def law(self, name: str, constants: Mapping[str, float] | None = None) -> ContactLaw:
         """Return a law of this contact; one without hardening leaves that out."""
-        return ContactLaw(law=name, constants=dict(constants or {}), **self.bodies)
+        return ContactLaw(law=name, fit=dict(constants or {}), **self.bodies)
 
     def loading_errors(self, law: ContactLaw) -> Array:
         """Return the errors of the force on loading over that of finite elements."""
