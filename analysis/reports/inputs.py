@@ -32,7 +32,7 @@ from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.registry import is_study_file
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.directories import changed_result, check_case, tables_as_run
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault
 from granwave.lammps_inputs.files import read_json, read_tables, regular
 from granwave.lammps_inputs.ownership import refuse_special
 from granwave.lammps_inputs.run_directory import (
@@ -258,7 +258,7 @@ def read_inputs(
         A directory is missing, is neither a run nor a scan, or is damaged; the message lists all
         faults.
     """
-    errors: list[str] = []
+    errors: list[InputFault] = []
     unique: dict[Path, Path] = {}
     for path in [part for directory in directories for part in _parts(Path(directory))]:
         unique.setdefault(path.resolve(), path)
@@ -275,7 +275,7 @@ def read_inputs(
                 path, name if names.count(name) == 1 else relative(path, base), study_files
             )
         except InputError as error:
-            errors += error.errors
+            errors += error.items
     if errors:
         raise InputError(errors)
     suite = read_json(Path(directories[0]) / SUITE_INDEX) if len(directories) == 1 else None
@@ -421,7 +421,7 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
         ) from None
     runs: dict[str, Run] = {}
     points: list[Point] = []
-    errors: list[str] = []
+    errors: list[InputFault] = []
     for result in results:
         done = (
             result.status == "done"
@@ -433,7 +433,7 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
             try:
                 runs[result.id] = _read_run(whole, f"{label} #{result.number}", result.summary)
             except InputError as error:
-                errors += error.errors
+                errors += error.items
                 continue
         points.append(Point(result, "", runs[result.id]) if whole else _undone(result, path))
     if errors:

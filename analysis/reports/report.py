@@ -29,7 +29,7 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 from granwave.lammps_inputs.run_directory import is_design
 
@@ -278,7 +278,7 @@ def write_report(
         try:
             inputs = read_inputs(directories, output.parent, {*study_files, *named})
         except InputError as error:
-            errors += error.errors
+            errors += error.items
         if errors:
             raise InputError(errors)
         try:
@@ -292,8 +292,8 @@ def write_report(
     return output
 
 
-def _errors_in(output: Path) -> list[str]:
-    errors = []
+def _errors_in(output: Path) -> list[str | InputFault]:
+    errors: list[str | InputFault] = []
     suffix = output.suffix.lower()
     parent = output.parent
     if suffix not in SUFFIXES:
@@ -317,7 +317,7 @@ def _errors_in(output: Path) -> list[str]:
         try:
             refuse_other_file(output, _OWN[suffix])
         except InputError as error:
-            errors += error.errors
+            errors += error.items
     return errors
 
 

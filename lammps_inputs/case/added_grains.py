@@ -17,15 +17,14 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
+from granwave.lammps_inputs.case.ids import INDEX, INDEX_FORM
 from granwave.lammps_inputs.case.material import (
     Material,
     Shape,
@@ -33,13 +32,13 @@ from granwave.lammps_inputs.case.material import (
     axis_field,
     check_shape,
     length_field,
+    material_field,
     presets,
-    read_material,
     shape_field,
     shape_of,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, show
+from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice
 
@@ -63,76 +62,84 @@ _MEMORY_OF_GRAIN = 1000.0
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
-@dataclasses.dataclass(frozen=True)
+_TOUCHING = "touching"
+_ALL_GAPS = "all"
+_RADIUS = schema.or_word(_TOUCHING, schema.NumberType(above=0, unit="m"), finish=lambda _: None)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Ring:
-    """Places around the axis x = y = 0; without a radius (m) where they touch both spheres of a
-    gap; gap (): of all.
-    """
+    """Places around the axis x = y = 0."""
 
-    n: int
-    radius: float | None
-    z: float | None
-    gap: tuple[int, ...] = ()
-    angle: float = 0.0
+    n: int = schema.count("number of places")
+    radius: float | None = schema.typed(
+        'radius of the ring; "touching": where grains touch both spheres of a gap of a chain',
+        _RADIUS,
+        unit="m",
+    )
+    z: float | None = schema.number("height of the ring", "m", default=None)
+    gap: tuple[int, ...] | None = schema.typed(
+        'gaps of a chain, by the spheres before them; "all": every gap',
+        schema.or_word(
+            _ALL_GAPS, INDEX, form=f'{INDEX_FORM}; or "{_ALL_GAPS}"', finish=lambda _: ()
+        ),
+        default=None,
+    )
+    angle: float = schema.number("angle of the first place from x", "degrees", default=0.0)
+
+    def checked(self) -> Ring:
+        """Return the ring; raise `ValidationError` unless it has a height or gaps."""
+        at_height = self.z is not None
+        is_touching = self.radius is None
+        wrong = at_height == (self.gap is not None) or (is_touching and at_height)
+        form = f'{_RING}, with z or gap, and a gap for a radius "{_TOUCHING}"'
+        schema.refuse_if(wrong, form)
+        return self
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Repeat:
-    """Number of copies, the first among them, and the step from one to the next, m."""
+    """Copies of places, each a step on."""
 
-    times: int
-    step: tuple[float, float, float]
-
-
-def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
-    if isinstance(value, str) and value in _HOLES:
-        return value
-    schema.refuse_if(not isinstance(value, list | tuple) or not value, _PLACES)
-    return tuple(schema.parse_point(place, _PLACES) for place in value)
-
-
-def _parse_ring(value: Any) -> Ring:
-    schema.inner_table(value, _RING, ("n", "radius", "z", "gap", "angle"), needed=("n", "radius"))
-    touching = value["radius"] == "touching"
-    gaps = value.get("gap", "all")
-    radius = None if touching else schema.finite(value["radius"], _RING)
-    schema.refuse_if(radius is not None and radius <= 0, f"{_RING}, with a radius above 0")
-    if ("z" in value) == ("gap" in value) or (touching and "z" in value):
-        raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
-    z = schema.finite(value["z"], _RING) if "z" in value else None
-    gap = () if gaps == "all" else parse_index(gaps)
-    return Ring(
-        schema.whole(value["n"], _RING),
-        radius,
-        z,
-        gap,
-        schema.finite(value.get("angle", 0.0), _RING),
+    times: int = schema.count("number of copies, the first places among them")
+    step: tuple[float, float, float] = schema.typed(
+        "step from one copy to the next", schema.vector_type(3, _POINT), unit="m"
     )
 
 
-def _parse_repeat(value: Any) -> Repeat:
-    schema.inner_table(value, _REPEAT, ("times", "step"), needed=("times", "step"))
-    return Repeat(schema.whole(value["times"], _REPEAT), schema.parse_point(value["step"], _REPEAT))
+_AT = schema.EitherType(
+    types=(
+        schema.ChoiceType(tuple(_HOLES)),
+        schema.ListType(item=schema.vector_type(3, _PLACES), expected=_PLACES),
+    ),
+    form=_PLACES,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AddedGrains:
     """``[[grains]]``: grains of one size and material at places given by a formula."""
 
-    at: str | tuple[tuple[float, float, float], ...] | None = schema.custom(
-        "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
+    at: str | tuple[tuple[float, float, float], ...] | None = schema.typed(
+        "places, or the holes of an fcc or hcp packing", _AT, unit="m", default=None
     )
-    ring: Ring | None = schema.custom("places around the axis x = y = 0", _parse_ring, default=None)
-    repeat: Repeat | None = schema.custom(
-        "copies of these places, each a step on", _parse_repeat, default=None
+    ring: Ring | None = schema.typed(
+        "places around the axis x = y = 0",
+        schema.TableType(section=Ring, expected=_RING, finish=Ring.checked),
+        default=None,
+    )
+    repeat: Repeat | None = schema.typed(
+        "copies of these places, each a step on",
+        schema.TableType(section=Repeat, expected=_REPEAT),
+        default=None,
     )
     diameter: float = schema.number("diameter of these grains", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()
-    material: Material | None = schema.nested(read_material)
-    group: str | None = schema.custom(
-        "name of their group, for [[hold]]", schema.parse_label, default=None
+    material: Material | None = material_field()
+    group: str | None = schema.typed(
+        "name of their group, for [[hold]]", schema.LABEL, default=None
     )
 
     def most_places(self, n_own: int) -> int:
@@ -140,7 +147,9 @@ class AddedGrains:
         if isinstance(self.at, str):
             found = _HOLES_OF_SPHERE * n_own
         elif self.ring is not None:
-            found = self.ring.n * (1 if self.ring.z is not None else len(self.ring.gap) or n_own)
+            found = self.ring.n * (
+                1 if self.ring.z is not None else len(self.ring.gap or ()) or n_own
+            )
         else:
             found = len(self.at or ())
         return found * (1 if self.repeat is None else self.repeat.times)
@@ -275,7 +284,7 @@ def with_added_grains(
     """
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
-    before = len(errors.lines)
+    before = len(errors.items)
     for key, entry in schema.numbered("grains", added).items():
         both = entry.at is not None
         holes_of = show(entry.at) if isinstance(entry.at, str) else ""
@@ -297,7 +306,7 @@ def with_added_grains(
     )  # fmt: skip
     beside = "found beside [[grains]], whose packing is no lattice; take one of them out"
     errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
-    if len(errors.lines) > before:
+    if len(errors.items) > before:
         return packing
     own = packing.grains
     lattice = None

@@ -28,23 +28,21 @@ import math
 from collections.abc import Mapping
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave._contact_laws import load_at
 from granwave.lammps_inputs.case import hints, schema
-from granwave.lammps_inputs.case.bodies import parse_index
+from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.files import read_number, read_text
 
 _TABLE_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
 
-def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
-    schema.refuse_if(not isinstance(value, list | tuple) or len(value) < 2, _TABLE_FORM)
-    rows: tuple[tuple[float, float], ...] = tuple(map(schema.numbers(2, _TABLE_FORM), value))
+def _rising(rows: tuple[tuple[float, float], ...]) -> tuple[tuple[float, float], ...]:
     schema.refuse_if(
         rows[0][0] < 0 or any(later[0] <= earlier[0] for earlier, later in pairwise(rows)),
         _TABLE_FORM,
@@ -53,6 +51,11 @@ def parse_load_table(value: Any) -> tuple[tuple[float, float], ...]:
         raise ValidationError(f"times of {expected}")
     schema.refuse_if(not any(size for _, size in rows), "a value other than zero")
     return rows
+
+
+_ROWS = schema.ListType(
+    item=schema.vector_type(2, _TABLE_FORM), expected=_TABLE_FORM, at_least=2, finish=_rising
+)
 
 
 def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
@@ -74,7 +77,7 @@ def _read_rows(path: Path) -> tuple[tuple[float, float], ...]:
                 f"found {show(' '.join(words))} in line {n}; expected {form}"
             ) from None
     try:
-        return parse_load_table(rows)
+        return _ROWS.read(rows)  # type: ignore[no-any-return]
     except ValidationError as error:
         raise ValueError(f"found {show(rows)}, expected {error}") from None
 
@@ -150,14 +153,14 @@ class Load:
         "angular velocity of the struck spheres at the start", hints.SPIN
     )
     spheres: int = schema.choice("how many spheres are struck", (1, 3, 7), default=1)
-    index: tuple[int, ...] | None = schema.custom(
+    index: tuple[int, ...] | None = schema.typed(
         "ids of the struck spheres, instead of those at the centre of the top layer",
-        parse_index,
+        INDEX,
         default=None,
     )
-    direction: tuple[float, float, float] | None = schema.custom(
+    direction: tuple[float, float, float] | None = schema.typed(
         "direction of a force or displacement; [0, 0, 1], straight down, by default",
-        schema.numbers(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
+        schema.vector_type(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
         default=None,
     )
     shape: str | None = schema.choice(
@@ -193,9 +196,16 @@ class Load:
         **_TIME,
     )
     seed: int | None = schema.count("seed of the phases of noise; default 1", default=None)
-    table: tuple[tuple[float, float], ...] | None = schema.custom(
-        "points of force (N) or displacement (m) against time (s)", parse_load_table, default=None
+    table: tuple[tuple[float, float], ...] | None = schema.typed(
+        "points of force (N) or displacement (m) against time (s)", _ROWS, default=None
     )
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "file": schema.path(
+            "the table as a file: two columns, time (s) and force (N) or displacement (m)",
+            default=None,
+        )
+    }
 
     @property
     def hits_spheres(self) -> bool:

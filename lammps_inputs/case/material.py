@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import Any, TypeAlias
+from typing import Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -28,10 +28,9 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.files import read_toml
 
-SELECTORS = ("preset", "file")
 MATERIALS = "materials"  # table of further materials of a case
 
 
@@ -39,8 +38,8 @@ MATERIALS = "materials"  # table of further materials of a case
 class Material:
     """An isotropic elastic material that yields (von Mises) at ``yield_strength``."""
 
-    name: str | None = schema.custom(
-        "what the material is called in figures and tables", schema.parse_label, default=None
+    name: str | None = schema.typed(
+        "what the material is called in figures and tables", schema.LABEL, default=None
     )
     youngs_modulus: float = schema.number("Young's modulus", YOUNGS_MODULUS, above=0)
     poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
@@ -68,10 +67,25 @@ class Material:
     )
     source: str | None = schema.text("where the values come from", default=None)
 
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "preset": schema.typed(
+            "material whose values hold where the table gives none",
+            schema.TextType(expected="the name of a material"),
+            default=None,
+        ),
+        "file": schema.path(
+            "TOML file that the preset is taken from; without it, those of the package",
+            default=None,
+        ),
+    }
+
     @property
     def rate(self) -> tuple[float, float]:
         """Rate sensitivity, and reference rate, 1/s."""
         return self.rate_sensitivity or 0.0, self.reference_rate or 1.0
+
+
+SELECTORS = tuple(Material.FURTHER_KEYS)
 
 
 @cache
@@ -94,7 +108,7 @@ def material(name: str) -> Material:
     errors = ErrorList("material")
     found = _select(name, presets(), "preset", errors)
     if found is None:
-        raise InputError(errors.lines)
+        raise InputError(errors.items)
     return found
 
 
@@ -119,11 +133,10 @@ def load_materials(path: str | Path) -> dict[str, Material]:
         named = {"name": name, **table} if isinstance(table, Mapping) else table
         read[name] = read_table(Material, named, name, errors)
     if not read:
-        errors.lines.append(
-            f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on"
-        )
-    if errors.lines:
-        raise InputError(errors.lines)
+        tables_of_materials = "tables such as [my-steel] with youngs_modulus and so on"
+        errors.add("", Mismatch("no material", tables_of_materials))
+    if errors.items:
+        raise InputError(errors.items)
     return {name: entry for name, entry in read.items() if entry is not None}
 
 
@@ -158,8 +171,8 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
             known = presets() if file is None else load_materials(file)
             base = _select(table["preset"], known, f"{key}.preset", errors, file)
     except InputError as error:
-        for line in error.errors:
-            errors.add(f"{key}.file", line)
+        for item in error.items:
+            errors.add(f"{key}.file", str(item))
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, errors)
         return None
@@ -178,6 +191,36 @@ def _select(
     hint = schema.did_you_mean(name, known, cutoff=0.5)
     errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}{hint}")
     return None
+
+
+@dataclasses.dataclass(frozen=True)
+class MaterialType(schema.ValueType):
+    """Type of a material: a name, or a table of values."""
+
+    expected: str = "the name of a material, or a table of its values as in [material]"
+
+    def read(self, value: Any) -> Any:
+        """Return the value; `read_material` reads it."""
+        return value
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A name, or a table as schemas of files have it under ``$defs``."""
+        table = {"$ref": "#/$defs/material"}
+        return {"anyOf": [{"enum": sorted(presets())}, {"type": "string"}, table]}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Names of the materials of the package."""
+        return tuple(presets())
+
+
+MATERIAL = MaterialType()
+
+
+def material_field(description: str = "material of this body; that of the case by default") -> Any:
+    """Field of the key ``material`` of a body."""
+    return schema.nested(description, MATERIAL, read_material)
 
 
 def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
@@ -257,15 +300,38 @@ def direction(values: Sequence[float]) -> Vector:
     return x, y, z
 
 
-def parse_axis(value: Any) -> Vector:
-    """Read a direction of a case file; raise `ValidationError` if it is none."""
-    if isinstance(value, str) and value in AXES:
-        return AXES[value]
-    schema.refuse_if(not isinstance(value, list | tuple) or len(value) != 3, AXIS_FORM)
-    try:
-        return direction([schema.finite(one, AXIS_FORM) for one in value])
-    except ValueError:
-        raise ValidationError(f"{AXIS_FORM}, not all 0") from None
+@dataclasses.dataclass(frozen=True)
+class AxisType(schema.ValueType):
+    """Type of a direction: a letter, or three numbers."""
+
+    expected: str = AXIS_FORM
+
+    def read(self, value: Any) -> Vector:
+        """Return the unit vector."""
+        if isinstance(value, str) and value in AXES:
+            return AXES[value]
+        numbers = schema.vector_type(3, AXIS_FORM).read(value)
+        try:
+            return direction(numbers)
+        except ValueError:
+            raise ValidationError(f"{AXIS_FORM}, not all 0") from None
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A letter, or three numbers."""
+        return {"anyOf": [{"enum": [*AXES]}, schema.vector_type(3, AXIS_FORM).json]}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The letters."""
+        return tuple(AXES)
+
+    def is_meant(self, value: Any) -> bool:
+        """Return True for a string or a list."""
+        return isinstance(value, str | list | tuple)
+
+
+AXIS = AxisType()
 
 
 def shape_field() -> Any:
@@ -280,7 +346,7 @@ def length_field() -> Any:
 
 def axis_field() -> Any:
     """Field of the key ``axis``."""
-    return schema.custom("direction of the axis of cylinders", parse_axis, default=None)
+    return schema.typed("direction of the axis of cylinders", AXIS, default=None)
 
 
 def shape_of(table: Any, axis: Vector = AXES["y"]) -> Shape:

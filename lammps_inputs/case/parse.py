@@ -44,7 +44,7 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import FILE, is_plane_crystal
 
@@ -63,9 +63,8 @@ def parse_override(override: str) -> tuple[str, Any]:
     """
     key, equals, written = (part.strip() for part in override.partition("="))
     if not equals or not _KEY.fullmatch(key):
-        raise InputError(
-            f"--set: found {show(override)}, expected KEY=VALUE such as load.velocity=10"
-        )
+        form = Mismatch(show(override), "KEY=VALUE such as load.velocity=10")
+        raise InputError(fault_of(form, changed=True))
     try:
         document = tomllib.loads(f"value = {written}")
     except tomllib.TOMLDecodeError:
@@ -74,10 +73,9 @@ def parse_override(override: str) -> tuple[str, Any]:
         return key, document["value"]
     if _BARE_WORD.fullmatch(written):
         return key, written
-    hint = f"; a list is [{written}]" if "," in written and "[" not in written else ""
-    raise InputError(
-        f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}"
-    )
+    hint = f"a list is [{written}]" if "," in written and "[" not in written else ""
+    value = Mismatch(show(written), "a TOML value or a bare word", hint)
+    raise InputError(fault_of(value, key=key, changed=True))
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
@@ -90,17 +88,17 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
     if isinstance(overrides, str):
         overrides = [overrides]
     parsed: dict[str, Any] = {}
-    errors: list[str] = []
+    faults: list[InputFault] = []
     for override in overrides:
         try:
             key, value = parse_override(override)
         except InputError as error:
-            errors += error.errors
+            faults += error.items
         else:
             parsed.pop(key, None)  # the last override of a key counts, and is applied last
             parsed[key] = value
-    if errors:
-        raise InputError(errors)
+    if faults:
+        raise InputError(faults)
     return dict(with_absolute_paths(parsed, Path()))
 
 
@@ -113,41 +111,45 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
         Part of a dotted key names a value that is not a table.
     """
     result = copy.deepcopy(dict(data))
-    errors: list[str] = []
+    faults = []
     for key, value in overrides.items():
-        try:
-            _set(result, key.split("."), copy.deepcopy(value))
-        except ValueError as error:
-            errors.append(f"--set: {key}: {error}")
-    if errors:
-        raise InputError(errors)
+        fault = _set(result, key.split("."), copy.deepcopy(value))
+        if fault is not None:
+            faults.append(fault_of(fault, key=key, changed=True))
+    if faults:
+        raise InputError(faults)
     return result
 
 
-def _set(table: Any, path: list[str], value: Any) -> None:
-    """Set a value of a table, or of an array of tables, whose numbers count from 1; raise
-    ValueError on faults.
+def _set(table: Any, path: list[str], value: Any) -> Mismatch | None:
+    """Set a value of a table, or of an array of tables, whose numbers count from 1; return the
+    fault if there is no such place.
     """
     for name, following in pairwise(path):
-        if isinstance(table, list):
-            inner = table[int(name) - 1]
-        elif following.isdigit() and name not in table:
-            raise ValueError(
-                f"found no [[{name}]] tables, expected {following} or more; give them whole"
-            )
-        else:
-            inner = table.setdefault(name, {})
-            if name == "material" and isinstance(inner, str):
-                inner = table[name] = {"preset": inner}
+        if following.isdigit() and isinstance(table, dict) and name not in table:
+            return Mismatch(f"no [[{name}]] tables", f"{following} or more", "give them whole")
+        inner = _inner(table, name)
         if isinstance(inner, list) and following.isdigit():
             if not 1 <= int(following) <= len(inner):
-                raise ValueError(
-                    f"found {len(inner)} [[{name}]] tables, expected {following} or more"
-                )
+                return Mismatch(f"{len(inner)} [[{name}]] tables", f"{following} or more")
         elif not isinstance(inner, dict):
-            raise ValueError(f"found {name} = {show(inner)}, expected a table [{name}]")
+            return Mismatch(f"{name} = {show(inner)}", f"a table [{name}]")
         table = inner
     table[int(path[-1]) - 1 if isinstance(table, list) else path[-1]] = value
+    return None
+
+
+def _inner(table: Any, name: str) -> Any:
+    """Return a value of a table, by default a new table, or of an array of tables; a material that
+    is a name becomes a table.
+    """
+    if isinstance(table, list):
+        return table[int(name) - 1]
+    inner = table.setdefault(name, {})
+    if name == "material" and isinstance(inner, str):
+        inner = {"preset": inner}
+        table[name] = inner
+    return inner
 
 
 _READERS: dict[type, Callable[[Any, ErrorList], Any]] = {

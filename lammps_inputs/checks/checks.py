@@ -60,14 +60,14 @@ def check_together(case: Case, errors: ErrorList) -> None:
 
 def _fit(case: Case, errors: ErrorList, *checks: Check) -> bool:
     """Return True if a case passes some checks; one that needs a table that is wrong ends there."""
-    before = len(errors.lines)
+    before = len(errors.items)
     complete = True
     for check in checks:
         try:
             check(case, errors)
         except WrongTable:
             complete = False
-    return complete and len(errors.lines) == before
+    return complete and len(errors.items) == before
 
 
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
@@ -92,7 +92,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         loads.check_absorbing,
     ):
         check(assembly, errors)
-    if not errors.lines:
+    if not errors.items:
         loads.check_driving(assembly, errors)
     if fault := error_in_dents(assembly):
         errors.add(KEY, fault)

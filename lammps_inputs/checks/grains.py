@@ -20,12 +20,8 @@ from granwave.lammps_inputs.packing.places import layout_of, places_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
 
-_PLACED = (
-    ": packing.grains",
-    ": packing.file",
-    ": packing.gaps",
-    ": grains.",
-)  # of grains that could not be placed
+# keys of grains that could not be placed
+_PLACED = ("packing.grains", "packing.file", "packing.gaps", "grains.")
 # largest diameters; in fewer two grains could touch twice, one of them also as its image
 _LEAST_PERIOD = 2.5
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
@@ -72,7 +68,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
         "boundary" in vars(case) and case.boundary.sides == "periodic"
     )  # a wrong boundary hides no overlaps
     if periodic:
-        before = len(errors.lines)
+        before = len(errors.items)
         least = _LEAST_PERIOD * float(grains.diameter.max())
         errors.check(
             (packing.period is None, "packing.period",
@@ -82,7 +78,7 @@ def check_places(case: Case, errors: ErrorList) -> None:
                f"found {period:g} m along {letter}, expected at least {least:g} m, {_LEAST_PERIOD:g} of the largest "
                "diameters; repeat the grains") for letter, period in zip("xy", packing.period or (), strict=False)),
         )  # fmt: skip
-        if len(errors.lines) > before:
+        if len(errors.items) > before:
             return
     places = places_of(grains, packing.diameter, packing.period if periodic else None)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
@@ -219,7 +215,7 @@ def check_held(case: Case, errors: ErrorList) -> None:
         if (
             of_group
             and hold.index is None
-            and any(one in line for line in errors.lines for one in _PLACED)
+            and any(item.key.startswith(_PLACED) for item in errors.items)
         ):
             continue  # the grains of the group could not be placed, which has its own error
         fits = errors.check_first(
@@ -256,7 +252,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
     """
     boundary = case.boundary
     key = "boundary.sides_touch"
-    if boundary.sides_touch is None or errors.lines:
+    if boundary.sides_touch is None or errors.items:
         return True
     if boundary.sides_tube is None and not any(boundary.has_planes(axis) for axis in "xy"):
         errors.add(
@@ -280,7 +276,7 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
 def check_tube(case: Case, errors: ErrorList) -> None:
     """Check that the packing fits into its tube, before this shrinks, and each grain after it has."""
     tube = case.boundary.sides_tube
-    if tube is None or errors.lines:
+    if tube is None or errors.items:
         return
     lattice = layout_of(case.packing, case.boundary)
     sites = sites_of(case, lattice)

@@ -9,7 +9,8 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import LAWS, MARSHALL, RIGID, Contact
+from granwave.lammps_inputs.case.contact import LAWS, RIGID, Contact
+from granwave.lammps_inputs.case.contact_tables import MARSHALL
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_constants, viscous_loss
@@ -97,7 +98,7 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
             for one in wrong[:1]
         ),
     )
-    if errors.lines:
+    if errors.items:
         return  # the named spheres are unknown while other keys are wrong
     lattice = packing.lattice(periodic=case.boundary.sides == "periodic")
     present = np.ones(n, dtype=bool)

@@ -100,8 +100,8 @@ def contact_between_bodies(
     contact = _read_law(law, options, errors)
     found = _read_bodies(bodies, errors, elastic=contact is not None and not contact.yields,
                          needs_material=contact is None or not contact.entry.is_power)  # fmt: skip
-    if errors.lines or contact is None or found is None:
-        raise InputError(errors.lines)
+    if errors.items or contact is None or found is None:
+        raise InputError(errors.items)
     one, other = found
     effective_radius = None
     if other.shape == "tube":
@@ -130,7 +130,7 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         one for name in entry.options for one in (LAW_CONSTANTS if name == "constants" else (name,))
     ]
     known += [] if entry.is_power or law == LINE else ["cohesion"]
-    before = len(errors.lines)
+    before = len(errors.items)
     if known:
         refuse_unknown(options, known, "", errors)
     errors.check(
@@ -154,7 +154,7 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
             for name in ("constant", "exponent")
         )
     )
-    return contact if len(errors.lines) == before else None
+    return contact if len(errors.items) == before else None
 
 
 def _read_bodies(
@@ -190,7 +190,7 @@ def _read_body(
     if not isinstance(table, Mapping):
         errors.add(key, f"found {show(table)}, expected one of {_EXAMPLE}")
         return None
-    before = len(errors.lines)
+    before = len(errors.items)
     read = read_table(
         _Table, {name: value for name, value in table.items() if name != "material"}, key, errors
     )
@@ -218,7 +218,7 @@ def _read_body(
         material = read_material(material, errors, f"{key}.material")
     if material is not None and not elastic and material.yield_strength is None:
         errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
-    if len(errors.lines) > before:
+    if len(errors.items) > before:
         return None
     radius = math.inf if shape == "plane" else read.radius or (read.diameter or 0.0) / 2
     cylinder = (

@@ -11,7 +11,8 @@ from itertools import combinations_with_replacement
 import numpy as np
 
 from granwave.lammps_inputs.case.boundary import Damper
-from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
+from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact_tables import MARSHALL, Resistance
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
     HERTZ,

@@ -14,6 +14,7 @@ from hypothesis import strategies as st
 from granwave._contact_laws import LAW_CONSTANTS, ContactLaw
 from granwave.lammps_inputs.case import contact
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.schema import info_of
 from granwave.lammps_inputs.contact.law import flat_contact, sphere_contact
 from granwave.lammps_inputs.deck.deck import write_deck
 from granwave.lammps_inputs.errors import InputError
@@ -45,7 +46,7 @@ def test_one_list_of_constants():
     """Header, case file and twin agree on the names and on the published values."""
     assert tuple(LAW_CONSTANTS) == contact.LAW_CONSTANTS == CONSTANTS
     assert tuple(LAW_CONSTANTS.values()) == PRINTED
-    described = {f.name: f.metadata["description"] for f in dataclasses.fields(contact.Contact)}
+    described = {f.name: info_of(f).description for f in dataclasses.fields(contact.Contact)}
     for name, printed in LAW_CONSTANTS.items():
         assert described[name].endswith(f"; {printed:g} if left out"), name
 

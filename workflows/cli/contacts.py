@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granwave.lammps_inputs.case.contact import LAWS, Cohesion, parse_cohesion
+from granwave.lammps_inputs.case.contact import LAWS
+from granwave.lammps_inputs.case.contact_tables import COHESION, Cohesion
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.contact.law import contact_of
@@ -105,7 +106,7 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
         return None
     kind, energy = options.cohesion
     try:
-        found = parse_cohesion({"kind": kind, "energy": float(energy)})
+        found: Cohesion = COHESION.read({"kind": kind, "energy": float(energy)})
     except (ValueError, ValidationError):
         raise InputError(
             f"--cohesion: found {kind} {energy}, expected jkr or dmt, and the work of adhesion in J/m^2"

@@ -16,7 +16,12 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
-from granwave.lammps_inputs.case.schema import ValidationError, did_you_mean
+from granwave.lammps_inputs.case.schema import (
+    ValidationError,
+    declared_fields,
+    did_you_mean,
+    info_of,
+)
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
@@ -174,7 +179,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
     InputError
         A value is wrong; the message lists all faults.
     """
-    fields = {field.name: field for field in dataclasses.fields(Figures)}
+    types = {name: info_of(field).type for name, field in declared_fields(Figures).items()}
     changes = {}
     faults = []
     for name in names or FIGURE_KEYS:
@@ -183,7 +188,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
         if text is None:
             continue
         try:
-            changes[name] = fields[name].metadata["parse"](_value(name, text, through))
+            changes[name] = types[name].read(_value(name, text, through))
         except ValidationError as error:
             option = FIGURE_KEYS[name].names[0]
             if name == "plane" and through is not None:

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Container, Sequence
 from typing import Any
 
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault
 from granwave.lammps_inputs.files import plain
 from granwave.lammps_inputs.streams import is_terminal
 
@@ -74,6 +74,11 @@ def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
     for lack in lacks:
         warn(lack if lack.startswith(name) else f"{name}: {lack}")
     return lacks
+
+
+def line_of(fault: InputFault) -> str:
+    """Return a fault in one line, with the option that changed its key."""
+    return f"--set: {fault}" if fault.changed else str(fault)
 
 
 def print_json(values: Any) -> None:

@@ -27,7 +27,7 @@ from granwave.lammps_inputs.case.schema import (
     read_table,
     show,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.planning.plan import plan
@@ -120,8 +120,8 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
             for key in twice
         )
     )
-    if errors.lines or header is None or search is None:
-        raise InputError(errors.lines)
+    if errors.items or header is None or search is None:
+        raise InputError(errors.items)
     if budget is not None:
         search = dataclasses.replace(search, evaluations=budget)
     problem = Problem(
@@ -167,11 +167,15 @@ def _base(
         )
         GRANULAR.read(base, file)
     except InputError as error:
-        errors.lines += [
-            f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors
-        ]
+        errors.extend(_of_base(item, path) for item in error.items)
         return fixed, {}
     return fixed, base
+
+
+def _of_base(item: InputFault, path: Path) -> InputFault:
+    """Return a fault of the base case as one of the design file, which changes keys in ``[set]``."""
+    key = f"set.{item.key}" if item.changed else item.key
+    return dataclasses.replace(item, key=key).inside(f"{path}: base")
 
 
 def _refuse_twice(name: str, written: Iterable[tuple[str, Any]], errors: ErrorList) -> None:
@@ -220,8 +224,11 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
             try:
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
-                errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
-    if not base or errors.lines:
+                errors.extend(
+                    dataclasses.replace(item, source=errors.source, key=f"variables.{item.key}")
+                    for item in error.items
+                )
+    if not base or errors.items:
         return found
     # words, and ends of ranges, that alone make the base wrong; one warning for variables of equal
     # fault
@@ -233,9 +240,8 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
             try:
                 GRANULAR.read(with_values(base, {one.key: value}), errors.source)
             except InputError as error:
-                refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(
-                    one.key
-                )
+                fault = str(error.items[0].outside(errors.source))
+                refused[show(value), fault].append(one.key)
     for (value, fault), same in refused.items():
         more = f" and {len(same) - 1} more" * (len(same) > 1)
         _LOG.warning(
@@ -432,9 +438,9 @@ def _samples(
     try:
         random = is_random(problem.case(with_values(problem.base, middle)))
     except InputError as error:
+        path = str(problem.path)
         raise InputError(
-            f"{problem.path}: uncertainty: {fault.removeprefix(f'{problem.path}: ')}"
-            for fault in error.errors
+            item.outside(path).inside(f"{path}: uncertainty") for item in error.items
         ) from None
     random = random or any(_generic(one.key) in _RANDOM for one in problem.space.variables)
     if not random and not varied:

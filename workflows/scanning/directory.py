@@ -46,7 +46,7 @@ def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Poi
         try:
             found += [] if layout.is_whole(directory, name) else [point]
         except InputError as error:
-            errors += error.errors
+            errors += error.items
     if errors:
         raise InputError(errors)
     return found
