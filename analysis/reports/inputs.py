@@ -258,7 +258,7 @@ def read_inputs(
         A directory is missing, is neither a run nor a scan, or is damaged; the message lists all
         faults.
     """
-    errors: list[InputFault] = []
+    errors: list[str | InputFault] = []
     unique: dict[Path, Path] = {}
     for path in [part for directory in directories for part in _parts(Path(directory))]:
         unique.setdefault(path.resolve(), path)

@@ -39,6 +39,7 @@ from granwave.lammps_inputs.case.material import (
 )
 from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
 from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, Lattice
 
@@ -289,22 +290,41 @@ def with_added_grains(
         both = entry.at is not None
         holes_of = show(entry.at) if isinstance(entry.at, str) else ""
         errors.check_first(
-            (both == (entry.ring is not None), key,
-             f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
-            (holes_of and packing.kind not in _HOLED, f"{key}.at",
-             f"found {holes_of} with packing.kind = {show(packing.kind)}, expected fcc or hcp, or places"),
-            (holes_of and entry.repeat, f"{key}.repeat", f"found beside at = {holes_of}, which are all such holes"),
-        )  # fmt: skip
+            (
+                both == (entry.ring is not None),
+                key,
+                Mismatch(f"{'both at and ring' if both else 'neither at nor ring'}", "one of them"),
+            ),
+            (
+                holes_of and packing.kind not in _HOLED,
+                f"{key}.at",
+                Mismatch(
+                    f"{holes_of} with packing.kind = {show(packing.kind)}", "fcc or hcp, or places"
+                ),
+            ),
+            (
+                holes_of and entry.repeat,
+                f"{key}.repeat",
+                Mismatch(f"beside at = {holes_of}, which are all such holes"),
+            ),
+        )
         check_shape(entry, key, errors)
     last = packing.size[0] - 1
     beyond = [sphere for sphere, _ in packing.gaps if sphere > last]
     errors.check_first(
-        (packing.gaps and packing.kind != "chain", "packing.gaps",
-         f"found with packing.kind = {show(packing.kind)}, expected a chain"),
-        (beyond, "packing.gaps",
-         f"found a gap after sphere {max(beyond, default=0)}, expected after one from 1 to {last}"),
-    )  # fmt: skip
-    beside = "found beside [[grains]], whose packing is no lattice; take one of them out"
+        (
+            packing.gaps and packing.kind != "chain",
+            "packing.gaps",
+            Mismatch(f"with packing.kind = {show(packing.kind)}", "a chain"),
+        ),
+        (
+            beyond,
+            "packing.gaps",
+            Mismatch(f"a gap after sphere {max(beyond, default=0)}", f"after one from 1 to {last}"),
+        ),
+    )
+    no_lattice = "beside [[grains]], whose packing is no lattice"
+    beside = Mismatch(no_lattice, remedy="take one of them out")
     errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
     if len(errors.items) > before:
         return packing
@@ -326,10 +346,10 @@ def with_added_grains(
         needed = n * _MEMORY_OF_GRAIN
         available = math.inf if stored else available_memory()
         if needed > available:
-            found = f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
+            found = f"up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
             room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
             what = "at" if entry.ring is None else "ring"
-            errors.add(f"{key}.{what}", f"{found}, which need more than {room}; expected fewer")
+            errors.add(f"{key}.{what}", Mismatch(f"{found}, which need more than {room}", "fewer"))
             continue
         try:
             places = entry.places(lattice, own)
@@ -339,7 +359,7 @@ def with_added_grains(
         if not len(places):
             errors.add(
                 f"{key}.at",
-                f"found no {entry.at} hole in a packing of {show(packing.size)} spheres",
+                Mismatch(f"no {entry.at} hole in a packing of {show(packing.size)} spheres"),
             )
         name = _name_of(entry.material, materials)
         parts.append(_grains_at(places, entry.diameter, name, entry.group or "", shape_of(entry)))

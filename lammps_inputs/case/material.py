@@ -152,7 +152,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     if isinstance(table, str):
         return _select(table, presets(), key, errors)
     if not isinstance(table, Mapping):
-        errors.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
+        errors.add(key, Mismatch(show(table), f'a name ("brass") or a table [{key}]'))
         return None
     own = {name: value for name, value in table.items() if name not in SELECTORS}
     if "preset" not in table:
@@ -164,9 +164,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     file = table.get("file")
     try:
         if file is not None and (not isinstance(file, str) or not file):
-            errors.add(
-                f"{key}.file", f"found {show(file)}, expected the path of a TOML file of materials"
-            )
+            errors.add(f"{key}.file", Mismatch(show(file), "the path of a TOML file of materials"))
         else:
             known = presets() if file is None else load_materials(file)
             base = _select(table["preset"], known, f"{key}.preset", errors, file)
@@ -189,7 +187,7 @@ def _select(
         return known[name]
     there = f" in {file}" if file else ""
     hint = schema.did_you_mean(name, known, cutoff=0.5)
-    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}{hint}")
+    errors.add(key, Mismatch(show(name), f"one of {', '.join(known)}{there}{hint}"))
     return None
 
 
@@ -226,21 +224,26 @@ def material_field(description: str = "material of this body; that of the case b
 def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
     """Read the tables ``[materials.NAME]`` of a case: further materials, by name."""
     if not isinstance(tables, Mapping):
-        errors.add(MATERIALS, f"found {show(tables)}, expected tables such as [{MATERIALS}.soft]")
+        errors.add(MATERIALS, Mismatch(show(tables), f"tables such as [{MATERIALS}.soft]"))
         return {}
     found: dict[str, Material] = {}
     for name, table in tables.items():
         try:
             schema.parse_label(name)
         except ValidationError as error:
-            errors.add(MATERIALS, f"found a table called {show(name)}, expected {error}")
+            errors.add(MATERIALS, Mismatch(f"a table called {show(name)}", f"{error}"))
             continue
         material = read_material(table, errors, f"{MATERIALS}.{name}")
         if material is not None:
             found[name] = dataclasses.replace(material, name=name)
             other = isinstance(table, Mapping) and table.get("name", name) != name
-            errors.check((other, f"{MATERIALS}.{name}.name",
-                          f"found {show(material.name)}, expected the name of the table"))  # fmt: skip
+            errors.check(
+                (
+                    other,
+                    f"{MATERIALS}.{name}.name",
+                    Mismatch(show(material.name), "the name of the table"),
+                )
+            )
     return found
 
 
@@ -362,11 +365,20 @@ def check_shape(table: Any, key: str, errors: ErrorList) -> None:
     """Check that cylinders have a length, and spheres neither length nor axis."""
     cylinder = table.shape == "cylinder"
     errors.check(
-        (cylinder and table.length is None, f"{key}.length",
-         'missing; a cylinder (shape = "cylinder") has a length, m'),
-        *((not cylinder and getattr(table, name) is not None, f"{key}.{name}",
-           'found without shape = "cylinder"; give that, or take it out') for name in ("length", "axis")),
-    )  # fmt: skip
+        (
+            cylinder and table.length is None,
+            f"{key}.length",
+            'missing; a cylinder (shape = "cylinder") has a length, m',
+        ),
+        *(
+            (
+                not cylinder and getattr(table, name) is not None,
+                f"{key}.{name}",
+                Mismatch('without shape = "cylinder"', remedy="give that, or take it out"),
+            )
+            for name in ("length", "axis")
+        ),
+    )
 
 
 def mass_of(material: Material, radius: float, shape: Shape) -> float:

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.material import (
     shape_of,
 )
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, KINDS, ROWS, Lattice, is_plane_crystal, kind_of
 
@@ -320,7 +321,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
         if grains is not None and grains.period is not None:
             rest.setdefault("period", grains.period)
     elif "file" in table:
-        errors.add("packing.file", "found beside packing.grains; give one of them")
+        errors.add("packing.file", Mismatch("beside packing.grains", remedy="give one of them"))
     if len(errors.items) > before:
         return None
     if "cell" not in table and "file" in table and (cell := read_cell(Path(table["file"]))):
@@ -343,11 +344,17 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
     along = np.abs(kind_of(packing.kind).contact_directions @ shape.vector).max()
     flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
     errors.check_first(
-        (packing.kind not in flat, "packing.shape",
-         f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}'),
-        (along > _ACROSS, "packing.axis",
-         f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}"),
-    )  # fmt: skip
+        (
+            packing.kind not in flat,
+            "packing.shape",
+            Mismatch(f'"cylinder" for {packing.kind}', f"a packing in a plane: {', '.join(flat)}"),
+        ),
+        (
+            along > _ACROSS,
+            "packing.axis",
+            Mismatch(show(list(shape.axis)), f"a direction across all contacts of {packing.kind}"),
+        ),
+    )
 
 
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
@@ -380,10 +387,13 @@ def check_size(packing: PackingSection, errors: ErrorList) -> bool:
     in_rows = is_plane_crystal(packing.kind)
     form = "a number n" if len(axes) == 1 else "[" + ", ".join(f"n{axis}" for axis in axes) + "]"
     return packing.grains is not None or errors.check_first(
-        (len(packing.size) != len(axes), _KEY, f"found {size}, expected {form} for {packing.kind}"),
-        (in_rows and packing.top_row != "equal" and packing.size[0] <= 1, _KEY,
-         f"found {size}: the short rows would be empty; expected 2 or more in a row"),
-    )  # fmt: skip
+        (len(packing.size) != len(axes), _KEY, Mismatch(size, f"{form} for {packing.kind}")),
+        (
+            in_rows and packing.top_row != "equal" and packing.size[0] <= 1,
+            _KEY,
+            Mismatch(f"{size}: the short rows would be empty", "2 or more in a row"),
+        ),
+    )
 
 
 def check_memory_of_sites(
@@ -395,7 +405,14 @@ def check_memory_of_sites(
     needed = n_sites * bytes_of_site
     available = available_memory()
     return errors.check_first(
-        (needed > available, _KEY,
-         f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB "
-         f"of memory, there is {available / 2**30:.1f} GiB; make the packing smaller or change machine"),
-    )  # fmt: skip
+        (
+            needed > available,
+            _KEY,
+            Mismatch(
+                f"{show(packing.size)}: {packing.lattice().n_spheres} spheres need "
+                f"more than {needed / 2**30:.1f} GiB of memory, there is "
+                f"{available / 2**30:.1f} GiB",
+                remedy="make the packing smaller or change machine",
+            ),
+        ),
+    )
