@@ -182,7 +182,7 @@ def changed_result(
     if not fault:
         return ""
     if ownership.read_marker(directory).kind == run_directory.CONTINUUM:
-        return f"{fault}: run the case again with --resume"
+        return f"{fault}: run the case again with resume=True"
     return f"{fault}: make it anew with  granwave analyse {directory}"
 
 
@@ -268,7 +268,7 @@ def check_deck(directory: Path) -> None:
         elif is_data:
             raise InputError(
                 f"{path}: was changed after the run, and the positions of the spheres are read from it: put back what "
-                f"was run, or run the case again with --force. A deck to be edited is made by granwave write"
+                f"was run, or run the case again with force=True. A deck to be edited is made by granwave write"
             )
         else:
             logger.warning("%s: was changed after the run; the results are of what was run", path)
@@ -329,8 +329,8 @@ def decide(
             name for name in {*as_run, *case} if as_run.get(name) != case.get(name)
         ):
             raise InputError(
-                f"{directory}: holds another case (different: {', '.join(different)}); --force replaces it, or choose "
-                "another directory with -o"
+                f"{directory}: holds another case (different: {', '.join(different)}); force=True replaces it, or choose "
+                "another directory with directory=..."
             )
         return True
     if not force:
@@ -345,7 +345,7 @@ def check_directory(directory: Path, *, resume: bool, force: bool) -> None:
     """
     if resume and force:
         raise InputError(
-            "--resume and --force exclude each other: one goes on with what is there, the other replaces it"
+            "resume=True and force=True exclude each other: one goes on with what is there, the other replaces it"
         )
     results_directory(directory, force=force)
 
@@ -361,7 +361,7 @@ def refuse_source(directory: Path, name: str, source: Path | None) -> None:
     if not replaced.isdisjoint([there, *there.parents]):
         raise InputError(
             f"{name}: contact.initial_overlap: {source}: is among the results that would be replaced; "
-            "choose another directory with -o"
+            "choose another directory with directory=..."
         )
 
 
@@ -407,19 +407,21 @@ def results_directory(name: str | Path, *, force: bool = False) -> Path:
             path.lstat()
     except (OSError, RuntimeError, ValueError) as error:  # too long, links in a circle, a NUL
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: {reason}; choose another directory with -o") from None
+        raise InputError(f"{path}: {reason}; choose another directory with directory=...") from None
     if is_file:
-        raise InputError(f"{path}: is a file, expected a directory; choose another with -o")
+        raise InputError(
+            f"{path}: is a file, expected a directory; choose another with directory=..."
+        )
     places = {Path(there.anchor): "the root directory"}
     with contextlib.suppress(RuntimeError, OSError):  # a user without a home
         places[Path.home().resolve()] = "your home directory"
     if there in places:
         raise InputError(
-            f"{path}: is {places[there]}; choose a directory for the results alone with -o"
+            f"{path}: is {places[there]}; choose a directory for the results alone with directory=..."
         )
     if force and path.is_symlink() and ownership.results_in(path):
         raise InputError(
-            f"{path}: is a link to {there}, and --force removes nothing through a link; give that directory with -o"
+            f"{path}: is a link to {there}, and force=True removes nothing through a link; give that directory with directory=..."
         )
     return path.absolute()
 
@@ -434,15 +436,15 @@ def refuse_other_file(path: Path, own: bytes) -> None:
     """
     if path.is_dir():
         raise InputError(
-            f"{path}: is a directory, expected the name of a file; choose another with -o"
+            f"{path}: is a directory, expected the name of a file; choose another with directory=..."
         )
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
         raise InputError(
-            f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with -o"
+            f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with directory=..."
         )
     if os.path.lexists(path) and not re.search(own, head(path)):
         raise InputError(
-            f"{path}: is there, and granwave did not write it; choose another name with -o"
+            f"{path}: is there, and granwave did not write it; choose another name with directory=..."
         )
 
 
@@ -469,7 +471,9 @@ def check_disk(
     """
     if needed and needed + spare > (free := free_space(directory)):
         message = disk_space_message(what, needed, spare, free)
-        raise InputError(f"{directory}: {message}; choose another directory with -o, or {remedy}")
+        raise InputError(
+            f"{directory}: {message}; choose another directory with directory=..., or {remedy}"
+        )
 
 
 def free_space(directory: Path) -> float:

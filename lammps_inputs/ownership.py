@@ -181,7 +181,7 @@ def refuse_foreign(directory: Path, names: Iterable[str]) -> None:
         it = "it" if len(found) == 1 else "them"
         raise InputError(
             f"{directory}: {_few(found)} would be overwritten, and granwave did not write {it}; move {it} away, or "
-            "choose another directory with -o"
+            "choose another directory with directory=..."
         )
 
 
@@ -275,17 +275,17 @@ def refuse_other_kind(directory: Path, kind: str) -> None:
     here = GROUPS.get(kind)
     if there and here and there != here and results_in(directory):
         raise InputError(
-            f"{directory}: holds {there}, expected {here} or nothing; choose another with -o"
+            f"{directory}: holds {there}, expected {here} or nothing; choose another with directory=..."
         )
 
 
 def refuse_results(
-    directory: Path, ways: str = "--resume goes on with them, --force replaces them"
+    directory: Path, ways: str = "resume=True goes on with them, force=True replaces them"
 ) -> None:
     """Raise InputError if a directory holds results; ``ways`` tells how to continue."""
     if found := results_in(directory):
         raise InputError(
-            f"{directory}: already holds results ({_few(found)}); {ways}, or choose another directory with -o"
+            f"{directory}: already holds results ({_few(found)}); {ways}, or choose another directory with directory=..."
         )
 
 

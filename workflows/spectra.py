@@ -82,14 +82,14 @@ def check_place(
     names = [f"{name}.csv", f"{name}.json"]
     there = [] if force else [one for one in results_in(place) if one.endswith((".csv", ".json"))]
     others, again = ([one for one in there if (one in names) == own] for own in (False, True))
-    another = "or choose another directory with -o"
+    another = "or choose another directory with directory=..."
     if others and case_in(place / SPECTRA_FILE) not in ("", case):
         raise InputError(
-            f"{place}: holds results of another case ({others[0]}); --force replaces its {SPECTRA_FILE}, {another}"
+            f"{place}: holds results of another case ({others[0]}); force=True replaces its {SPECTRA_FILE}, {another}"
         )
     if again:
         raise InputError(
-            f"{place}: already holds results ({min(again)}); --force replaces them, {another}"
+            f"{place}: already holds results ({min(again)}); force=True replaces them, {another}"
         )
     refuse_foreign(place, [*names, SPECTRA_FILE])
     return place

@@ -204,7 +204,7 @@ def staged(
     except OSError as error:
         _remove_empty(made)
         raise InputError(
-            f"{output}: cannot be written to ({error.strerror}); choose another directory with -o"
+            f"{output}: cannot be written to ({error.strerror}); choose another directory with directory=..."
         ) from None
 
     def path_of(name: str) -> Path:

@@ -417,7 +417,7 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
         raise InputError(str(error)) from None
     except (KeyError, TypeError, AttributeError) as error:
         raise InputError(
-            f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with --resume"
+            f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with resume=True"
         ) from None
     runs: dict[str, Run] = {}
     points: list[Point] = []

@@ -307,7 +307,7 @@ def _errors_in(output: Path) -> list[str | InputFault]:
         errors.append(f"{output}: there is no directory {parent}; make it first")
     elif not os.access(parent, os.W_OK | os.X_OK):
         errors.append(
-            f"{output}: the directory {parent.resolve()} cannot be written to; choose another with -o"
+            f"{output}: the directory {parent.resolve()} cannot be written to; choose another with directory=..."
         )
     elif suffix == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
         errors.append(

@@ -152,11 +152,12 @@ def home(path: str | Path) -> str:
 
 
 _COMMAND = re.compile(r"\bgranwave (run|scan|continuum|analyse)\b")
-# options of the command line in messages, and what they are called here
+# options of the command line in messages, and of ranks in processes of their own; and what they are
+# called here
 _WORDS = (
     (re.compile(r"--(force|resume)\b"), r"\1=True"),
-    (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r" with -o\b"), " with directory=..."),
+    (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r"--(noise|time|case|repeat)\b"), r"\1"),
     (re.compile(r"--(frame|position)-(rate|noise)\b"), r"\1_\2"),
     (re.compile(r"^-o "), "directory: "),

@@ -104,8 +104,8 @@ def _remaining_work(directory: Path, processes: Processes) -> str:
     outputs = [name for name in ownership.output_names(directory) if (directory / name).is_file()]
     if marker.kind and files.RECORD_FILE not in marker.files and outputs:
         raise InputError(
-            f"{directory}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
-            f"granwave analyse {directory}  makes the results, --force runs the case again"
+            f"{directory}: holds a deck that LAMMPS was run on by hand, which resume=True cannot go on with: "
+            f"granwave analyse {directory}  makes the results, force=True runs the case again"
         )
     there = record.read(directory)
     fault = directories.result_fault(directory)
@@ -180,7 +180,7 @@ def busy(directory: Path) -> bool:
 
 @contextlib.contextmanager
 def held(
-    directory: Path, comm: Intracomm | None = None, way: str = "; choose another with -o"
+    directory: Path, comm: Intracomm | None = None, way: str = "; choose another with directory=..."
 ) -> Iterator[None]:
     """Lock a directory against other runs within a ``with`` block; create it if necessary.
 
@@ -205,7 +205,7 @@ def held(
             locks.append(_lock(directory / files.LOCK_FILE))
         except BlockingIOError:
             raise InputError(
-                f"{directory}: another run or scan is at work there; wait for it, or choose another with -o"
+                f"{directory}: another run or scan is at work there; wait for it, or choose another with directory=..."
             ) from None
         except OSError as error:
             raise InputError(f"{directory}: cannot be written to: {error.strerror}{way}") from None

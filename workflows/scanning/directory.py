@@ -113,7 +113,7 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
     check_directory(directory, resume=resume, force=force)
     refuse_other_kind(directory, SCAN)
     if not resume and not force:
-        refuse_results(directory, "--resume does what is missing, --force replaces them")
+        refuse_results(directory, "resume=True does what is missing, force=True replaces them")
     refuse_foreign(directory, [*layout.files(scan.distinct), f"{SCAN_WORK}/"])
     if resume and is_scan(directory):
         there = None
@@ -126,7 +126,7 @@ def decide(scan: Scan, directory: Path, *, resume: bool, force: bool) -> None:
         ):
             raise InputError(
                 f"{directory}: holds another scan ({there.name}), without a point of {scan.name}; "
-                "--force replaces it, or choose another directory with -o"
+                "force=True replaces it, or choose another directory with directory=..."
             )
     check_points(scan, directory, force=force)
 

@@ -12,7 +12,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, ClassVar, TypeVar
 
-from granwave.lammps_inputs.case.hints import Usual, hint_for
+from granwave.lammps_inputs.case.hints import Usual, hint_for, impossible
 from granwave.lammps_inputs.case.schema.faults import ErrorList, ValidationError, refuse_if
 from granwave.lammps_inputs.case.schema.values import Finish, Json, ValueType, plain_name
 from granwave.lammps_inputs.case.schema.words import did_you_mean, show
@@ -210,10 +210,14 @@ class TableType(ValueType):
 
     def _read_value(self, field: dataclasses.Field[Any], value: Any) -> Any:
         """Read the value of a key; the fault of a value that is not valid names the key."""
+        info = info_of(field)
         try:
-            return info_of(field).type.read(value)
+            read = info.type.read(value)
+            possible = impossible(read, info.unit)
+            refuse_if(possible, possible)
         except ValidationError as error:
             raise error.below(field.name, value) from None
+        return read
 
     @property
     def json(self) -> Json:
