@@ -417,11 +417,13 @@ def results_directory(name: str | Path, *, force: bool = False) -> Path:
         places[Path.home().resolve()] = "your home directory"
     if there in places:
         raise InputError(
-            f"{path}: is {places[there]}; choose a directory for the results alone with directory=..."
+            f"{path}: is {places[there]}; "
+            "choose a directory for the results alone with directory=..."
         )
     if force and path.is_symlink() and ownership.results_in(path):
         raise InputError(
-            f"{path}: is a link to {there}, and force=True removes nothing through a link; give that directory with directory=..."
+            f"{path}: is a link to {there}, and force=True removes nothing through a link; "
+            "give that directory with directory=..."
         )
     return path.absolute()
 
@@ -436,15 +438,18 @@ def refuse_other_file(path: Path, own: bytes) -> None:
     """
     if path.is_dir():
         raise InputError(
-            f"{path}: is a directory, expected the name of a file; choose another with directory=..."
+            f"{path}: is a directory, expected the name of a file; "
+            "choose another with directory=..."
         )
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
         raise InputError(
-            f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with directory=..."
+            f"{path}: the directory {path.absolute().parent} cannot be written to; "
+            "choose another with directory=..."
         )
     if os.path.lexists(path) and not re.search(own, head(path)):
         raise InputError(
-            f"{path}: is there, and granwave did not write it; choose another name with directory=..."
+            f"{path}: is there, and granwave did not write it; "
+            "choose another name with directory=..."
         )
 
 

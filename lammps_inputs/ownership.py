@@ -275,7 +275,8 @@ def refuse_other_kind(directory: Path, kind: str) -> None:
     here = GROUPS.get(kind)
     if there and here and there != here and results_in(directory):
         raise InputError(
-            f"{directory}: holds {there}, expected {here} or nothing; choose another with directory=..."
+            f"{directory}: holds {there}, expected {here} or nothing; "
+            "choose another with directory=..."
         )
 
 
@@ -285,7 +286,8 @@ def refuse_results(
     """Raise InputError if a directory holds results; ``ways`` tells how to continue."""
     if found := results_in(directory):
         raise InputError(
-            f"{directory}: already holds results ({_few(found)}); {ways}, or choose another directory with directory=..."
+            f"{directory}: already holds results ({_few(found)}); "
+            f"{ways}, or choose another directory with directory=..."
         )
 
 

@@ -43,7 +43,8 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
     refuse_other_kind(directory, INFERENCE)
     if not force and set(WRITTEN) & set(results_in(directory)):
         raise InputError(
-            f"{directory}: already holds results; force=True replaces them, or choose another with directory=..."
+            f"{directory}: already holds results; "
+            "force=True replaces them, or choose another with directory=..."
         )
     refuse_foreign(directory, WRITTEN)
     return directory

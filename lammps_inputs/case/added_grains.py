@@ -15,6 +15,7 @@ keep their ids.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Sequence
 
@@ -286,6 +287,42 @@ def with_added_grains(
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
     before = len(errors.items)
+    _check_added(packing, added, errors)
+    if len(errors.items) > before:
+        return packing
+    own = packing.grains
+    lattice = None
+    period = packing.period
+    if own is None:
+        lattice = packing.lattice(periodic=periodic)
+        n = lattice.n_spheres
+        if not (stored or check_memory_of_sites(packing, n, _MEMORY_OF_GRAIN, errors)):
+            return packing
+        period = lattice.lengths if periodic else None
+        own = _grains_at(lattice.positions(1, n), packing.diameter, shape=packing.of_grain)
+        for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
+            own.position[sphere:, 2] += width
+    parts = [own]
+    for key, entry in schema.numbered("grains", added).items():
+        if stored or _check_memory(entry, len(own), key, errors):
+            places = _places_of(entry, packing, lattice, own, key, errors)
+            if places is not None:
+                name = _name_of(entry.material, materials)
+                group = entry.group or ""
+                parts.append(_grains_at(places, entry.diameter, name, group, shape_of(entry)))
+    grains = _joined(parts)
+    return PackingSection(
+        kind=FILE,
+        size=(len(grains),),
+        diameter=packing.diameter,
+        grains=grains,
+        period=period,
+        cell=packing.cell,
+    )
+
+
+def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: ErrorList) -> None:
+    """Check the keys of ``[[grains]]``, and of the packing that they are added to."""
     for key, entry in schema.numbered("grains", added).items():
         both = entry.at is not None
         holes_of = show(entry.at) if isinstance(entry.at, str) else ""
@@ -326,61 +363,56 @@ def with_added_grains(
     no_lattice = "beside [[grains]], whose packing is no lattice"
     beside = Mismatch(no_lattice, remedy="take one of them out")
     errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
-    if len(errors.items) > before:
-        return packing
-    own = packing.grains
-    lattice = None
-    period = packing.period
-    if own is None:
-        lattice = packing.lattice(periodic=periodic)
-        n = lattice.n_spheres
-        if not (stored or check_memory_of_sites(packing, n, _MEMORY_OF_GRAIN, errors)):
-            return packing
-        period = lattice.lengths if periodic else None
-        own = _grains_at(lattice.positions(1, n), packing.diameter, shape=packing.of_grain)
-        for sphere, width in packing.gaps:  # all spheres behind a gap move on by its width
-            own.position[sphere:, 2] += width
-    parts = [own]
-    for key, entry in schema.numbered("grains", added).items():
-        n = entry.most_places(len(own))
-        needed = n * _MEMORY_OF_GRAIN
-        available = math.inf if stored else available_memory()
-        if needed > available:
-            found = f"up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
-            room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
-            what = "at" if entry.ring is None else "ring"
-            errors.add(f"{key}.{what}", Mismatch(f"{found}, which need more than {room}", "fewer"))
-            continue
-        try:
-            places = entry.places(lattice, own)
-        except ValueError as error:
-            errors.add(f"{key}.ring", str(error))
-            continue
-        if not len(places):
-            errors.add(
-                f"{key}.at",
-                Mismatch(f"no {entry.at} hole in a packing of {show(packing.size)} spheres"),
-            )
-        name = _name_of(entry.material, materials)
-        parts.append(_grains_at(places, entry.diameter, name, entry.group or "", shape_of(entry)))
-    grains = Grains(
-        np.concatenate([one.position for one in parts]),
-        np.concatenate([one.diameter for one in parts]),
-        [name for one in parts for name in one.material],
-        [name for one in parts for name in one.group],
-        np.concatenate([one.velocity for one in parts]),
-        [shape for one in parts for shape in one.shape],
+
+
+def _check_memory(entry: AddedGrains, n_own: int, key: str, errors: ErrorList) -> bool:
+    """Check that the memory suffices for some grains; return True if it does."""
+    n = entry.most_places(n_own)
+    needed = n * _MEMORY_OF_GRAIN
+    available = available_memory()
+    found = f"up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
+    room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
+    what = "at" if entry.ring is None else "ring"
+    fault = Mismatch(f"{found}, which need more than {room}", "fewer")
+    return errors.check_first((needed > available, f"{key}.{what}", fault))
+
+
+def _places_of(
+    entry: AddedGrains,
+    packing: PackingSection,
+    lattice: Lattice | None,
+    own: Grains,
+    key: str,
+    errors: ErrorList,
+) -> NDArray[np.float64] | None:
+    """Return the places of some grains: (n, 3), m; None if a ring has none."""
+    try:
+        places = entry.places(lattice, own)
+    except ValueError as error:
+        errors.add(f"{key}.ring", str(error))
+        return None
+    if not len(places):
+        hole = f"no {entry.at} hole in a packing of {show(packing.size)} spheres"
+        errors.add(f"{key}.at", Mismatch(hole))
+    return places
+
+
+def _joined(parts: Sequence[Grains]) -> Grains:
+    """Return grains as one table; the first are those that the others are added to."""
+    own = parts[0]
+    materials = itertools.chain.from_iterable(part.material for part in parts)
+    groups = itertools.chain.from_iterable(part.group for part in parts)
+    shapes = itertools.chain.from_iterable(part.shape for part in parts)
+    return Grains(
+        np.concatenate([part.position for part in parts]),
+        np.concatenate([part.diameter for part in parts]),
+        list(materials),
+        list(groups),
+        np.concatenate([part.velocity for part in parts]),
+        list(shapes),
         file=own.file,
         lines=own.lines,
         added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
-    )
-    return PackingSection(
-        kind=FILE,
-        size=(len(grains),),
-        diameter=packing.diameter,
-        grains=grains,
-        period=period,
-        cell=packing.cell,
     )
 
 

@@ -273,8 +273,8 @@ class Boundary:
         ("free", "wall", "periodic"),
         default="free",
         otherwise=schema.TablesType(
-            expected="{material = ...} for walls of a material, {tube = {radius = ...}} for a tube, "
-            "or both",
+            expected="{material = ...} for walls of a material, {tube = {radius = ...}} for a "
+            "tube, or both",
             inner={"material": MATERIAL} | _tables_of({"tube": Tube}),
         ),
     )

@@ -82,8 +82,8 @@ class Loss:
         default=None,
     )
     dashpot: float | DashpotRestitution | None = schema.typed(
-        "factor of Tsuji's dashpot, times sqrt(mass x stiffness); or the restitution that it gives a "
-        "Hertzian contact",
+        "factor of Tsuji's dashpot, times sqrt(mass x stiffness); or the restitution that it gives "
+        "a Hertzian contact",
         _DASHPOT,
         default=None,
     )
@@ -126,8 +126,8 @@ class Resistance:
     """
 
     coefficient: float = schema.number(
-        "largest torque over effective radius and normal force for rolling, over normal force (m) for "
-        "twisting",
+        "largest torque over effective radius and normal force for rolling, over normal force (m) "
+        "for twisting",
         at_least=0,
         at_most=_MOST_COEFFICIENT,
         form=_COEFFICIENT_FORM,

@@ -296,42 +296,64 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     """
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
-    kind = table.get("kind")
     before = len(errors.items)
-    if kind == FILE:
-        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
-        foreign = dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
-    else:  # a cell may come with [[grains]]: see `parse_case`
-        foreign = dict.fromkeys(
-            _OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}'
-        )
-        if kind in list(KINDS) and not is_plane_crystal(kind):
-            able = " or ".join(show(name) for name in KINDS if is_plane_crystal(name))
-            foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
-    errors.check(*((name in table, f"packing.{name}", text) for name, text in foreign.items()))
-    rest = {name: value for name, value in table.items() if name not in (*foreign, "file")}
-    if kind != FILE:
-        found = read_table(PackingSection, rest, "packing", errors)
-        before = len(errors.items)
-        if found is not None:
-            _check_cylinders(found, errors)
-        return found if len(errors.items) == before else None
-    if "grains" not in table:
-        rest["grains"] = grains = _from_file(table, errors)
-        if grains is not None and grains.period is not None:
-            rest.setdefault("period", grains.period)
-    elif "file" in table:
-        errors.add("packing.file", Mismatch("beside packing.grains", remedy="give one of them"))
+    foreign = _foreign_keys(table.get("kind"))
+    for name, text in foreign.items():
+        if name in table:
+            errors.add(f"packing.{name}", text)
+    own = {name: value for name, value in table.items() if name not in (*foreign, "file")}
+    if table.get("kind") != FILE:
+        return _read_lattice(own, errors)
+    given = _given_grains(table, errors)
     if len(errors.items) > before:
         return None
-    if "cell" not in table and "file" in table and (cell := read_cell(Path(table["file"]))):
-        rest["cell"] = cell
-    # The rest is read with stand-ins for what follows from the grains.
-    section = read_table(PackingSection, {"diameter": 1e-3, **rest, "size": 1}, "packing", errors)
+    # the rest is read with stand-ins for what follows from the grains
+    rest = {"diameter": 1e-3, **given, **own, "size": 1}
+    section = read_table(PackingSection, rest, "packing", errors)
     if section is None or section.grains is None:
         return None
     diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
+
+
+def _foreign_keys(kind: Any) -> dict[str, str]:
+    """Return the keys that a kind of packing does not have, each with the fault."""
+    if kind == FILE:
+        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
+        return dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
+    # a cell may come with [[grains]]: see `parse_case`
+    found = show("" if kind is None else kind)
+    foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {found}')
+    if kind in list(KINDS) and not is_plane_crystal(kind):
+        able = " or ".join(show(name) for name in KINDS if is_plane_crystal(name))
+        foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
+    return foreign
+
+
+def _read_lattice(table: Mapping[str, Any], errors: ErrorList) -> PackingSection | None:
+    """Read the packing of a lattice."""
+    packing = read_table(PackingSection, table, "packing", errors)
+    before = len(errors.items)
+    if packing is not None:
+        _check_cylinders(packing, errors)
+    return packing if len(errors.items) == before else None
+
+
+def _given_grains(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
+    """Return grains, periods and cell of the file that a packing names, as values of its keys."""
+    given: dict[str, Any] = {}
+    if "grains" in table:
+        if "file" in table:
+            beside = Mismatch("beside packing.grains", remedy="give one of them")
+            errors.add("packing.file", beside)
+        return given
+    grains = _from_file(table, errors)
+    given["grains"] = grains
+    if grains is not None and grains.period is not None:
+        given["period"] = grains.period
+    if grains is not None and "cell" not in table and (cell := read_cell(Path(table["file"]))):
+        given["cell"] = cell
+    return given
 
 
 def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:

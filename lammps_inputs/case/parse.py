@@ -31,6 +31,7 @@ from granwave.lammps_inputs.case.contact import read_pairs
 from granwave.lammps_inputs.case.load import Load, read_load
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
+    Material,
     read_material,
     read_materials,
     with_named_materials,
@@ -184,14 +185,7 @@ def parse_case(
     dict
         Fields of `Case` by name; None for those that are wrong.
     """
-    for name in (one for one in _OF_OTHERS if one in data):
-        errors.add_unknown(name, _OF_OTHERS[name])
-    refuse_unknown(
-        {name: value for name, value in data.items() if name not in (*_OF_OTHERS, RECORD)},
-        KNOWN,
-        "",
-        errors,
-    )
+    _refuse_other_tables(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
@@ -206,31 +200,54 @@ def parse_case(
     )
     parts[PRECOMPRESSION] = _pressed(parts, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
-    parts |= {
-        name: read_list(section, data.get(name, ()), name, errors)
-        for name, section in LISTS.items()
-    }
-    packing = parts.get("packing")
-    added = parts.pop("grains")
-    if packing is not None and (added or packing.gaps):
-        periodic = parts["boundary"] is not None and parts["boundary"].sides == "periodic"
-        packing = parts["packing"] = with_added_grains(
-            packing, added, materials, errors, periodic=periodic, stored=stored
-        )
+    for name, section in LISTS.items():
+        parts[name] = read_list(section, data.get(name, ()), name, errors)
+    _add_grains(parts, materials, errors, stored=stored)
     parts[MATERIALS] = tuple(materials.values())
-    if (
-        packing is not None and packing.cell is not None and packing.kind != FILE
-    ):  # a lattice has its own
+    packing: PackingSection | None = parts.get("packing")
+    if packing is not None:
+        _check_cell(packing, errors)
+        if "load" not in data and _moves(packing):
+            parts["load"] = Load(kind="grains")
+    return parts
+
+
+def _refuse_other_tables(data: Mapping[str, Any], errors: ErrorList) -> None:
+    """Add faults of tables that a case does not have, or that are those of other files."""
+    for name, where in _OF_OTHERS.items():
+        if name in data:
+            errors.add_unknown(name, where)
+    own = {name: table for name, table in data.items() if name not in (*_OF_OTHERS, RECORD)}
+    refuse_unknown(own, KNOWN, "", errors)
+
+
+def _add_grains(
+    parts: dict[str, Any], materials: dict[str, Material], errors: ErrorList, *, stored: bool
+) -> None:
+    """Put the ``[[grains]]`` and the gaps of a chain into the packing, and their materials among
+    the further ones.
+    """
+    added = parts.pop("grains")
+    packing: PackingSection | None = parts.get("packing")
+    boundary: Boundary | None = parts["boundary"]
+    if packing is None or not (added or packing.gaps):
+        return
+    periodic = boundary is not None and boundary.sides == "periodic"
+    parts["packing"] = with_added_grains(
+        packing, added, materials, errors, periodic=periodic, stored=stored
+    )
+
+
+def _check_cell(packing: PackingSection, errors: ErrorList) -> None:
+    """Check that a lattice, which has a cell of its own, is given none."""
+    if packing.cell is not None and packing.kind != FILE:
         found = f"found {show(packing.kind)} alone"
         errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
-    if (
-        "load" not in data
-        and packing is not None
-        and packing.grains is not None
-        and packing.grains.velocity.any()
-    ):
-        parts["load"] = Load(kind="grains")
-    return parts
+
+
+def _moves(packing: PackingSection) -> bool:
+    """Return True if grains of a file have a velocity."""
+    return packing.grains is not None and bool(packing.grains.velocity.any())
 
 
 def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
@@ -243,9 +260,8 @@ def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | No
     flat = packing is not None and is_plane_crystal(packing.kind) and boundary.y is None
     moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
     implied = Precompression(kind="walls", **moves)
-    found = (
-        f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
-    )
+    both = f"{boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]"
+    found = Mismatch(both, remedy="take one of them out")
     errors.check((given is not None and given != implied, "boundary.side_gap", found))
     return implied if moves else given
 
@@ -284,21 +300,19 @@ def read_parts(
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
         if name not in data:
-            errors.add(
-                name,
-                f"missing; a case needs [{name}]"
-                + ', or material = "steel"' * (name == "material"),
-            )
+            or_name = ', or material = "steel"' if name == "material" else ""
+            errors.add(name, f"missing; a case needs [{name}]{or_name}")
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():
         if name not in data and name in (*required, *optional):
             continue
-        table = data.get(name, {})
         read = (readers or {}).get(section)
-        parts[name] = (
-            read_table(section, table, name, errors) if read is None else read(table, errors)
-        )
+        table = data.get(name, {})
+        if read is None:
+            parts[name] = read_table(section, table, name, errors)
+        else:
+            parts[name] = read(table, errors)
     return parts
 
 
@@ -308,25 +322,26 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     These are strikers as the load, the axis of strikers, and a bar for a bottom.
     """
     data = dict(data)
-    packing, boundary = (
-        data.get(name, {}) if isinstance(data.get(name, {}), Mapping) else None
-        for name in ("packing", "boundary")
-    )
     if "striker" in data:
         data.setdefault("load", {"kind": "striker"})
-    if (
-        packing
-        and packing.get("shape") == "cylinder"
-        and isinstance(data.get("striker"), list | tuple)
-    ):
-        usual = (
-            {"axis": "z"} if packing.get("kind") == "square" else {}
-        )  # rows of a square are along y
-        axis = {"axis": packing["axis"]} if "axis" in packing else usual
-        data["striker"] = [
-            axis | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
-            for one in data["striker"]
-        ]
-    if "bar" in data and boundary is not None:
+        data["striker"] = _with_axes(data["striker"], data.get("packing"))
+    boundary = data.get("boundary", {})
+    if "bar" in data and isinstance(boundary, Mapping):
         data["boundary"] = {"bottom": "free", **boundary}
     return data
+
+
+def _with_axes(strikers: Any, packing: Any) -> Any:
+    """Return strikers with the axis of the cylinders of the packing, where they are cylinders."""
+    in_packing = isinstance(packing, Mapping) and packing.get("shape") == "cylinder"
+    if not in_packing or not isinstance(strikers, list | tuple):
+        return strikers
+    implied = {}
+    if "axis" in packing:
+        implied = {"axis": packing["axis"]}
+    elif packing.get("kind") == "square":  # its rows are along y
+        implied = {"axis": "z"}
+    return [
+        {**implied, **one} if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
+        for one in strikers
+    ]

@@ -236,7 +236,8 @@ def write_deck(
         if error.errno in DISK_IS_FULL:
             raise
         raise InputError(
-            f"{directory}: cannot be written to: {error.strerror}; choose another with directory=..."
+            f"{directory}: cannot be written to: {error.strerror}; "
+            "choose another with directory=..."
         ) from None
     texts = {
         deck.script: input_script(assembly, deck.schedule),

@@ -43,7 +43,12 @@ from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}
 PACKING = {"kind": "fcc", "size": [4, 4, 3], "diameter": 0.01}
 SPHERES = {"material": BRASS, "packing": PACKING, "run": {"end_time": 4e-5, "frames": 3}}
+PAIRED = SPHERES | {
+    "material": BRASS | {"name": "m"},
+    "pair": [{"materials": ["m", "m"], "friction": 0.1}],
+}
 CHAIN = SPHERES | {"packing": {"kind": "chain", "size": 6, "diameter": 0.01}}
+FREE: dict[str, Any] = {"boundary": {"bottom": "free"}}
 BAR = {"length": 0.1, "area": 1e-4, "elements": 50}
 PULSE = {"kind": "force", "shape": "half-sine", "amplitude": 10.0, "duration": 1e-5}
 BLOCK: dict[str, Any] = {"material": BRASS, "block": {}, "punch": {}, "run": {"elements": 2000}}
@@ -83,24 +88,25 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "output", run.Output, SPHERES | {"output": {}}),
     (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),
     (CASE, "absorb.1", bodies.Absorb, SPHERES | {"absorb": [{"layers": 1, "rate": 1e4}]}),
-    (CASE, "pair.1", contact.Contact, SPHERES
-        | {"material": BRASS | {"name": "m"}, "pair": [{"materials": ["m", "m"], "friction": 0.1}]}),
-    (CASE, "pair.1", contact.Pair, SPHERES
-        | {"material": BRASS | {"name": "m"}, "pair": [{"materials": ["m", "m"], "friction": 0.1}]}),
+    (CASE, "pair.1", contact.Contact, PAIRED),
+    (CASE, "pair.1", contact.Pair, PAIRED),
     *((CASE, f"contact.{name}", section, SPHERES | {"contact": {"law": "hertz", name: table}})
       for name, section, table in OF_CONTACT),
-    (CASE, "contact.initial_overlap.1", contact_tables.Dents, SPHERES | {"contact": {"initial_overlap": [{"overlap": 1e-7}]}}),
+    (CASE, "contact.initial_overlap.1", contact_tables.Dents,
+        SPHERES | {"contact": {"initial_overlap": [{"overlap": 1e-7}]}}),
     (CASE, "contact.loss.dashpot", contact_tables.DashpotRestitution,
         SPHERES | {"contact": {"loss": {"dashpot": {"restitution": 0.9}}}}),
     (CASE, "boundary.sides_touch", boundary.Touched,
-        SPHERES | {"boundary": {"x": "wall", "sides_touch": {"material": ["m"]}}, "material": BRASS | {"name": "m"}}),
+        SPHERES | {"boundary": {"x": "wall", "sides_touch": {"material": ["m"]}},
+                   "material": BRASS | {"name": "m"}}),
     (CASE, "output.probes.1", run.Probe, SPHERES | {"output": {"probes": [{"sphere": 3}]}}),
-    (CASE, "figures.plane", run.CutPlane, SPHERES | {"figures": {"plane": {"normal": [1.0, 0.0, 0.0]}}}),
-    (CASE, "grains.1.ring", Ring, CHAIN
-        | {"grains": [{"ring": {"n": 2, "radius": 0.02, "z": 0.01}, "diameter": 0.004}], "boundary": {"bottom": "free"}}),
-    (CASE, "grains.1.repeat", Repeat, CHAIN
-        | {"grains": [{"at": [[0.02, 0.0, 0.0]], "repeat": {"times": 2, "step": [0.0, 0.0, 0.01]}, "diameter": 0.004}],
-           "boundary": {"bottom": "free"}}),
+    (CASE, "figures.plane", run.CutPlane,
+        SPHERES | {"figures": {"plane": {"normal": [1.0, 0.0, 0.0]}}}),
+    (CASE, "grains.1.ring", Ring, CHAIN | FREE
+        | {"grains": [{"ring": {"n": 2, "radius": 0.02, "z": 0.01}, "diameter": 0.004}]}),
+    (CASE, "grains.1.repeat", Repeat, CHAIN | FREE
+        | {"grains": [{"at": [[0.02, 0.0, 0.0]], "diameter": 0.004,
+                       "repeat": {"times": 2, "step": [0.0, 0.0, 0.01]}}]}),
     (CASE, "replace.1", bodies.Replace, SPHERES | {"replace": [{"index": 5, "diameter": 0.009}]}),
     (CASE, "striker.1", bodies.Striker, SPHERES | {"striker": [{"touches": 6, "velocity": [0, 0, 1]}]}),
     (CASE, "hold.1", bodies.Hold, SPHERES | {"hold": [{"index": 3}]}),
@@ -133,7 +139,8 @@ MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
     "contact.initial_overlap", "material.hardening", "material.rate_sensitivity", "run.velocity", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "contact.rolling.coefficient", "contact.rolling.damping", "contact.twisting.coefficient",
-    "contact.twisting.damping", "contact.loss.time", "contact.loss.dashpot", "contact.cohesion.energy",
+    "contact.twisting.damping", "contact.loss.time", "contact.loss.dashpot",
+    "contact.cohesion.energy",
     "contact.initial_overlap.1.overlap", "contact.initial_overlap.1.force",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip

@@ -173,7 +173,7 @@ def _base(
 
 
 def _of_base(item: InputFault, path: Path) -> InputFault:
-    """Return a fault of the base case as one of the design file, which changes keys in ``[set]``."""
+    """Return a fault of the base case as one of the design file, with its ``[set]``."""
     key = f"set.{item.key}" if item.changed else item.key
     return dataclasses.replace(item, key=key).inside(f"{path}: base")
 

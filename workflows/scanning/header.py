@@ -69,7 +69,10 @@ def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tup
 
 
 TABLE_OF_KEYS = schema.OtherType(expected="a table of dotted keys of the case", kinds=("object",))
-_LISTS = "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
+_LISTS = (
+    "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for "
+    "each key"
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

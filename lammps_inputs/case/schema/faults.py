@@ -98,13 +98,13 @@ class ErrorList:
         self.add(next(inner, key), message)
 
     def check(self, *rows: tuple[object, str, str | Mismatch]) -> None:
-        """Add the faults of rows whose first entry is true: condition, key, and fault as in `add`."""
+        """Add the faults of rows whose first entry is true: condition, key and fault."""
         for wrong, key, what in rows:
             if wrong:
                 self.add(key, what)
 
     def check_first(self, *rows: tuple[object, str, str | Mismatch]) -> bool:
-        """Add the fault of the first row whose first entry is true; return True if there is none."""
+        """Add the fault of the first row whose first entry is true; True if there is none."""
         for wrong, key, what in rows:
             if wrong:
                 self.add(key, what)

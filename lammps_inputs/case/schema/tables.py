@@ -90,23 +90,26 @@ def declared_fields(section: type) -> dict[str, dataclasses.Field[Any]]:
     """Return all keys of a section by name, those included that its fields do not hold: class
     attribute ``FURTHER_KEYS``.
     """
-    fields = {field.name: field for field in dataclasses.fields(section) if is_key(field)}
-    return fields | getattr(section, FURTHER_KEYS, {})
+    return _own_fields(section) | getattr(section, FURTHER_KEYS, {})
+
+
+def _own_fields(section: type) -> dict[str, dataclasses.Field[Any]]:
+    """Return the fields of a section that are keys of its table, by name."""
+    return {field.name: field for field in dataclasses.fields(section) if is_key(field)}
 
 
 def key_fields(section: type) -> list[dataclasses.Field[Any]]:
     """Return the fields of a section that are keys of its table, other than bodies' materials."""
-    fields = [field for field in dataclasses.fields(section) if is_key(field)]
+    fields = _own_fields(section).values()
     return [field for field in fields if info_of(field).reader is None]
 
 
 def keys_of(sections: Mapping[str, type]) -> list[str]:
     """Return the dotted keys of tables, given by dotted name."""
-    return [
-        f"{name}.{field.name}"
-        for name, section in sections.items()
-        for field in key_fields(section)
-    ]
+    keys: list[str] = []
+    for name, section in sections.items():
+        keys += [f"{name}.{field.name}" for field in key_fields(section)]
+    return keys
 
 
 def with_inner_tables(tables: Mapping[str, type]) -> dict[str, type]:
@@ -144,7 +147,7 @@ def read_table(
         errors.add(prefix, Mismatch(show(table), f"a table [{prefix}] of keys and values"))
         return None
     before = len(errors.items)
-    fields = {field.name: field for field in dataclasses.fields(section) if is_key(field)}  # type: ignore[arg-type]
+    fields = _own_fields(section)
     refuse_unknown(table, list(fields), prefix, errors)
     values = {}
     for name, field in fields.items():

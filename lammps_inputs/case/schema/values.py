@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import abc
 import dataclasses
+import itertools
 import math
 import sys
 from collections.abc import Callable, Mapping
@@ -19,7 +20,10 @@ from granwave.lammps_inputs.case.schema.words import did_you_mean, show
 _LEAST = 2.3e-308  # magnitude, in messages
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
 NO_LIMIT = 2**63 - 1  # for counts that the schedule limits to that of the steps
-LABEL_FORM = "a name that is not empty, without tabs, line breaks and other control characters, nor blanks at its ends"
+LABEL_FORM = (
+    "a name that is not empty, without tabs, line breaks and other control characters, nor blanks "
+    "at its ends"
+)
 NAME_FORM = 'a plain name, as of a directory: without "/", not beginning with ".", "-" or "~"'
 _LONGEST_NAME = 200  # bytes; file systems allow 255, including suffixes
 
@@ -446,12 +450,15 @@ class EitherType(ValueType):
     @property
     def words(self) -> tuple[Any, ...]:
         """Words of all types."""
-        return tuple(word for one in self.types for word in one.words)
+        return tuple(itertools.chain.from_iterable(one.words for one in self.types))
 
     @property
     def tables(self) -> dict[str, type]:
         """Sections of all types."""
-        return {name: section for one in self.types for name, section in one.tables.items()}
+        found: dict[str, type] = {}
+        for one in self.types:
+            found |= one.tables
+        return found
 
     def is_meant(self, value: Any) -> bool:
         """Return True if a value is meant to be of one of the types."""

@@ -25,7 +25,7 @@ def show(value: Any) -> str:
 
 
 def printable(text: str) -> str:
-    """Escape line ends, control characters and direction marks, so that ``text`` stays on one line."""
+    """Escape line ends, control characters and direction marks, for a text on one line."""
     return "".join(c if c.isprintable() else c.encode("unicode_escape").decode() for c in text)
 
 
