@@ -47,7 +47,7 @@ class InputFault:
     source
         File, as shown to the user; empty if none is concerned.
     line
-        Line of the file, counted from 1; None if it is not known.
+        Line of the file, counted from 1, which the sentence names too; None if it is not known.
     key
         Dotted key; empty if none is concerned.
     found, expected, remedy
@@ -74,9 +74,8 @@ class InputFault:
 
     @property
     def place(self) -> str:
-        """File, line and key; empty if there is none."""
-        source = self.source if self.line is None else f"{self.source}, line {self.line}"
-        return ": ".join(part for part in (source, cut(self.key)) if part)
+        """File and key; empty if there is none."""
+        return ": ".join(part for part in (self.source, cut(self.key)) if part)
 
     def __str__(self) -> str:
         return f"{self.place}: {self.message}" if self.place else self.message

@@ -39,7 +39,7 @@ def results_place(wanted: str | Path, *, force: bool) -> Path:
 
     directory = results_directory(wanted, force=force)
     if not directory.parent.is_dir():
-        raise InputError(f"-o {directory}: there is no directory {directory.parent}")
+        raise InputError(f"{directory}: there is no directory {directory.parent}")
     refuse_other_kind(directory, INFERENCE)
     if not force and set(WRITTEN) & set(results_in(directory)):
         raise InputError(

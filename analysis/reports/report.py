@@ -341,7 +341,8 @@ def _write(report: Report, output: Path) -> None:
         name for name in pictures if name not in before and os.path.lexists(folder / name)
     ]:
         raise InputError(
-            f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; choose another -o"
+            f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; "
+            "choose another name with directory=..."
         )
     if pictures:
         folder.mkdir(exist_ok=True)

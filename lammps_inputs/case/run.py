@@ -239,6 +239,7 @@ _LIMITS = schema.vector_type(
 )
 
 
+NO_NORMAL = "a normal that is not [0, 0, 0]"
 _PLANE_FORM = (
     '"x", "y" or "z" (the normal; through the struck sphere), or {normal = [x, y, z], through = [x, y, z]} '
     "with a point in m"
@@ -251,9 +252,7 @@ class CutPlane:
 
     normal: tuple[float, float, float] = schema.typed(
         "normal of the plane, of any length but 0",
-        schema.vector_type(
-            3, "[x, y, z]", lambda *normal: any(normal), "a normal that is not [0, 0, 0]"
-        ),
+        schema.vector_type(3, "[x, y, z]", lambda *normal: any(normal), NO_NORMAL),
     )
     through: tuple[float, float, float] | None = schema.typed(
         "point of the plane; the centre of the struck sphere by default",

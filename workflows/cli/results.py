@@ -15,7 +15,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
+from granwave.lammps_inputs.case.run import FIGURE_NAMES, NO_NORMAL, Figures
 from granwave.lammps_inputs.case.schema import (
     ValidationError,
     declared_fields,
@@ -194,7 +194,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
             if name == "plane" and through is not None:
                 option = f"{option} --through"
                 text = f"{text} and {through}"
-            faults.append(f"{option}: found {text}, expected {_in_words(name, str(error))}")
+            faults.append(f"{option}: found {text}, expected {_in_words(name, error.expected)}")
     if options.through is not None and options.plane is None:
         faults.append("--through: it is a point of the plane of --plane, which is not given")
     if faults:
@@ -227,7 +227,7 @@ def _toml(text: str) -> Any:
 
 def _in_words(name: str, expected: str) -> str:
     """Return what a key expects, as the command line writes it."""
-    if name == "plane" and expected.startswith('"x"'):
+    if name == "plane" and expected != NO_NORMAL:
         return "x, y, z, or the three numbers of a normal, as 1,1,0; --through takes three numbers in m"
     if name.endswith("limits"):
         return f"{expected}, as 0.1,100"

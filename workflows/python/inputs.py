@@ -160,7 +160,6 @@ _WORDS = (
     (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r"--(noise|time|case|repeat)\b"), r"\1"),
     (re.compile(r"--(frame|position)-(rate|noise)\b"), r"\1_\2"),
-    (re.compile(r"^-o "), "directory: "),
 )
 
 
