@@ -15,7 +15,7 @@ from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.directories import check_directory, check_disk, refuse_source
-from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.errors import InputError, InputFault, raise_all
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.ownership import (
     claim,
@@ -73,21 +73,22 @@ def check_points(scan: Scan, directory: Path, *, force: bool) -> None:
 
     def check_files() -> None:
         """Check the files that points name; a fault of all points is reported once."""
-        found: dict[str, list[str]] = {}
+        places: dict[InputFault, list[str]] = {}
         for point in points:
             try:
                 point.kind.check(point.case)
             except InputError as error:
                 labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
-                for fault in error.errors:
-                    found.setdefault(fault, []).append(f"point {point.number} ({labels}): {fault}")
-        errors: list[str] = []
-        for fault, lines in found.items():
-            errors += [
-                f"{scan.name}: {line}" for line in ([fault] if len(lines) == len(points) else lines)
-            ]
-        if errors:
-            raise InputError(errors)
+                for item in error.items:
+                    places.setdefault(item, []).append(f"point {point.number} ({labels})")
+        faults: list[InputFault] = []
+        for item, of_points in places.items():
+            if len(of_points) == len(points):
+                faults.append(item.inside(scan.name))
+            else:
+                faults += [item.inside(f"{scan.name}: {place}") for place in of_points]
+        if faults:
+            raise InputError(faults)
 
     raise_all(
         [

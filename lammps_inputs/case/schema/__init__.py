@@ -1,12 +1,20 @@
 """Keys of TOML files: types of their values, sections of tables, and reading with all faults.
 
-values      types of values: accepted words, numbers, lists and tables; how each reads a value
+values      types of values: words, numbers and texts; how each reads a value
+compound    types of lists, and of values of several types
 fields      a function for each type, which makes the field of a section
 tables      reading a table into its section
 faults      faults of values, collected for a file
 words       values and words in messages
 """
 
+from granwave.lammps_inputs.case.schema.compound import (
+    EitherType,
+    ListType,
+    TablesType,
+    or_word,
+    vector_type,
+)
 from granwave.lammps_inputs.case.schema.faults import (
     ErrorList,
     ValidationError,
@@ -52,20 +60,15 @@ from granwave.lammps_inputs.case.schema.values import (
     PLAIN_NAME,
     ChoiceType,
     CountType,
-    EitherType,
-    ListType,
     NumberType,
     OtherType,
-    TablesType,
     TextType,
     ValueType,
     WordType,
     finite,
     kind_of_value,
-    or_word,
     parse_label,
     plain_name,
-    vector_type,
     whole,
 )
 from granwave.lammps_inputs.case.schema.words import did_you_mean, printable, show

@@ -7,19 +7,21 @@ from collections.abc import Callable
 from typing import Any
 
 from granwave.lammps_inputs.case.hints import Usual
+from granwave.lammps_inputs.case.schema.compound import (
+    ChoiceOrTables,
+    TablesType,
+    or_word,
+    vector_type,
+)
 from granwave.lammps_inputs.case.schema.faults import ErrorList, unit_name
 from granwave.lammps_inputs.case.schema.tables import REQUIRED, KeyInfo, key_field
 from granwave.lammps_inputs.case.schema.values import (
     LARGEST_COUNT,
-    ChoiceOrTables,
     ChoiceType,
     CountType,
     NumberType,
-    TablesType,
     TextType,
     ValueType,
-    or_word,
-    vector_type,
 )
 
 
