@@ -33,6 +33,7 @@ from granwave.lammps_inputs.case.schema import (
     show,
     typed,
 )
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import read_toml
 
 _WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
@@ -371,22 +372,22 @@ def _check(infer: Infer, errors: ErrorList) -> None:
         if isinstance(place, tuple) and len(place[0]) != dimension:
             errors.add(
                 f"infer.walls.{name}",
-                f"found {len(place[0])} numbers, expected {dimension} for {infer.state}",
+                Mismatch(f"{len(place[0])} numbers", f"{dimension} for {infer.state}"),
             )
         elif not isinstance(place, tuple) and name not in NAMED_WALLS[dimension]:
             errors.add(
                 f"infer.walls.{name}",
-                f'found it in {infer.state}, expected it with state = "space" alone',
+                Mismatch(f"it in {infer.state}", 'it with state = "space" alone'),
             )
     for first, second in (("left", "right"), ("floor", "top"), ("front", "back")):
         low = walls.get(first)
         high = walls.get(second)
         if isinstance(low, float) and isinstance(high, float) and low >= high:
             errors.add(
-                f"infer.walls.{first}", f"found {low:g} m, expected it below {second}, {high:g} m"
+                f"infer.walls.{first}", Mismatch(f"{low:g} m", f"it below {second}, {high:g} m")
             )
     if infer.gravity and len(infer.gravity) != dimension:
         errors.add(
             "infer.gravity",
-            f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}",
+            Mismatch(show(list(infer.gravity)), f"{dimension} numbers for {infer.state}"),
         )

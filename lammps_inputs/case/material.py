@@ -231,7 +231,7 @@ def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
         try:
             schema.parse_label(name)
         except ValidationError as error:
-            errors.add(MATERIALS, Mismatch(f"a table called {show(name)}", f"{error}"))
+            errors.add(MATERIALS, Mismatch(f"a table called {show(name)}", error.expected))
             continue
         material = read_material(table, errors, f"{MATERIALS}.{name}")
         if material is not None:

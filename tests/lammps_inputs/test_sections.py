@@ -1,4 +1,4 @@
-"""Keys: each declares the type of its values, tables in tables are sections, and faults have parts."""
+"""Keys declare the type of their values, tables in tables are sections, and faults have parts."""
 
 from __future__ import annotations
 

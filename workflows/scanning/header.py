@@ -12,6 +12,7 @@ from typing import Any, ClassVar
 from granwave.analysis.studies.registry import STUDIES, find_studies, is_study_file
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, count, show
+from granwave.lammps_inputs.errors import Mismatch
 
 _MOST_POINTS = 100_000
 _SHAPES = ("log", "linear")
@@ -170,9 +171,7 @@ def variations_of(
         lengths = {key: len(values) for key, values in zipped.items()}
         if len(set(lengths.values())) > 1:
             found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-            errors.add(
-                f"zip {n}", f"found lists of different lengths ({found}), expected one length"
-            )
+            errors.add(f"zip {n}", Mismatch(f"lists of different lengths ({found})", "one length"))
         elif zipped:
             axes.append(
                 [
@@ -193,7 +192,7 @@ def variations_of(
         header.replicates if header else 1
     )
     if count > _MOST_POINTS:
-        errors.add("grid", f"found {count} points, expected at most {_MOST_POINTS}")
+        errors.add("grid", Mismatch(f"{count} points", f"at most {_MOST_POINTS}"))
     if errors.items:
         return []
     products = itertools.product(*axes) if axes else []
@@ -207,23 +206,23 @@ def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]
     if isinstance(value, Mapping):
         value = [value]
     if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
-        errors.add(name, f"found {show(value)}, expected tables [[{name}]]")
+        errors.add(name, Mismatch(show(value), f"tables [[{name}]]"))
         return []
     for n, table in enumerate(value, start=1):
         if not table:
-            errors.add(f"{name} {n}", "found an empty table, expected keys and values")
+            errors.add(f"{name} {n}", Mismatch("an empty table", "keys and values"))
     return value
 
 
 def flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
     """Keys and values with dotted keys, whether they were written with quotes or without."""
     if not isinstance(table, Mapping):
-        errors.add(name, f"found {show(table)}, expected a table of keys and values")
+        errors.add(name, Mismatch(show(table), "a table of keys and values"))
         return {}
     flat: dict[str, Any] = {}
     for key, value in table.items():
         if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
-            errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
+            errors.add(name, Mismatch(f"the key {show(key)}", "one such as load.velocity"))
             continue
         whole_table = "." in key or (
             key == "material" and isinstance(value, Mapping) and "preset" in value
@@ -241,5 +240,5 @@ def _lists(table: Any, name: str, errors: ErrorList) -> dict[str, list[Any]]:
         try:
             lists[key] = _values_of(value)
         except ValidationError as error:
-            errors.add(f"{name}: {key}", f"found {show(value)}, expected {error}")
+            errors.add_wrong(f"{name}: {key}", value, error)
     return lists

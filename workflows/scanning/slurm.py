@@ -18,7 +18,7 @@ from typing import Any, Literal
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, text
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import InputError, Mismatch, RunError
 from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.workflows.scanning import layout
 
@@ -108,7 +108,7 @@ def load_profile(path: str | Path) -> Profile:
     data = read_toml(path)
     errors = ErrorList(str(path))
     if set(data) != {"slurm"}:
-        errors.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
+        errors.add("slurm", Mismatch(f"{', '.join(data) or 'nothing'}", "one table [slurm]"))
         raise InputError(errors.items)
     profile = schema.read_table(Profile, data["slurm"], "slurm", errors)
     if profile is None:

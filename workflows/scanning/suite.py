@@ -18,7 +18,7 @@ from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.directories import results_directory
-from granwave.lammps_inputs.errors import InputError, fault_of
+from granwave.lammps_inputs.errors import InputError, Mismatch, fault_of
 from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.ownership import claim, clear, refuse_foreign, refuse_other_kind
 from granwave.lammps_inputs.run_directory import (
@@ -130,7 +130,7 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     for twice in sorted({name for name in names if names.count(name) > 1}):
         errors.add(
             _SCANS,
-            f"found two scans of the name {twice}, expected different names: each has its directory",
+            Mismatch(f"two scans of the name {twice}", "different names: each has its directory"),
         )
     if errors.items:
         raise InputError(errors.items)
