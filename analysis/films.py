@@ -329,7 +329,7 @@ def write_film(
     path = Path(path)
     _check(path, quantity, view, width, size, rate)
     if not path.absolute().parent.is_dir():
-        raise InputError(f"-o {path}: there is no directory {path.absolute().parent}")
+        raise InputError(f"{path}: there is no directory {path.absolute().parent}")
     refuse_other_file(path, _OWN)
     with Result(directory) as result, style():
         if options is not None:
@@ -379,7 +379,7 @@ def _check(
     rate: float | None,
 ) -> None:
     if path.suffix.lower() not in FORMS:
-        raise InputError(f"-o {path}: expected a name that ends in {', '.join(FORMS)}")
+        raise InputError(f"{path}: expected a name that ends in {', '.join(FORMS)}")
     for option, word, known in (
         ("--quantity", quantity, tuple(QUANTITIES)),
         ("--view", view, VIEWS),

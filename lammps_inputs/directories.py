@@ -48,15 +48,18 @@ def results_directory(name: str | Path) -> Path:
             path.lstat()
     except (OSError, RuntimeError, ValueError) as error:  # too long, links in a circle, a NUL
         reason = getattr(error, "strerror", None) or error
-        raise InputError(f"{path}: {reason}; choose another directory with -o") from None
+        raise InputError(f"{path}: {reason}; choose another directory with directory=...") from None
     if is_file:
-        raise InputError(f"{path}: is a file, expected a directory; choose another with -o")
+        raise InputError(
+            f"{path}: is a file, expected a directory; choose another with directory=..."
+        )
     places = {Path(there.anchor): "the root directory"}
     with contextlib.suppress(RuntimeError, OSError):  # a user without a home
         places[Path.home().resolve()] = "your home directory"
     if there in places:
         raise InputError(
-            f"{path}: is {places[there]}; choose a directory for the results alone with -o"
+            f"{path}: is {places[there]}; "
+            "choose a directory for the results alone with directory=..."
         )
     return path.absolute()
 
@@ -71,15 +74,18 @@ def refuse_other_file(path: Path, own: bytes) -> None:
     """
     if path.is_dir():
         raise InputError(
-            f"{path}: is a directory, expected the name of a file; choose another with -o"
+            f"{path}: is a directory, expected the name of a file; "
+            "choose another with directory=..."
         )
     if not os.access(path.absolute().parent, os.W_OK | os.X_OK):
         raise InputError(
-            f"{path}: the directory {path.absolute().parent} cannot be written to; choose another with -o"
+            f"{path}: the directory {path.absolute().parent} cannot be written to; "
+            "choose another with directory=..."
         )
     if os.path.lexists(path) and not re.search(own, head(path)):
         raise InputError(
-            f"{path}: is there, and granwave did not write it; choose another name with -o"
+            f"{path}: is there, and granwave did not write it; "
+            "choose another name with directory=..."
         )
 
 
@@ -106,7 +112,9 @@ def check_disk(
     """
     if needed and needed + spare > (free := free_space(directory)):
         message = disk_space_message(what, needed, spare, free)
-        raise InputError(f"{directory}: {message}; choose another directory with -o, or {remedy}")
+        raise InputError(
+            f"{directory}: {message}; choose another directory with directory=..., or {remedy}"
+        )
 
 
 def free_space(directory: Path) -> float:

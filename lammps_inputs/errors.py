@@ -2,14 +2,110 @@
 
 from __future__ import annotations
 
+import dataclasses
 import warnings
 from collections.abc import Callable, Iterable
 
 _MOST_ERRORS = 100  # lines of one error
+SHOWN_CHARACTERS = 60
 
 
 class GranwaveError(Exception):
     """Base class of the errors that granwave raises on purpose."""
+
+
+@dataclasses.dataclass(frozen=True)
+class Mismatch:
+    """Value that is not valid: what was found, what is valid, and how to correct it.
+
+    Attributes
+    ----------
+    found
+        The value, as in a file, or what there is in its place.
+    expected
+        Valid values; empty if the remedy says it all.
+    remedy
+        What to do, if that does not follow from the expected values.
+    """
+
+    found: str
+    expected: str = ""
+    remedy: str = ""
+
+    def __str__(self) -> str:
+        expected = f", expected {self.expected}" if self.expected else ""
+        remedy = f"; {self.remedy}" if self.remedy else ""
+        return f"found {self.found}{expected}{remedy}"
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class InputFault:
+    """One fault of an input.
+
+    Attributes
+    ----------
+    source
+        File, as shown to the user; empty if none is concerned.
+    line
+        Line of the file, counted from 1, which the sentence names too; None if it is not known.
+    key
+        Dotted key; empty if none is concerned.
+    found, expected, remedy
+        As in `Mismatch`; empty where the fault is a sentence.
+    sentence
+        The fault in words, where it is no mismatch.
+    changed
+        True if the key is none of the file, but of the changes of a case that were given with it.
+    """
+
+    source: str = ""
+    line: int | None = None
+    key: str = ""
+    found: str = ""
+    expected: str = ""
+    remedy: str = ""
+    sentence: str = ""
+    changed: bool = False
+
+    @property
+    def message(self) -> str:
+        """The fault without its place."""
+        return self.sentence or str(Mismatch(self.found, self.expected, self.remedy))
+
+    @property
+    def place(self) -> str:
+        """File and key; empty if there is none."""
+        return ": ".join(part for part in (self.source, cut(self.key)) if part)
+
+    def __str__(self) -> str:
+        return f"{self.place}: {self.message}" if self.place else self.message
+
+    def inside(self, source: str) -> InputFault:
+        """Return the fault as one of a file that names the present file, or that holds the key."""
+        return dataclasses.replace(
+            self, source=": ".join(part for part in (source, self.source) if part), changed=False
+        )
+
+    def outside(self, source: str) -> InputFault:
+        """Return the fault without its source, if that is the given one."""
+        return dataclasses.replace(self, source="") if self.source == source else self
+
+
+def cut(text: str) -> str:
+    """Cut ``text`` to a readable length."""
+    return text if len(text) <= SHOWN_CHARACTERS else text[: SHOWN_CHARACTERS - 3] + "..."
+
+
+def fault_of(
+    what: str | Mismatch, *, source: str = "", key: str = "", changed: bool = False
+) -> InputFault:
+    """Return the fault of a key, from a sentence or a mismatch."""
+    place = InputFault(source=source, key=key, changed=changed)
+    if isinstance(what, Mismatch):
+        return dataclasses.replace(
+            place, found=what.found, expected=what.expected, remedy=what.remedy
+        )
+    return dataclasses.replace(place, sentence=what)
 
 
 class InputError(GranwaveError, ValueError):
@@ -17,16 +113,29 @@ class InputError(GranwaveError, ValueError):
 
     Parameters
     ----------
-    errors
-        Messages, one line each: file, key, what was found, what was expected, how to correct it. Of
-        very many the first are kept, and a line with the number of the others.
+    faults
+        The faults, or sentences. Of very many the first are kept, and a line with the number of
+        the others.
+
+    Attributes
+    ----------
+    items
+        The faults: file, key, what was found, what was expected, how to correct it.
     """
 
-    def __init__(self, errors: str | Iterable[str]) -> None:
-        self.errors: list[str] = [errors] if isinstance(errors, str) else list(errors)
-        if (more := len(self.errors) - _MOST_ERRORS) > 1:
-            self.errors[_MOST_ERRORS:] = [f"and {more} more errors; correct these first"]
+    def __init__(self, faults: str | InputFault | Iterable[str | InputFault]) -> None:
+        listed = [faults] if isinstance(faults, str | InputFault) else list(faults)
+        items = [fault_of(one) if isinstance(one, str) else one for one in listed]
+        more = len(items) - _MOST_ERRORS
+        if more > 1:
+            items[_MOST_ERRORS:] = [fault_of(f"and {more} more errors; correct these first")]
+        self.items: list[InputFault] = items
         super().__init__("\n".join(self.errors))
+
+    @property
+    def errors(self) -> list[str]:
+        """The faults as text, one line each."""
+        return [str(item) for item in self.items]
 
     @property
     def faults(self) -> list[str]:
@@ -38,20 +147,20 @@ class InputError(GranwaveError, ValueError):
         )
         return self.errors
 
-    def __reduce__(self) -> tuple[type[InputError], tuple[list[str]]]:
-        return type(self), (self.errors,)
+    def __reduce__(self) -> tuple[type[InputError], tuple[list[InputFault]]]:
+        return type(self), (self.items,)
 
 
 def raise_all(checks: Iterable[Callable[[], object]]) -> None:
     """Run all ``checks``; raise one InputError with the errors of all that failed."""
-    errors: list[str] = []
+    faults: list[InputFault] = []
     for check in checks:
         try:
             check()
         except InputError as error:
-            errors += error.errors
-    if errors:
-        raise InputError(errors)
+            faults += error.items
+    if faults:
+        raise InputError(faults)
 
 
 class RunError(GranwaveError, RuntimeError):

@@ -27,7 +27,7 @@ from typing import Any, TextIO
 
 import numpy as np
 
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault
 
 DISK_IS_FULL = (errno.ENOSPC, errno.EDQUOT)  # error numbers
 _BLOCK = 2**20  # bytes read at a time
@@ -188,7 +188,7 @@ def _read_input(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "
         fault = str(error)
     except (OSError, ValueError) as error:
         fault = f"cannot be read: {getattr(error, 'strerror', None) or error}"
-    raise InputError(f"{path}: {fault}")
+    raise InputError(InputFault(source=str(path), sentence=fault))
 
 
 def read_json(path: Path) -> dict[str, Any] | None:
@@ -425,12 +425,19 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         ValueError,
         RecursionError,
     ) as error:  # wrong TOML, too long a number, too deep a nesting
-        found = re.search(r"at line (\d+)", str(error))
-        line = (
-            content.split("\n")[int(found[1]) - 1].lstrip()[:60] if found else ""
-        )  # characters shown
-        shown = f": {''.join(filter(str.isprintable, line))}" if line else ""
-        raise InputError(f"{path}: not valid TOML: {error}{shown}") from None
+        raise InputError(_not_toml(path, content, error)) from None
+
+
+def _not_toml(path: Path, content: str, error: Exception) -> InputFault:
+    """Return the fault of a file that is no TOML, with its line, if the parser tells it."""
+    found = re.search(r"at line (\d+)", str(error))
+    if found is None:
+        return InputFault(source=str(path), sentence=f"not valid TOML: {error}")
+    number = int(found[1])
+    line = content.split("\n")[number - 1].lstrip()[:60]  # characters shown
+    shown = f": {''.join(filter(str.isprintable, line))}" if line else ""
+    sentence = f"not valid TOML: {error}{shown}"
+    return InputFault(source=str(path), line=number, sentence=sentence)
 
 
 def _similar(path: Path) -> str:

@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.case import RECORD, Case, PartialCase, case_key
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_case, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, fault_of
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import centred
@@ -43,9 +43,8 @@ def load_assembly(path: str | Path, overrides: Iterable[str] | Mapping[str, Any]
     changes = parse_overrides(overrides)
     record = [key for key in changes if key.split(".")[0] == RECORD]
     if record:
-        raise InputError(
-            f"--set: {key}: [{RECORD}] is a record of a run, it cannot be set" for key in record
-        )
+        sentence = f"[{RECORD}] is a record of a run, it cannot be set"
+        raise InputError(fault_of(sentence, key=key, changed=True) for key in record)
     data = apply_overrides(read_toml(path), changes)
     return assembly_from_dict(data, path, overridden=changes)
 
@@ -61,7 +60,7 @@ def case_from_dict(
     source
         Name of the file in messages; its stem is the default name of the case.
     overridden
-        Dotted keys that came from the command line.
+        Dotted keys that are none of the file, but of changes of the case.
 
     Raises
     ------
@@ -108,7 +107,7 @@ def stored_case(data: Mapping[str, Any], source: str | Path = "case") -> Case:
     """
     errors = ErrorList(str(source))
     parts = parse_case(data, source, errors, stored=True)
-    if errors.lines:
-        raise InputError(errors.lines)
+    if errors.items:
+        raise InputError(errors.items)
     parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])
     return Case(**parts)

@@ -178,7 +178,7 @@ class OwnFiles(os.PathLike[str]):
                 reason = f"{run_directory.MARKER}, the list of what granwave wrote, is damaged"
             raise InputError(
                 f"{self.path}: {_few(foreign)} would be overwritten, and {reason}; move {it} away, "
-                "or choose another directory with -o"
+                "or choose another directory with directory=..."
             )
 
     def foreign(self, names: Iterable[str]) -> list[str]:
@@ -268,10 +268,10 @@ class OwnFiles(os.PathLike[str]):
         here = _CONTENTS.get(kind)
         if there and here and there != here and self.result_names():
             raise InputError(
-                f"{self.path}: holds {there}, expected {here} or nothing; choose another with -o"
+                f"{self.path}: holds {there}, expected {here} or nothing; choose another with directory=..."
             )
 
-    def refuse_results(self, resume: str = "--resume goes on with them, ") -> None:
+    def refuse_results(self, resume: str = "resume=True goes on with them, ") -> None:
         """Raise InputError if the directory holds results; ``resume`` says what --resume does with
         them.
         """
@@ -284,7 +284,7 @@ class OwnFiles(os.PathLike[str]):
     def by_force(self) -> str:
         """Advice where there are results: what --force does with them."""
         old = self.free_old_path().name
-        return f"--force moves the results to {old} first, or choose another directory with -o"
+        return f"force=True moves the results to {old} first, or choose another directory with directory=..."
 
     # ------------------------------------------------------------------ removing, setting aside
 
@@ -415,8 +415,8 @@ class OwnFiles(os.PathLike[str]):
             return
         if self.path.is_symlink():
             raise InputError(
-                f"{self.path}: is a link to {place}, and --force moves nothing through a link; "
-                "give that directory with -o"
+                f"{self.path}: is a link to {place}, and force=True moves nothing through a link; "
+                "give that directory with directory=..."
             )
         old = self.free_old_path()
         fault = ""
@@ -426,8 +426,8 @@ class OwnFiles(os.PathLike[str]):
             fault = f"{place.parent} cannot be written to"
         if fault:
             raise InputError(
-                f"{self.path}: --force cannot move the results there to {old}: {fault}; move them "
-                "away, or choose another directory with -o"
+                f"{self.path}: force=True cannot move the results there to {old}: {fault}; move them "
+                "away, or choose another directory with directory=..."
             )
 
     def clear_scratch(self, names: Collection[str]) -> None:

@@ -65,7 +65,7 @@ class ResultDirectory(OwnFiles):
 
     # ------------------------------------------------------------------ the lock
 
-    def lock(self, way: str = "; choose another with -o") -> None:
+    def lock(self, way: str = "; choose another with directory=...") -> None:
         """Lock the directory against other runs; create it if necessary.
 
         Parameters
@@ -85,7 +85,7 @@ class ResultDirectory(OwnFiles):
         except BlockingIOError:
             raise InputError(
                 f"{self.path}: another run or scan is at work there; wait for it, "
-                "or choose another with -o"
+                "or choose another with directory=..."
             ) from None
         except OSError as error:
             raise InputError(f"{self.path}: cannot be written to: {error.strerror}{way}") from None
@@ -176,7 +176,7 @@ class ResultDirectory(OwnFiles):
         """
         if resume and force:
             raise InputError(
-                "--resume and --force exclude each other: one goes on with what is there, the "
+                "resume=True and force=True exclude each other: one goes on with what is there, the "
                 "other begins anew"
             )
         results_directory(self.path)
@@ -194,7 +194,7 @@ class ResultDirectory(OwnFiles):
         if not replaced.isdisjoint([there, *there.parents]):
             raise InputError(
                 f"{name}: contact.initial_overlap: {source}: is among the results that would be "
-                "replaced; choose another directory with -o"
+                "replaced; choose another directory with directory=..."
             )
 
     def make_room(self, *, force: bool, names: Collection[str] | None = None) -> str:
@@ -319,7 +319,7 @@ class ResultDirectory(OwnFiles):
         if not fault:
             return ""
         if self.marker.kind == run_directory.CONTINUUM:
-            return f"{fault}: run the case again with --resume"
+            return f"{fault}: run the case again with resume=True"
         return f"{fault}: make it anew with  granwave analyse {self.path}"
 
     def fault(self) -> str:
@@ -380,7 +380,7 @@ class ResultDirectory(OwnFiles):
                 raise InputError(
                     f"{self.path / name}: was changed after the run, and the positions of the "
                     "spheres are read from it: put back what was run, or run the case again with "
-                    "--force. A deck to be edited is made by granwave write"
+                    "force=True. A deck to be edited is made by granwave write"
                 )
             else:
                 logger.warning(

@@ -43,7 +43,7 @@ def results_place(wanted: str | Path, *, force: bool) -> ResultDirectory:
 
     results = ResultDirectory(results_directory(wanted))
     if not results.path.parent.is_dir():
-        raise InputError(f"-o {results}: there is no directory {results.path.parent}")
+        raise InputError(f"{results}: there is no directory {results.path.parent}")
     results.refuse_other_kind(INFERENCE)
     if set(WRITTEN) & set(results.result_names()):
         if not force:
@@ -142,7 +142,7 @@ def _infer_table(
             found.append(infer_forces(grains, case.walls, settings, progress=progress))
         except InputError as error:
             at = "" if math.isnan(time) else f" at {time:g} s"
-            raise InputError([f"{source}{at}: {line}" for line in error.errors]) from None
+            raise InputError(item.inside(f"{source}{at}") for item in error.items) from None
     lacking = settings.deviations.missing(measured[0])
     if lacking and settings.deviations != Noise():
         notes.append(f"infer.noise lacks {' and '.join(lacking)}: it is not used")

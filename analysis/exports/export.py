@@ -192,7 +192,8 @@ def staged(
     except OSError as error:
         _remove_empty(made)
         raise InputError(
-            f"{output}: cannot be written to ({error.strerror}); choose another directory with -o"
+            f"{output}: cannot be written to ({error.strerror}); "
+            "choose another directory with directory=..."
         ) from None
 
     def path_of(name: str) -> Path:

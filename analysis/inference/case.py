@@ -16,18 +16,24 @@ from granwave.analysis.inference.grains import STATES, Array, Contacts, Wall
 from granwave.lammps_inputs.case.hints import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
+    CountType,
     ErrorList,
+    ListType,
+    NumberType,
     ValidationError,
+    ValueType,
     choice,
     count,
-    custom,
     finite,
     keys_of,
     number,
     read_table,
+    refuse_if,
     refuse_unknown,
     show,
+    typed,
 )
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import read_toml
 
 _WALL_NAME = re.compile(r"[^\W\d_][\w-]*")
@@ -63,59 +69,93 @@ Place = (
 )  # along the axis of its name; or point and normal
 
 
-def _parse_walls(value: Any) -> tuple[tuple[str, Place], ...]:
-    if not isinstance(value, Mapping):
-        raise ValidationError(_WALL_FORM)
-    found: dict[str, Place] = {}
-    for name, place in value.items():
-        if not isinstance(place, Mapping):
-            if name not in NAMED_WALLS[3]:
-                raise ValidationError(_WALL_FORM)
-            found[name] = finite(place, _WALL_FORM)
-            continue
-        if set(place) != {"point", "normal"}:
-            raise ValidationError(_WALL_FORM)
+@dataclasses.dataclass(frozen=True)
+class WallsType(ValueType):
+    """Type of the table of walls, by names of which some say where a wall is."""
+
+    kind: ClassVar[str] = "object"
+    expected: str = _WALL_FORM
+
+    def read(self, value: Any) -> tuple[tuple[str, Place], ...]:
+        """Return the walls by name."""
+        refuse_if(not isinstance(value, Mapping), self.expected)
+        return tuple((name, self._place(name, place)) for name, place in value.items())
+
+    def _place(self, name: str, value: Any) -> Place:
+        """Return the place of a wall along its axis, or its point and unit normal."""
+        if not isinstance(value, Mapping):
+            refuse_if(name not in NAMED_WALLS[3], self.expected)
+            return finite(value, self.expected)
+        refuse_if(set(value) != {"point", "normal"}, self.expected)
         if not _WALL_NAME.fullmatch(name):
             raise ValidationError(
                 f"names of walls of letters, digits, _ and -, the first a letter (found {show(name)}): in tables of "
                 "forces a number is the id of a grain"
             )
-        point, normal = (_vector(place[key], _WALL_FORM) for key in ("point", "normal"))
+        point = _VECTOR.read(value["point"])
+        normal = _VECTOR.read(value["normal"])
         size = math.hypot(*normal)
-        if len(point) != len(normal) or not size:
-            raise ValidationError(
-                f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero"
-            )
-        found[name] = point, tuple(one / size for one in normal)
-    return tuple(found.items())
+        refuse_if(
+            len(point) != len(normal) or not size,
+            f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero",
+        )
+        return point, tuple(one / size for one in normal)
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A table of numbers, and of tables with point and normal."""
+        oblique = {
+            "type": "object",
+            "additionalProperties": False,
+            "properties": {"point": _VECTOR.json, "normal": _VECTOR.json},
+            "required": ["point", "normal"],
+        }
+        return {"type": "object", "additionalProperties": {"anyOf": [{"type": "number"}, oblique]}}
 
 
-def _parse_noise(value: Any) -> Noise:
-    names = [field.name for field in dataclasses.fields(Noise)]
-    if not isinstance(value, Mapping) or not set(value) <= set(names):
-        raise ValidationError(_NOISE_FORM)
-    sizes = {name: finite(size, _NOISE_FORM) for name, size in value.items()}
-    for name, size in sizes.items():
-        low, high = NOISE[name]
-        if not low <= size <= high:
-            raise ValidationError(f"{_NOISE_FORM}; {name} from {low:g} to {high:g}")
-    return Noise(**sizes)
+def _vector_type(form: str) -> ListType:
+    """Make the type of a vector in the plane or in space."""
+    return ListType(item=NumberType(form=form), expected=form, at_least=2, at_most=3)
 
 
-def _parse_gravity(value: Any) -> tuple[float, ...]:
-    return _vector(value, "[gx, gy], in space [gx, gy, gz], in m/s^2")
+_VECTOR = _vector_type(_WALL_FORM)
+_GRAVITY = _vector_type("[gx, gy], in space [gx, gy, gz], in m/s^2")
 
 
-def _parse_window(value: Any) -> int:
-    if isinstance(value, bool) or not isinstance(value, int) or value < 3 or value % 2 == 0:
-        raise ValidationError("an odd number of frames from 3 up")
-    return value
+@dataclasses.dataclass(frozen=True)
+class NoiseType(ValueType):
+    """Type of the table of standard deviations."""
+
+    kind: ClassVar[str] = "object"
+    expected: str = _NOISE_FORM
+
+    def read(self, value: Any) -> Noise:
+        """Return the standard deviations."""
+        refuse_if(not isinstance(value, Mapping) or not set(value) <= set(NOISE), self.expected)
+        sizes = {name: finite(size, self.expected) for name, size in value.items()}
+        for name, size in sizes.items():
+            low, high = NOISE[name]
+            is_within = low <= size <= high
+            refuse_if(not is_within, f"{self.expected}; {name} from {low:g} to {high:g}")
+        return Noise(**sizes)
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A table of positive numbers."""
+        deviations = {
+            name: {"type": "number", "minimum": low, "maximum": high}
+            for name, (low, high) in NOISE.items()
+        }
+        return {"type": "object", "additionalProperties": False, "properties": deviations}
 
 
-def _vector(value: Any, expected: str) -> tuple[float, ...]:
-    if not isinstance(value, list | tuple) or len(value) not in (2, 3):
-        raise ValidationError(expected)
-    return tuple(finite(one, expected) for one in value)
+def _odd(n_frames: int) -> int:
+    refuse_if(n_frames % 2 == 0, _WINDOW_FORM)
+    return n_frames
+
+
+_WINDOW_FORM = "an odd number of frames from 3 up"
+_WINDOW = CountType(at_least=3, form=_WINDOW_FORM, finish=_odd)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -166,14 +206,14 @@ class Infer:
         at_most=0.5,
         default=1e-3,
     )
-    walls: tuple[tuple[str, Place], ...] = custom(
-        "straight walls", _parse_walls, unit="m", default=()
+    walls: tuple[tuple[str, Place], ...] = typed(
+        "straight walls", WallsType(), unit="m", default=()
     )
-    gravity: tuple[float, ...] = custom(
-        "acceleration of gravity", _parse_gravity, unit="m/s^2", default=()
+    gravity: tuple[float, ...] = typed(
+        "acceleration of gravity", _GRAVITY, unit="m/s^2", default=()
     )
-    noise: Noise | None = custom(
-        "standard deviations of what was measured", _parse_noise, default=None
+    noise: Noise | None = typed(
+        "standard deviations of what was measured", NoiseType(), default=None
     )
     weights: Weights | None = choice(  # noqa: RUF009
         "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
@@ -202,9 +242,9 @@ class Infer:
         above=0,
         default=None,
     )
-    window: int = custom(
+    window: int = typed(
         "frames that a parabola is fitted to for accelerations of a series; 3: second differences",
-        _parse_window,
+        _WINDOW,
         default=3,
     )
     time: float | None = number(
@@ -332,22 +372,22 @@ def _check(infer: Infer, errors: ErrorList) -> None:
         if isinstance(place, tuple) and len(place[0]) != dimension:
             errors.add(
                 f"infer.walls.{name}",
-                f"found {len(place[0])} numbers, expected {dimension} for {infer.state}",
+                Mismatch(f"{len(place[0])} numbers", f"{dimension} for {infer.state}"),
             )
         elif not isinstance(place, tuple) and name not in NAMED_WALLS[dimension]:
             errors.add(
                 f"infer.walls.{name}",
-                f'found it in {infer.state}, expected it with state = "space" alone',
+                Mismatch(f"it in {infer.state}", 'it with state = "space" alone'),
             )
     for first, second in (("left", "right"), ("floor", "top"), ("front", "back")):
         low = walls.get(first)
         high = walls.get(second)
         if isinstance(low, float) and isinstance(high, float) and low >= high:
             errors.add(
-                f"infer.walls.{first}", f"found {low:g} m, expected it below {second}, {high:g} m"
+                f"infer.walls.{first}", Mismatch(f"{low:g} m", f"it below {second}, {high:g} m")
             )
     if infer.gravity and len(infer.gravity) != dimension:
         errors.add(
             "infer.gravity",
-            f"found {show(list(infer.gravity))}, expected {dimension} numbers for {infer.state}",
+            Mismatch(show(list(infer.gravity)), f"{dimension} numbers for {infer.state}"),
         )

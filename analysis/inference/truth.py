@@ -83,7 +83,7 @@ class Snapshots:
         if not case.output.contact_forces:
             raise InputError(
                 f"{self.directory}: its snapshots hold no contact forces; run the case again with "
-                "--set output.contact_forces=true"
+                "output.contact_forces=true"
             )
         there = walls(assembly)
         for found, name in ((assembly.lattice.periodic, "periodic sides"), (assembly.bars, "bars"),

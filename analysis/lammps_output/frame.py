@@ -21,7 +21,7 @@ from granwave._number_reader import read_numbers
 from granwave.analysis.errors import OutputFormatError
 from granwave.lammps_inputs.files import read_number, read_whole
 
-AGAIN = "run the case again with --force"
+AGAIN = "run the case again with force=True"
 DAMAGED = f"the file is damaged, {AGAIN}"
 CUT = f"the file was cut, {AGAIN}"
 WHOLE = ("step", "id", "type", "i", "j")  # columns of integers

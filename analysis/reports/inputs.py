@@ -31,7 +31,7 @@ from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.registry import is_study_file
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault
 from granwave.lammps_inputs.files import read_json, read_tables, regular
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
@@ -267,7 +267,7 @@ def read_inputs(
         A directory is missing, is neither a run nor a scan, or is damaged; the message lists all
         faults.
     """
-    errors: list[str] = []
+    errors: list[str | InputFault] = []
     unique: dict[Path, Path] = {}
     for path in [part for directory in directories for part in _parts(Path(directory))]:
         unique.setdefault(path.resolve(), path)
@@ -284,7 +284,7 @@ def read_inputs(
                 path, name if names.count(name) == 1 else relative(path, base), study_files
             )
         except InputError as error:
-            errors += error.errors
+            errors += error.items
     if errors:
         raise InputError(errors)
     suite = read_json(Path(directories[0]) / SUITE_INDEX) if len(directories) == 1 else None
@@ -429,11 +429,11 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
         raise InputError(str(error)) from None
     except (KeyError, TypeError, AttributeError) as error:
         raise InputError(
-            f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with --resume"
+            f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with resume=True"
         ) from None
     runs: dict[str, Run] = {}
     points: list[Point] = []
-    errors: list[str] = []
+    errors: list[InputFault] = []
     for result in results:
         done = (
             result.status == "done"
@@ -446,7 +446,7 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
                 place = ResultDirectory(whole)
                 runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary)
             except InputError as error:
-                errors += error.errors
+                errors += error.items
                 continue
         points.append(Point(result, "", runs[result.id]) if whole else _undone(result, path))
     if errors:

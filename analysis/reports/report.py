@@ -29,7 +29,7 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.analysis.studies.registry import find_studies
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
 from granwave.lammps_inputs.run_directory import is_design
 
@@ -277,7 +277,7 @@ def write_report(
         try:
             inputs = read_inputs(directories, output.parent, {*study_files, *named})
         except InputError as error:
-            errors += error.errors
+            errors += error.items
         if errors:
             raise InputError(errors)
         try:
@@ -291,8 +291,8 @@ def write_report(
     return output
 
 
-def _errors_in(output: Path) -> list[str]:
-    errors = []
+def _errors_in(output: Path) -> list[str | InputFault]:
+    errors: list[str | InputFault] = []
     suffix = output.suffix.lower()
     parent = output.parent
     if suffix not in SUFFIXES:
@@ -306,7 +306,7 @@ def _errors_in(output: Path) -> list[str]:
         errors.append(f"{output}: there is no directory {parent}; make it first")
     elif not os.access(parent, os.W_OK | os.X_OK):
         errors.append(
-            f"{output}: the directory {parent.resolve()} cannot be written to; choose another with -o"
+            f"{output}: the directory {parent.resolve()} cannot be written to; choose another with directory=..."
         )
     elif suffix == ".md" and (folder := _folder(output)).exists() and not folder.is_dir():
         errors.append(
@@ -316,7 +316,7 @@ def _errors_in(output: Path) -> list[str]:
         try:
             refuse_other_file(output, _OWN[suffix])
         except InputError as error:
-            errors += error.errors
+            errors += error.items
     return errors
 
 
@@ -340,7 +340,8 @@ def _write(report: Report, output: Path) -> None:
         name for name in pictures if name not in before and os.path.lexists(folder / name)
     ]:
         raise InputError(
-            f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; choose another -o"
+            f"{folder / others[0]}: would be overwritten, and is no picture of {output.name}; "
+            "choose another name with directory=..."
         )
     if pictures:
         folder.mkdir(exist_ok=True)

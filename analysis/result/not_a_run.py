@@ -56,7 +56,7 @@ def why_no_run(path: Path) -> str:
     if is_continuum(path):
         return f"{path}: is a continuum run, expected a run of spheres; h5py reads its {files.RESULT_FILE}"
     if files.CASE_FILE not in found:
-        return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with --force"
+        return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"
     state = (read_json(path / files.RECORD_FILE) or {}).get("state")
     if state in UNFINISHED:
         return f"{path}: the run is not finished (state {state}); go on with  {resumed(path)}"

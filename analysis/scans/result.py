@@ -98,11 +98,11 @@ class ScanResult:
             ) from None
         except KeyError as error:
             raise OutputFormatError(
-                f"{path} lacks {error}; run the scan again with --resume"
+                f"{path} lacks {error}; run the scan again with resume=True"
             ) from None
         except (OSError, ValueError, TypeError) as error:
             raise OutputFormatError(
-                f"{path} cannot be read ({error}); run the scan again with --resume"
+                f"{path} cannot be read ({error}); run the scan again with resume=True"
             ) from None
         self._summaries: dict[str, dict[str, Any]] = {}
 
@@ -176,7 +176,7 @@ def other_point(directory: Path) -> str:
     does not.
     """
     noted = read_point(directory)
-    way = "move it away: --resume then runs the point again"
+    way = "move it away: resume=True then runs the point again"
     if (other := noted.get("id", directory.name)) != directory.name:
         return (
             f"{directory}: holds the point {other} of the scan; move it to its own place, or {way}"

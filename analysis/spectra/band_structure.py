@@ -271,7 +271,7 @@ def band_structure(
     if note and not allow_floppy:
         cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
         if ROLLING in note:
-            cure = "contact.rolling, [[hold]] with rotation = true, --set contact.friction=0"
+            cure = "contact.rolling, [[hold]] with rotation = true, contact.friction=0"
         raise InputError(
             f"{state.name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes "
             "blank"

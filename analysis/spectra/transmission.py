@@ -38,7 +38,7 @@ from scipy import sparse
 
 from granwave.analysis.spectra.network import Array, Network, Springs, joined
 from granwave.analysis.spectra.stiffness import Stiffness, factorised, stiffness_of
-from granwave.lammps_inputs.case.contact import Resistance
+from granwave.lammps_inputs.case.contact_tables import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of

@@ -114,7 +114,7 @@ def read_run(
                 key in tables.get(name, {}) for name, keys in _OF_A_PUNCH.items() for key in keys
             )
             sound = (
-                read_material(tables.get("material", {}), errors) is not None and not errors.lines
+                read_material(tables.get("material", {}), errors) is not None and not errors.items
             )
             return ContinuumRun(label, directory, tables, summary) if whole and sound else None
         if summary.get("kind") == "sphere-contact":

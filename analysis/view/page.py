@@ -99,9 +99,9 @@ def write_view(
     results = ResultDirectory.at(directory)
     target = results / VIEW_FILE if path is None else Path(path)
     if target.suffix.lower() not in (".html", ".htm"):
-        raise InputError(f"-o {target}: expected a name that ends in .html")
+        raise InputError(f"{target}: expected a name that ends in .html")
     if not target.absolute().parent.is_dir():
-        raise InputError(f"-o {target}: there is no directory {target.absolute().parent}")
+        raise InputError(f"{target}: there is no directory {target.absolute().parent}")
     with Result(results) as result:
         if path is not None:
             refuse_other_file(target, _OWN)

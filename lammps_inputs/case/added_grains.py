@@ -15,17 +15,17 @@ keep their ids.
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import math
 from collections.abc import Sequence
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.hints import DIAMETER
+from granwave.lammps_inputs.case.ids import INDEX, INDEX_FORM
 from granwave.lammps_inputs.case.material import (
     Material,
     Shape,
@@ -33,13 +33,14 @@ from granwave.lammps_inputs.case.material import (
     axis_field,
     check_shape,
     length_field,
+    material_field,
     presets,
-    read_material,
     shape_field,
     shape_of,
 )
 from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, show
+from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice
 
@@ -62,76 +63,84 @@ _MEMORY_OF_GRAIN = 1000.0
 _OF_SITES = ("diameter_scatter", "vacancies")  # keys of a lattice that such a packing does not have
 
 
-@dataclasses.dataclass(frozen=True)
+_TOUCHING = "touching"
+_ALL_GAPS = "all"
+_RADIUS = schema.or_word(_TOUCHING, schema.NumberType(above=0, unit="m"), finish=lambda _: None)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Ring:
-    """Places around the axis x = y = 0; without a radius (m) where they touch both spheres of a
-    gap; gap (): of all.
-    """
+    """Places around the axis x = y = 0."""
 
-    n: int
-    radius: float | None
-    z: float | None
-    gap: tuple[int, ...] = ()
-    angle: float = 0.0
+    n: int = schema.count("number of places")
+    radius: float | None = schema.typed(
+        'radius of the ring; "touching": where grains touch both spheres of a gap of a chain',
+        _RADIUS,
+        unit="m",
+    )
+    z: float | None = schema.number("height of the ring", "m", default=None)
+    gap: tuple[int, ...] | None = schema.typed(
+        'gaps of a chain, by the spheres before them; "all": every gap',
+        schema.or_word(
+            _ALL_GAPS, INDEX, form=f'{INDEX_FORM}; or "{_ALL_GAPS}"', finish=lambda _: ()
+        ),
+        default=None,
+    )
+    angle: float = schema.number("angle of the first place from x", "degrees", default=0.0)
+
+    def checked(self) -> Ring:
+        """Return the ring; raise `ValidationError` unless it has a height or gaps."""
+        at_height = self.z is not None
+        is_touching = self.radius is None
+        wrong = at_height == (self.gap is not None) or (is_touching and at_height)
+        form = f'{_RING}, with z or gap, and a gap for a radius "{_TOUCHING}"'
+        schema.refuse_if(wrong, form)
+        return self
 
 
-@dataclasses.dataclass(frozen=True)
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class Repeat:
-    """Number of copies, the first among them, and the step from one to the next, m."""
+    """Copies of places, each a step on."""
 
-    times: int
-    step: tuple[float, float, float]
-
-
-def _parse_places(value: Any) -> str | tuple[tuple[float, float, float], ...]:
-    if isinstance(value, str) and value in _HOLES:
-        return value
-    schema.refuse_if(not isinstance(value, list | tuple) or not value, _PLACES)
-    return tuple(schema.parse_point(place, _PLACES) for place in value)
-
-
-def _parse_ring(value: Any) -> Ring:
-    schema.inner_table(value, _RING, ("n", "radius", "z", "gap", "angle"), needed=("n", "radius"))
-    touching = value["radius"] == "touching"
-    gaps = value.get("gap", "all")
-    radius = None if touching else schema.finite(value["radius"], _RING)
-    schema.refuse_if(radius is not None and radius <= 0, f"{_RING}, with a radius above 0")
-    if ("z" in value) == ("gap" in value) or (touching and "z" in value):
-        raise ValidationError(f'{_RING}, with z or gap, and a gap for a radius "touching"')
-    z = schema.finite(value["z"], _RING) if "z" in value else None
-    gap = () if gaps == "all" else parse_index(gaps)
-    return Ring(
-        schema.whole(value["n"], _RING),
-        radius,
-        z,
-        gap,
-        schema.finite(value.get("angle", 0.0), _RING),
+    times: int = schema.count("number of copies, the first places among them")
+    step: tuple[float, float, float] = schema.typed(
+        "step from one copy to the next", schema.vector_type(3, _POINT), unit="m"
     )
 
 
-def _parse_repeat(value: Any) -> Repeat:
-    schema.inner_table(value, _REPEAT, ("times", "step"), needed=("times", "step"))
-    return Repeat(schema.whole(value["times"], _REPEAT), schema.parse_point(value["step"], _REPEAT))
+_AT = schema.EitherType(
+    types=(
+        schema.ChoiceType(tuple(_HOLES)),
+        schema.ListType(item=schema.vector_type(3, _PLACES), expected=_PLACES),
+    ),
+    form=_PLACES,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class AddedGrains:
     """``[[grains]]``: grains of one size and material at places given by a formula."""
 
-    at: str | tuple[tuple[float, float, float], ...] | None = schema.custom(
-        "places, or the holes of an fcc or hcp packing", _parse_places, unit="m", default=None
+    at: str | tuple[tuple[float, float, float], ...] | None = schema.typed(
+        "places, or the holes of an fcc or hcp packing", _AT, unit="m", default=None
     )
-    ring: Ring | None = schema.custom("places around the axis x = y = 0", _parse_ring, default=None)
-    repeat: Repeat | None = schema.custom(
-        "copies of these places, each a step on", _parse_repeat, default=None
+    ring: Ring | None = schema.typed(
+        "places around the axis x = y = 0",
+        schema.TableType(section=Ring, expected=_RING, finish=Ring.checked),
+        default=None,
+    )
+    repeat: Repeat | None = schema.typed(
+        "copies of these places, each a step on",
+        schema.TableType(section=Repeat, expected=_REPEAT),
+        default=None,
     )
     diameter: float = schema.number("diameter of these grains", DIAMETER, above=0)
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()
-    material: Material | None = schema.nested(read_material)
-    group: str | None = schema.custom(
-        "name of their group, for [[hold]]", schema.parse_label, default=None
+    material: Material | None = material_field()
+    group: str | None = schema.typed(
+        "name of their group, for [[hold]]", schema.LABEL, default=None
     )
 
     def most_places(self, n_own: int) -> int:
@@ -139,7 +148,9 @@ class AddedGrains:
         if isinstance(self.at, str):
             found = _HOLES_OF_SPHERE * n_own
         elif self.ring is not None:
-            found = self.ring.n * (1 if self.ring.z is not None else len(self.ring.gap) or n_own)
+            found = self.ring.n * (
+                1 if self.ring.z is not None else len(self.ring.gap or ()) or n_own
+            )
         else:
             found = len(self.at or ())
         return found * (1 if self.repeat is None else self.repeat.times)
@@ -274,31 +285,9 @@ def with_added_grains(
     """
     if not check_size(packing, ErrorList(errors.source)):
         return packing  # `check_together` tells why
-    before = len(errors.lines)
-    holed = " or ".join(name for name, rule in KINDS.items() if rule.is_close_packed)
-    for key, entry in schema.numbered("grains", added).items():
-        both = entry.at is not None
-        holes_of = show(entry.at) if isinstance(entry.at, str) else ""
-        errors.check_first(
-            (both == (entry.ring is not None), key,
-             f"found {'both at and ring' if both else 'neither at nor ring'}, expected one of them"),
-            (holes_of and not packing.rule.is_close_packed, f"{key}.at",
-             f"found {holes_of} with packing.kind = {show(packing.kind)}, "
-             f"expected {holed}, or places"),
-            (holes_of and entry.repeat, f"{key}.repeat", f"found beside at = {holes_of}, which are all such holes"),
-        )  # fmt: skip
-        check_shape(entry, key, errors)
-    last = packing.size[0] - 1
-    beyond = [sphere for sphere, _ in packing.gaps if sphere > last]
-    errors.check_first(
-        (packing.gaps and not packing.rule.is_chain, "packing.gaps",
-         f"found with packing.kind = {show(packing.kind)}, expected a chain"),
-        (beyond, "packing.gaps",
-         f"found a gap after sphere {max(beyond, default=0)}, expected after one from 1 to {last}"),
-    )  # fmt: skip
-    beside = "found beside [[grains]], whose packing is no lattice; take one of them out"
-    errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
-    if len(errors.lines) > before:
+    before = len(errors.items)
+    _check_added(packing, added, errors)
+    if len(errors.items) > before:
         return packing
     own = packing.grains
     lattice = None
@@ -314,38 +303,13 @@ def with_added_grains(
             own.position[sphere:, 2] += width
     parts = [own]
     for key, entry in schema.numbered("grains", added).items():
-        n = entry.most_places(len(own))
-        needed = n * _MEMORY_OF_GRAIN
-        available = math.inf if stored else available_memory()
-        if needed > available:
-            found = f"found up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
-            room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
-            what = "at" if entry.ring is None else "ring"
-            errors.add(f"{key}.{what}", f"{found}, which need more than {room}; expected fewer")
-            continue
-        try:
-            places = entry.places(lattice, own)
-        except ValueError as error:
-            errors.add(f"{key}.ring", str(error))
-            continue
-        if not len(places):
-            errors.add(
-                f"{key}.at",
-                f"found no {entry.at} hole in a packing of {show(packing.size)} spheres",
-            )
-        name = _name_of(entry.material, materials)
-        parts.append(_grains_at(places, entry.diameter, name, entry.group or "", shape_of(entry)))
-    grains = Grains(
-        np.concatenate([one.position for one in parts]),
-        np.concatenate([one.diameter for one in parts]),
-        [name for one in parts for name in one.material],
-        [name for one in parts for name in one.group],
-        np.concatenate([one.velocity for one in parts]),
-        [shape for one in parts for shape in one.shape],
-        file=own.file,
-        lines=own.lines,
-        added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
-    )
+        if stored or _check_memory(entry, len(own), key, errors):
+            places = _places_of(entry, packing, lattice, own, key, errors)
+            if places is not None:
+                name = _name_of(entry.material, materials)
+                group = entry.group or ""
+                parts.append(_grains_at(places, entry.diameter, name, group, shape_of(entry)))
+    grains = _joined(parts)
     return PackingSection(
         kind=FILE,
         size=(len(grains),),
@@ -353,6 +317,102 @@ def with_added_grains(
         grains=grains,
         period=period,
         cell=packing.cell,
+    )
+
+
+def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: ErrorList) -> None:
+    """Check the keys of ``[[grains]]``, and of the packing that they are added to."""
+    holed = " or ".join(name for name, rule in KINDS.items() if rule.is_close_packed)
+    for key, entry in schema.numbered("grains", added).items():
+        both = entry.at is not None
+        holes_of = show(entry.at) if isinstance(entry.at, str) else ""
+        errors.check_first(
+            (
+                both == (entry.ring is not None),
+                key,
+                Mismatch(f"{'both at and ring' if both else 'neither at nor ring'}", "one of them"),
+            ),
+            (
+                holes_of and not packing.rule.is_close_packed,
+                f"{key}.at",
+                Mismatch(
+                    f"{holes_of} with packing.kind = {show(packing.kind)}", f"{holed}, or places"
+                ),
+            ),
+            (
+                holes_of and entry.repeat,
+                f"{key}.repeat",
+                Mismatch(f"beside at = {holes_of}, which are all such holes"),
+            ),
+        )
+        check_shape(entry, key, errors)
+    last = packing.size[0] - 1
+    beyond = [sphere for sphere, _ in packing.gaps if sphere > last]
+    errors.check_first(
+        (
+            packing.gaps and not packing.rule.is_chain,
+            "packing.gaps",
+            Mismatch(f"with packing.kind = {show(packing.kind)}", "a chain"),
+        ),
+        (
+            beyond,
+            "packing.gaps",
+            Mismatch(f"a gap after sphere {max(beyond, default=0)}", f"after one from 1 to {last}"),
+        ),
+    )
+    no_lattice = "beside [[grains]], whose packing is no lattice"
+    beside = Mismatch(no_lattice, remedy="take one of them out")
+    errors.check(*((getattr(packing, name), f"packing.{name}", beside) for name in _OF_SITES))
+
+
+def _check_memory(entry: AddedGrains, n_own: int, key: str, errors: ErrorList) -> bool:
+    """Check that the memory suffices for some grains; return True if it does."""
+    n = entry.most_places(n_own)
+    needed = n * _MEMORY_OF_GRAIN
+    available = available_memory()
+    found = f"up to {n} places{'' if entry.repeat is None else ' with grains.repeat'}"
+    room = f"{needed / 2**30:.1f} GiB of memory, there is {available / 2**30:.1f} GiB"
+    what = "at" if entry.ring is None else "ring"
+    fault = Mismatch(f"{found}, which need more than {room}", "fewer")
+    return errors.check_first((needed > available, f"{key}.{what}", fault))
+
+
+def _places_of(
+    entry: AddedGrains,
+    packing: PackingSection,
+    lattice: Lattice | None,
+    own: Grains,
+    key: str,
+    errors: ErrorList,
+) -> NDArray[np.float64] | None:
+    """Return the places of some grains: (n, 3), m; None if a ring has none."""
+    try:
+        places = entry.places(lattice, own)
+    except ValueError as error:
+        errors.add(f"{key}.ring", str(error))
+        return None
+    if not len(places):
+        hole = f"no {entry.at} hole in a packing of {show(packing.size)} spheres"
+        errors.add(f"{key}.at", Mismatch(hole))
+    return places
+
+
+def _joined(parts: Sequence[Grains]) -> Grains:
+    """Return grains as one table; the first are those that the others are added to."""
+    own = parts[0]
+    materials = itertools.chain.from_iterable(part.material for part in parts)
+    groups = itertools.chain.from_iterable(part.group for part in parts)
+    shapes = itertools.chain.from_iterable(part.shape for part in parts)
+    return Grains(
+        np.concatenate([part.position for part in parts]),
+        np.concatenate([part.diameter for part in parts]),
+        list(materials),
+        list(groups),
+        np.concatenate([part.velocity for part in parts]),
+        list(shapes),
+        file=own.file,
+        lines=own.lines,
+        added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
     )
 
 

@@ -15,22 +15,20 @@ packing, in the order of the file.
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping
-from typing import Any
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import AREA, DIAMETER, LENGTH, SPIN, VELOCITY, Usual
+from granwave.lammps_inputs.case.ids import INDEX, INDEX_FORM
 from granwave.lammps_inputs.case.material import (
+    AXIS,
     SHAPES,
     Material,
     Shape,
     Vector,
     length_field,
-    parse_axis,
-    read_material,
+    material_field,
     shape_of,
 )
-from granwave.lammps_inputs.case.schema import ValidationError
 
 _POINT_FORM = "[x, y, z] in m"
 _OFFSET = Usual("m", 1e-9, 1.0, ("mm", "um"))
@@ -42,67 +40,32 @@ _ALONG_Y = (0.0, 1.0, 0.0)
 ALL_GRAINS = "all"  # of a line
 
 
-_INDEX_FORM = (
-    "an id from 1 up, a list of ids, or {first = 8, last = 17}, with step = 3 for every third"
+_DIRECTIONS_FORM = (
+    'some of the letters x, y and z, such as "xy"; or "none" to block rotations alone'
 )
-_MOST_IDS = 10_000_000  # in one list; a longer one would take gigabytes as Python integers
+_FREE_FORM = 'one or two of the letters x, y and z, such as "z"'
 
 
-def parse_index(value: Any) -> tuple[int, ...]:
-    """Convert the value of an ``index`` key to ids; raise `ValidationError` if it is none."""
-    if isinstance(value, Mapping):
-        schema.refuse_if(set(value) - {"step"} != {"first", "last"}, _INDEX_FORM)
-        first, last, step = (
-            schema.whole(value.get(name, 1), _INDEX_FORM) for name in ("first", "last", "step")
-        )
-        schema.refuse_if(last < first, f"{_INDEX_FORM}, the last not before the first")
-        schema.refuse_if(
-            (last - first) // step >= _MOST_IDS,
-            f"at most {_MOST_IDS} ids; take a box from low to high for more",
-        )
-        return tuple(range(first, last + 1, step))
-    ids = tuple(
-        schema.whole(one, _INDEX_FORM)
-        for one in (value if isinstance(value, list | tuple) else [value])
-    )
-    schema.refuse_if(not ids, _INDEX_FORM)
-    return ids
-
-
-def _parse_directions(value: Any) -> str:
-    expected = 'some of the letters x, y and z, such as "xy"; or "none" to block rotations alone'
-    if value == _NO_DIRECTION:
-        return _NO_DIRECTION
-    if (
-        not isinstance(value, str)
-        or not value
-        or set(value) - set("xyz")
-        or len(set(value)) < len(value)
-    ):
-        raise ValidationError(expected)
+def _letters(value: str) -> str:
+    wrong = set(value) - set("xyz") or len(set(value)) < len(value)
+    schema.refuse_if(wrong, _DIRECTIONS_FORM)
     return "".join(sorted(value))
 
 
-def _parse_free(value: Any) -> str:
-    expected = 'one or two of the letters x, y and z, such as "z"'
-    try:
-        letters = _parse_directions(value)
-    except ValidationError:
-        raise ValidationError(expected) from None
-    schema.refuse_if(letters == _NO_DIRECTION or len(letters) == 3, expected)
-    return letters
+def _free_letters(value: str) -> str:
+    wrong = set(value) - set("xyz") or len(set(value)) < len(value)
+    schema.refuse_if(wrong or len(value) == len("xyz"), _FREE_FORM)
+    return "".join(sorted(value))
 
 
-def _parse_touches(value: Any) -> tuple[int, ...]:
-    """Return ids; none for the sphere at the centre of the top, which is found when the packing is
-    known.
-    """
-    if value == CENTRE:
-        return ()
-    try:
-        return parse_index(value)
-    except ValidationError as error:
-        raise ValidationError(f'{error}; or "{CENTRE}"') from None
+_DIRECTIONS = schema.or_word(
+    _NO_DIRECTION,
+    schema.TextType(expected=_DIRECTIONS_FORM, finish=_letters),
+    form=_DIRECTIONS_FORM,
+)
+_FREE = schema.TextType(expected=_FREE_FORM, finish=_free_letters)
+#: Ids; none for the sphere at the centre of the top, which follows from the packing.
+_TOUCHED = schema.or_word(CENTRE, INDEX, form=f'{INDEX_FORM}; or "{CENTRE}"', finish=lambda _: ())
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -114,12 +77,12 @@ class Replace:
     needs space around it: vacancies or smaller neighbours. The beads of a chain are moved apart.
     """
 
-    index: tuple[int, ...] | None = schema.custom("which spheres", parse_index, default=None)
-    low: tuple[float, float, float] | None = schema.custom(
-        "corner of a box", schema.numbers(3, _POINT_FORM), unit="m", default=None
+    index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)
+    low: tuple[float, float, float] | None = schema.typed(
+        "corner of a box", schema.vector_type(3, _POINT_FORM), unit="m", default=None
     )
-    high: tuple[float, float, float] | None = schema.custom(
-        "opposite corner", schema.numbers(3, _POINT_FORM), unit="m", default=None
+    high: tuple[float, float, float] | None = schema.typed(
+        "opposite corner", schema.vector_type(3, _POINT_FORM), unit="m", default=None
     )
     share: float | None = schema.number(
         "share of the spheres, chosen at random", above=0, at_most=1, default=None
@@ -127,7 +90,7 @@ class Replace:
     diameter: float | None = schema.number(
         "diameter of these spheres", DIAMETER, above=0, default=None
     )
-    material: Material | None = schema.nested(read_material)
+    material: Material | None = material_field()
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -136,9 +99,9 @@ class Striker:
     earlier strikers.
     """
 
-    touches: tuple[int, ...] = schema.custom(
+    touches: tuple[int, ...] = schema.typed(
         'ids of the spheres that it touches; "centre": the one at the centre of the top, as an impact takes',
-        _parse_touches,
+        _TOUCHED,
     )
     velocity: tuple[float, float, float] = schema.vector("velocity of the striker", VELOCITY)
     spin: tuple[float, float, float] = schema.vector("angular velocity of the striker", SPIN)
@@ -149,9 +112,9 @@ class Striker:
         "shift of the striker across its way; it is then brought up along its way until it touches the first sphere",
         _OFFSET,
     )
-    misalignment: tuple[float, float, float] = schema.custom(
+    misalignment: tuple[float, float, float] = schema.typed(
         "largest random shift along x, y, z on top of the offset, evenly spread to both sides; drawn by packing.seed",
-        schema.numbers(
+        schema.vector_type(
             3,
             _POINT_FORM,
             lambda *extent: min(extent) >= 0,
@@ -169,12 +132,12 @@ class Striker:
         "shape of the striker; a sphere by default", SHAPES, default=None
     )
     length: float | None = length_field()
-    axis: Vector | None = schema.custom(
+    axis: Vector | None = schema.typed(
         "direction of the axis of a cylinder; by default that of cylinders of the packing, or y",
-        parse_axis,
+        AXIS,
         default=None,
     )
-    material: Material | None = schema.nested(read_material)
+    material: Material | None = material_field()
 
     @property
     def body(self) -> Shape:
@@ -198,19 +161,19 @@ class Bar:
     elements: int = schema.count(
         "number of elements of equal length", at_most=10_000_000, default=1000
     )
-    material: Material | None = schema.nested(read_material)
+    material: Material | None = material_field()
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Hold:
     """``[[hold]]``: grains that do not move."""
 
-    index: tuple[int, ...] | None = schema.custom("which grains", parse_index, default=None)
-    group: str | None = schema.custom(
-        "the grains of this group of packing.file", schema.parse_label, default=None
+    index: tuple[int, ...] | None = schema.typed("which grains", INDEX, default=None)
+    group: str | None = schema.typed(
+        "the grains of this group of packing.file", schema.LABEL, default=None
     )
-    directions: str = schema.custom(
-        "directions in which they do not move, of x, y and z", _parse_directions, default="xyz"
+    directions: str = schema.typed(
+        "directions in which they do not move, of x, y and z", _DIRECTIONS, default="xyz"
     )
     rotation: bool = schema.choice("true: they do not turn either", (True, False), default=True)
 
@@ -220,11 +183,14 @@ class Hold:
         return "" if self.directions == _NO_DIRECTION else self.directions
 
 
-def _parse_line_name(value: Any) -> str:
+def _line_name(value: str) -> str:
     name = schema.plain_name(value)
-    if not all(one.isascii() and (one.isalnum() or one in "_-") for one in name):
-        raise ValidationError("a name of letters, digits, _ and -")
+    plain = all(one.isascii() and (one.isalnum() or one in "_-") for one in name)
+    schema.refuse_if(not plain, "a name of letters, digits, _ and -")
     return name
+
+
+_LINE_NAME = schema.TextType(expected=schema.PLAIN_NAME.expected, finish=_line_name)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -233,32 +199,31 @@ class Line:
     a wave.
     """
 
-    name: str = schema.custom("name of the line", _parse_line_name)
-    start: int | None = schema.custom(
+    name: str = schema.typed("name of the line", _LINE_NAME)
+    start: int | None = schema.typed(
         "id of the grain that it starts from; the struck one by default",
-        lambda value: schema.whole(value, "an id from 1 up"),
+        schema.CountType(form="an id from 1 up"),
         default=None,
     )
-    direction: tuple[float, float, float] = schema.custom(
+    direction: tuple[float, float, float] = schema.typed(
         "direction in which it goes; grains up to a quarter of a diameter beside it belong to it",
-        schema.numbers(
+        schema.vector_type(
             3,
             "[x, y, z], a vector of any length but 0, as [0, 0, 1] straight down",
             lambda *way: any(way),
         ),
         default=(0.0, 0.0, 1.0),
     )
-    index: tuple[int, ...] | str | None = schema.custom(
+    index: tuple[int, ...] | str | None = schema.typed(
         'ids of its grains in their order, in place of start and direction; "all": every grain of the packing',
-        schema.or_word(ALL_GRAINS, parse_index),
+        schema.or_word(ALL_GRAINS, INDEX, form=f'{INDEX_FORM}; or "{ALL_GRAINS}"'),
         default=None,
     )
-    leave_out: int | str = schema.custom(
+    leave_out: int | str = schema.typed(
         "grains at its end that the fit of the decay leaves out; auto: those within three diameters of a floor that "
         "does not move",
         schema.or_word(
-            "auto",
-            lambda value: schema.whole(value, 'a whole number from 0 up, or "auto"', at_least=0),
+            "auto", schema.CountType(at_least=0), form='a whole number from 0 up, or "auto"'
         ),
         default="auto",
     )
@@ -270,13 +235,13 @@ class Guide:
     a groove.
     """
 
-    index: tuple[int, ...] | None = schema.custom(
-        "which grains; all if neither index nor group is given", parse_index, default=None
+    index: tuple[int, ...] | None = schema.typed(
+        "which grains; all if neither index nor group is given", INDEX, default=None
     )
-    group: str | None = schema.custom(
-        "the grains of this group of packing.file or [[grains]]", schema.parse_label, default=None
+    group: str | None = schema.typed(
+        "the grains of this group of packing.file or [[grains]]", schema.LABEL, default=None
     )
-    free: str = schema.custom("directions in which they may move, of x, y and z", _parse_free)
+    free: str = schema.typed("directions in which they may move, of x, y and z", _FREE)
     rotation: bool = schema.choice("false: they do not turn", (False, True), default=True)
 
     def hold(self, n_grains: int) -> Hold:
@@ -300,24 +265,13 @@ class Sensor:
     In a chain the mean of its two contact forces is recorded; in other packings its acceleration.
     """
 
-    name: str = schema.custom("name of the sensor", schema.plain_name)
-    id: int = schema.custom(
-        "id of its sphere", lambda value: schema.whole(value, "an id from 1 up")
-    )
+    name: str = schema.typed("name of the sensor", schema.PLAIN_NAME)
+    id: int = schema.typed("id of its sphere", schema.CountType(form="an id from 1 up"))
 
 
 MATCHED = "matched"
-_DIRECTIONS = ("+z", "-z", "+x", "-x", "+y", "-y", "none")
+_TOWARDS = ("+z", "-z", "+x", "-x", "+y", "-y", "none")
 _RATE = Usual("1/s", 1.0, 1e8)
-
-
-def _parse_impedance(value: Any) -> float | str:
-    expected = 'a number above 0, or "matched"'
-    if value == MATCHED:
-        return MATCHED
-    found = schema.finite(value, expected)
-    schema.refuse_if(found <= 0, expected)
-    return found
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -329,7 +283,7 @@ class Absorb:
     each sphere: the end of a row, without reflection where it is the impedance of the row.
     """
 
-    index: tuple[int, ...] | None = schema.custom("which spheres", parse_index, default=None)
+    index: tuple[int, ...] | None = schema.typed("which spheres", INDEX, default=None)
     layers: int | None = schema.count(
         "the last layers of the packing; of a chain its last spheres", default=None
     )
@@ -338,12 +292,14 @@ class Absorb:
     )
     towards: str = schema.choice(
         'direction in which the rate rises, as the square of the depth, from zero; "none": the same everywhere',
-        _DIRECTIONS,
+        _TOWARDS,
         default="+z",
     )
-    impedance: float | str | None = schema.custom(
+    impedance: float | str | None = schema.typed(
         "force along z over the velocity of each sphere; matched: that of long waves under the precompression",
-        _parse_impedance,
+        schema.or_word(
+            MATCHED, schema.NumberType(above=0), form=f'a number above 0, or "{MATCHED}"'
+        ),
         unit="N s/m",
         default=None,
     )

@@ -21,10 +21,9 @@ from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.bounds import BOTTOMS, SIDES, Bottom, Sides
-from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.material import MATERIAL, Material, read_material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
-    ValidationError,
     read_table,
     refuse_unknown,
 )
@@ -295,24 +294,27 @@ class Tube:
     )
 
 
+def _tables_of(sections: Mapping[str, type]) -> dict[str, schema.ValueType]:
+    """Return the types of tables by name."""
+    return {
+        name: schema.TableType(section=section, expected=f"a table [{name}]")
+        for name, section in sections.items()
+    }
+
+
+_TOUCHED_FORM = 'a table such as {group = "cylinders"} or {material = ["aluminium", "steel"]}'
+_NAMES_FORM = "a name, or a list of names"
+_NAMES = schema.ListType(
+    item=schema.TextType(expected=_NAMES_FORM), expected=_NAMES_FORM, at_least=0, alone=True
+)
+
+
 @dataclasses.dataclass(frozen=True)
 class Touched:
     """Grains that side walls act on: those of these materials, and those of these groups."""
 
-    material: tuple[str, ...] = ()
-    group: tuple[str, ...] = ()
-
-
-def _parse_touched(value: Any) -> Touched:
-    form = 'a table such as {group = "cylinders"} or {material = ["aluminium", "steel"]}'
-    found = {name: (names,) if isinstance(names, str) else names
-             for name, names in schema.inner_table(value, form, ("material", "group")).items()}  # fmt: skip
-    for names in found.values():
-        if not isinstance(names, list | tuple) or not all(
-            isinstance(one, str) and one for one in names
-        ):
-            raise ValidationError(form)
-    return Touched(**{name: tuple(names) for name, names in found.items()})
+    material: tuple[str, ...] = schema.typed("names of materials", _NAMES, default=())
+    group: tuple[str, ...] = schema.typed("names of groups", _NAMES, default=())
 
 
 _FRICTION: dict[str, Any] = {"at_least": 0, "at_most": 1e4, "default": None, "unit": hints.FRICTION}
@@ -326,6 +328,12 @@ class Boundary:
         "what is below the last layer: a plane, the layer held in place, nothing, or (for bands) the packing again",
         tuple(BOTTOMS),
         default="wall",
+        otherwise=schema.TablesType(
+            expected="{material = ...} for a wall of a material; or {plate = ...}, {damper = ...}, "
+            "{half_space = ...} or {bar = ...} for one that moves: tables [boundary.bottom.plate] "
+            "and so on",
+            inner={"material": MATERIAL} | _tables_of(SUPPORTS),
+        ),
     )
     # of the bottom plane: bottom = {material = ...}; None: rigid
     bottom_material: Material | None = None
@@ -333,6 +341,11 @@ class Boundary:
         "what is at the sides: nothing, planes, or the packing again",
         tuple(SIDES),
         default="free",
+        otherwise=schema.TablesType(
+            expected="{material = ...} for walls of a material, {tube = {radius = ...}} for a "
+            "tube, or both",
+            inner={"material": MATERIAL} | _tables_of({"tube": Tube}),
+        ),
     )
     x: str | None = schema.choice(
         "the two planes across x, where they differ from sides", ("free", "wall"), default=None
@@ -346,10 +359,10 @@ class Boundary:
         hints.DISPLACEMENT,
         default=None,
     )
-    sides_touch: Touched | None = schema.custom(
+    sides_touch: Touched | None = schema.typed(
         "materials or groups of the grains that the side walls act on, and whose outermost ones the planes touch; left "
         "out: all",
-        _parse_touched,
+        schema.TableType(section=Touched, expected=_TOUCHED_FORM),
         default=None,
     )
     # radius of a tube around the axis x = y = 0, m: sides = {tube = {radius = ...}}
@@ -415,7 +428,7 @@ def read_boundary(table: Any, errors: ErrorList) -> Boundary | None:
     """Read ``[boundary]``, with the tables that may stand for a wall; faults are added to
     ``errors``.
     """
-    before = len(errors.lines)
+    before = len(errors.items)
     read = dict[str, Any]()
     for name, sections in (("bottom", SUPPORTS), ("sides", {"tube": Tube})):
         if isinstance(table, Mapping) and isinstance(table.get(name), Mapping):
@@ -424,7 +437,7 @@ def read_boundary(table: Any, errors: ErrorList) -> Boundary | None:
     boundary = read_table(Boundary, table, "boundary", errors)
     return (
         None
-        if boundary is None or len(errors.lines) > before
+        if boundary is None or len(errors.items) > before
         else dataclasses.replace(boundary, **read)
     )
 

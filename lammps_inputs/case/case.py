@@ -12,6 +12,7 @@ from typing import Any
 
 import tomli_w
 
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.added_grains import AddedGrains
 from granwave.lammps_inputs.case.bodies import (
     Absorb,
@@ -23,12 +24,19 @@ from granwave.lammps_inputs.case.bodies import (
     Sensor,
     Striker,
 )
-from granwave.lammps_inputs.case.boundary import SUPPORTS, Boundary, Tube
+from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.registry import LoadSection
-from granwave.lammps_inputs.case.material import MATERIALS, SELECTORS, Material, mass_of, presets
+from granwave.lammps_inputs.case.material import (
+    MATERIAL,
+    MATERIALS,
+    SELECTORS,
+    Material,
+    mass_of,
+    presets,
+)
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
 from granwave.lammps_inputs.case.run import (
@@ -39,11 +47,34 @@ from granwave.lammps_inputs.case.run import (
     Probe,
     Run,
 )
-from granwave.lammps_inputs.case.schema import key_fields, keys_of, numbered
+from granwave.lammps_inputs.case.schema import (
+    declared_fields,
+    info_of,
+    keys_of,
+    numbered,
+    with_inner_tables,
+)
 from granwave.lammps_inputs.run_directory import FIGURES_TABLE
 
-#: Section of each table of a case file whose keys are fields of a section, by heading.
-TABLES: dict[str, type] = {
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class CaseHead:
+    """Keys above all tables: name, material and the tables below."""
+
+    name: str = schema.key_field(
+        schema.KeyInfo(
+            description="name of the case, and of the directory of its results",
+            type=schema.PLAIN_NAME,
+            default_form="that of the file",
+        ),
+        default="",
+    )
+    material: Material = schema.typed(
+        "material of all bodies that have none of their own", MATERIAL
+    )
+
+
+_TABLES: dict[str, type] = {
     "[packing]": PackingSection,
     "[material]": Material,
     "[contact]": Contact,
@@ -52,8 +83,6 @@ TABLES: dict[str, type] = {
     "[run]": Run,
     "[output]": Output,
     f"[{FIGURES_TABLE}]": Figures,
-    "[boundary.sides.tube]": Tube,
-    **{f"[boundary.bottom.{name}]": section for name, section in SUPPORTS.items()},
     f"[{PRECOMPRESSION}]": Precompression,
     "[[grains]]": AddedGrains,
     "[[replace]]": Replace,
@@ -66,13 +95,15 @@ TABLES: dict[str, type] = {
     "[bar]": Bar,
     "[incident_bar]": Bar,
 }
+#: Section of each table of a case file, by heading; tables in a table follow it.
+TABLES = with_inner_tables(_TABLES)
 LISTS = {
-    heading.strip("[]"): section for heading, section in TABLES.items() if heading.startswith("[[")
+    heading.strip("[]"): section for heading, section in _TABLES.items() if heading.startswith("[[")
 }
 SECTIONS = {
     name: section
-    for heading, section in TABLES.items()
-    if "." not in (name := heading.strip("[]")) and name not in LISTS and section is not Material
+    for heading, section in _TABLES.items()
+    if (name := heading.strip("[]")) not in LISTS and section is not Material
 }
 OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # of the sections; the others have defaults
 KNOWN = ("name", "material", MATERIALS, *SECTIONS, "pair", *LISTS)
@@ -93,12 +124,8 @@ def unit_of(key: str) -> str:
         "pair": Contact
     }
     section = Material if table.endswith(".material") else sections.get(table)
-    found = (
-        [field.metadata["unit"] for field in key_fields(section) if field.name == name]
-        if section
-        else []
-    )
-    return str(found[0]) if found else ""
+    field = declared_fields(section).get(name) if section else None
+    return "" if field is None else info_of(field).unit
 
 
 RECORD = "resolved"  # table of derived values in the case.toml beside a deck, ignored when read

@@ -11,7 +11,18 @@ import numpy as np
 
 from granwave import _contact_laws
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.hints import FRICTION, POSSIBLE, VELOCITY
+from granwave.lammps_inputs.case.contact_tables import (
+    COHESION,
+    DENTS,
+    LOSS,
+    ROLLING,
+    TWISTING,
+    Cohesion,
+    Dents,
+    Loss,
+    Resistance,
+)
+from granwave.lammps_inputs.case.hints import FRICTION
 from granwave.lammps_inputs.case.law_parameters import (
     OF_CONTACT,
     PARAMETERS,
@@ -21,227 +32,10 @@ from granwave.lammps_inputs.case.law_parameters import (
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import (
     ErrorList,
-    ValidationError,
     read_table,
     refuse_unknown,
     show,
 )
-
-_DENT_FORM = "a number in m, the path of a result.h5, or tables {overlap = ...} or {force = ...} with low and high = [x, y, z]"
-
-
-def parse_dents(value: Any) -> float | str | tuple[Dents, ...]:
-    if isinstance(value, str) and value:
-        return value
-    if isinstance(value, Mapping):
-        value = [value]
-    if isinstance(value, list | tuple) and value:
-        return tuple(map(_parse_dent, value))
-    return _parse_size(value)
-
-
-def _parse_size(value: Any) -> float:
-    size = schema.finite(value, _DENT_FORM)
-    schema.refuse_if(size < 0, f"{_DENT_FORM}, not negative")
-    return size
-
-
-def _parse_dent(table: Any) -> Dents:
-    schema.inner_table(table, _DENT_FORM, ("overlap", "force", "low", "high"))
-    schema.refuse_if(("overlap" in table) == ("force" in table), _DENT_FORM)
-    found = {name: _parse_size(table[name]) for name in ("overlap", "force") if name in table}
-    corners = {
-        name: schema.parse_point(table[name], _DENT_FORM)
-        for name in ("low", "high")
-        if name in table
-    }
-    if len(corners) == 2 and any(
-        a > b for a, b in zip(corners["low"], corners["high"], strict=True)
-    ):
-        raise ValidationError("low of a box of dents below its high, along each axis")
-    return Dents(**found, **corners)  # type: ignore[arg-type]
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Dents:
-    """Initial dents of the contacts in a box, given by the largest earlier overlap (m) or force
-    (N).
-    """
-
-    overlap: float | None = None
-    force: float | None = None
-    low: tuple[float, float, float] | None = None
-    high: tuple[float, float, float] | None = None
-
-
-LOSS_FORM = (
-    "{time = ...} in s, {restitution = ..., velocity = ...} with the velocity in m/s, "
-    "{dashpot = ...} or {dashpot = {restitution = ...}}"
-)
-_KINDS = ("time", "restitution", "dashpot")
-_LONGEST_TIME = 1.0  # s
-_GAIN = "below 0 a contact would gain energy, and restitution exceed 1"
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class DashpotRestitution:
-    """Restitution that a dashpot gives a Hertzian contact, at any speed."""
-
-    restitution: float
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Loss:
-    """Viscous loss of contacts: one of the three kinds.
-
-    Attributes
-    ----------
-    time
-        Loss time A, s.
-    restitution, velocity
-        Restitution of a head-on collision, and its speed of approach, m/s; the loss time follows
-        from both.
-    dashpot
-        Factor of Tsuji's dashpot, or the restitution that it gives a Hertzian contact.
-    """
-
-    time: float | None = None
-    restitution: float | None = None
-    velocity: float | None = None
-    dashpot: float | DashpotRestitution | None = None
-
-
-def parse_loss(value: Any) -> Loss:
-    """Read a loss; raise `ValidationError` for anything but one of the three kinds."""
-    kinds = [
-        name
-        for name in _KINDS
-        if name in schema.inner_table(value, LOSS_FORM, (*_KINDS, "velocity"))
-    ]
-    schema.refuse_if(
-        len(kinds) > 1, f"one of {LOSS_FORM}; {' and '.join(kinds[:2])} exclude each other"
-    )
-    if kinds == ["restitution"]:
-        if "velocity" not in value:
-            of_dashpot = (
-                f"{{dashpot = {{restitution = {show(value['restitution'])}}}}} holds at any"
-            )
-            missing = "the velocity at which the restitution holds is missing"
-            raise ValidationError(f"{LOSS_FORM}; {missing}, and {of_dashpot}")
-        velocity = schema.finite(value["velocity"], LOSS_FORM)
-        if not POSSIBLE["m/s"][0] <= velocity <= VELOCITY.high * 1e3:
-            raise ValidationError("a velocity above 0 (m/s), at which the restitution holds")
-        return Loss(restitution=_parse_restitution(value["restitution"]), velocity=velocity)
-    schema.refuse_if("velocity" in value, f"{LOSS_FORM}; a velocity belongs to a restitution")
-    if kinds == ["time"]:
-        time = schema.finite(value["time"], LOSS_FORM)
-        form = f"a loss time from 0 to {_LONGEST_TIME:g} s"
-        schema.refuse_if(time < 0, f"{form}; {_GAIN}")
-        schema.refuse_if(time > _LONGEST_TIME, f"{form}; {time:g} us is {time:g}e-6")
-        return Loss(time=time)
-    if isinstance(factor := value["dashpot"], Mapping):
-        schema.inner_table(factor, LOSS_FORM, ("restitution",))
-        return Loss(
-            dashpot=DashpotRestitution(restitution=_parse_restitution(factor["restitution"]))
-        )
-    factor = schema.finite(factor, LOSS_FORM)
-    schema.refuse_if(factor < 0, f"a factor of the dashpot from 0 up; {_GAIN}")
-    return Loss(dashpot=factor)
-
-
-def _parse_restitution(value: Any) -> float:
-    restitution = schema.finite(value, LOSS_FORM)
-    schema.refuse_if(not 0 < restitution <= 1, "a restitution above 0 and at most 1")
-    return restitution
-
-
-MARSHALL = "marshall"  # resistance to twisting by the friction of the contact circle
-_MOST = {"coefficient": 10.0, "stiffness": 1e15, "damping": 1e9}
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Resistance:
-    """Spring, dashpot and slider that resist the rolling or the twisting of a contact.
-
-    Attributes
-    ----------
-    coefficient
-        Largest force over the normal force: a number for rolling, a length (m) for twisting.
-    stiffness
-        N/m for rolling, N m for twisting; None: it follows the contact circle.
-    damping
-        N s/m for rolling, N m s for twisting.
-    """
-
-    coefficient: float
-    stiffness: float | None = None
-    damping: float = 0.0
-
-
-def _parse_resistance(value: Any, form: str) -> Resistance:
-    """Read a coefficient or a table; 0 is no resistance, also where a pair takes back that of
-    [contact].
-    """
-    table = value if isinstance(value, Mapping) else {"coefficient": value}
-    table = schema.inner_table(table, form, _MOST, needed=("coefficient",))
-    found = {name: schema.finite(number, form) for name, number in table.items()}
-    for name, number in found.items():
-        schema.refuse_if(
-            not 0 <= number <= _MOST[name], f"{form}; {name} from 0 to {_MOST[name]:g}"
-        )
-    schema.refuse_if(
-        found.get("stiffness") == 0,
-        f"{form}; a stiffness above 0, or none, to follow the contact circle",
-    )
-    return Resistance(**found)
-
-
-def parse_rolling(value: Any) -> Resistance:
-    """Read a resistance to rolling; raise `ValidationError` for anything else."""
-    return _parse_resistance(
-        value, "a coefficient, or {coefficient = ..., stiffness = (N/m), damping = (N s/m)}"
-    )
-
-
-def parse_twisting(value: Any) -> Resistance | str:
-    """Read a resistance to twisting; raise `ValidationError` for anything else."""
-    form = 'a coefficient in m, {coefficient = (m), stiffness = (N m), damping = (N m s)}, or "marshall"'
-    return MARSHALL if value == MARSHALL else _parse_resistance(value, form)
-
-
-COHESIONS = ("jkr", "dmt")
-_MOST_ADHESION = 1e4  # J/m^2
-
-
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Cohesion:
-    """Cohesion of contacts.
-
-    Attributes
-    ----------
-    kind
-        ``jkr``: after Johnson, Kendall and Roberts; ``dmt``: after Derjaguin, Muller and Toporov.
-    energy
-        Work of adhesion of both surfaces together, J/m^2; 0: none, as where a pair takes back that
-        of [contact].
-    """
-
-    kind: str
-    energy: float
-
-
-def parse_cohesion(value: Any) -> Cohesion:
-    """Read a cohesion; raise `ValidationError` for anything else."""
-    form = '{kind = "jkr" or "dmt", energy = (work of adhesion, J/m^2)}'
-    schema.inner_table(value, form, ("kind", "energy"), needed=("kind", "energy"))
-    kind = value["kind"]
-    energy = schema.finite(value["energy"], form)
-    schema.refuse_if(kind not in COHESIONS, f"{form}; kind = {show(kind)} is neither")
-    schema.refuse_if(
-        not 0 <= energy <= _MOST_ADHESION, f"{form}; energy from 0 to {_MOST_ADHESION:g}"
-    )
-    return Cohesion(kind=kind, energy=energy)
-
 
 FITTED_POISSON_RATIO = 0.30
 _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
@@ -332,33 +126,33 @@ class Contact:
         ("mindlin_rescale", "mindlin", "partial_slip"),
         default="mindlin_rescale",
     )
-    rolling: Resistance | None = schema.custom(
+    rolling: Resistance | None = schema.typed(
         "resistance to rolling: largest torque over effective radius and normal force, or a table of coefficient, "
         "stiffness (N/m; that of the spring of friction if left out) and damping (N s/m)",
-        parse_rolling,
+        ROLLING,
         default=None,
     )
-    twisting: Resistance | str | None = schema.custom(
+    twisting: Resistance | str | None = schema.typed(
         "resistance to twisting: largest torque over normal force (m), a table of coefficient, stiffness (N m) and "
         'damping (N m s), or "marshall", by the friction of the contact circle',
-        parse_twisting,
+        TWISTING,
         default=None,
     )
-    loss: Loss | None = schema.custom(
+    loss: Loss | None = schema.typed(
         "loss by the rate of the overlap: by a time, by the restitution at a velocity, or by a dashpot (Tsuji)",
-        parse_loss,
+        LOSS,
         default=None,
     )
-    cohesion: Cohesion | None = schema.custom(
+    cohesion: Cohesion | None = schema.typed(
         'cohesion: kind "jkr" (elastic spheres held by a neck, law hertz) or "dmt" (a pull while surfaces touch, any '
         "law of two materials), and the work of adhesion in J/m^2",
-        parse_cohesion,
+        COHESION,
         default=None,
     )
-    initial_overlap: float | str | tuple[Dents, ...] = schema.custom(
+    initial_overlap: float | str | tuple[Dents, ...] = schema.typed(
         "largest overlap that the contacts had before the run, their dents: a value, values by region, or an earlier "
         "run's result.h5",
-        parse_dents,
+        DENTS,
         unit="m",
         default=0.0,
     )
@@ -460,6 +254,10 @@ RIGID = "rigid"  # name of a rigid wall in `Pair.materials`
 _NOT_BY_PAIR = ("initial_overlap", "line")
 _OF_ANY_LAW = ("friction", "tangential", "rolling", "twisting", "loss", "cohesion")
 _KEYS = tuple(field.name for field in dataclasses.fields(Contact) if field.name not in _NOT_BY_PAIR)
+_NAMES_FORM = 'two names of materials; "rigid" for a rigid wall'
+_NAMES = schema.ListType(
+    item=schema.TextType(expected=_NAMES_FORM), expected=_NAMES_FORM, at_least=2, at_most=2
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -468,13 +266,11 @@ class Pair:
 
     Attributes
     ----------
-    materials
-        Names of the two materials, which may be equal; "rigid" for a rigid wall.
     contact
         Values of ``[contact]``, overridden by those of the pair.
     """
 
-    materials: tuple[str, str]
+    materials: tuple[str, str] = schema.typed("materials of the two bodies", _NAMES)
     contact: Contact
 
     def fits(self, first: str | None, second: str | None) -> bool:
@@ -513,7 +309,7 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
                 key, f"found {show(table)}, expected a table of materials and keys of [contact]"
             )
             continue
-        before = len(errors.lines)
+        before = len(errors.items)
         names = table.get("materials", "nothing")
         refuse_unknown(table, ("materials", *_KEYS), key, errors)
         two = (
@@ -532,6 +328,6 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
              f"found {show(names)} twice, expected each pair once"),
         )  # fmt: skip
         law = read_table(Contact, shared | own, key, errors)
-        if law is not None and len(errors.lines) == before:
+        if law is not None and len(errors.items) == before:
             found.append(Pair(materials=(names[0], names[1]), contact=law))
     return tuple(found)

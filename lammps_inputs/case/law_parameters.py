@@ -59,7 +59,7 @@ def _in_case(parameter: _contact_laws.LawParameter) -> float | str | None:
 
 
 def _field(parameter: _contact_laws.LawParameter) -> Any:
-    """Return the field of a key, whose metadata have an ``example`` as well."""
+    """Return the field of a key."""
     description = parameter.description
     if parameter.optional and not parameter.of_material:
         description += f"; {parameter.default:g} if left out"
@@ -68,14 +68,13 @@ def _field(parameter: _contact_laws.LawParameter) -> Any:
     else:
         unit = parameter.unit or None
         made = schema.number(description, unit, **parameter.case_range)
-    metadata = {**made.metadata, "example": parameter.example}
-    return dataclasses.field(default=_in_case(parameter), metadata=metadata)
+    info = dataclasses.replace(schema.info_of(made), example=parameter.example)
+    return schema.key_field(info, _in_case(parameter))
 
 
-def parser_of(parameter: _contact_laws.LawParameter) -> schema.Parse:
-    """Return the function that checks a value of a parameter as that of its key."""
-    parse: schema.Parse = _field(parameter).metadata["parse"]
-    return parse
+def type_of(parameter: _contact_laws.LawParameter) -> schema.ValueType:
+    """Return the type of the values of the key of a parameter."""
+    return schema.info_of(_field(parameter)).type
 
 
 def keywords(

@@ -14,7 +14,7 @@ from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, TypeAlias
+from typing import TYPE_CHECKING, Any, ClassVar, TypeAlias
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,10 +29,9 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.files import read_toml
 
-SELECTORS = ("preset", "file")
 MATERIALS = "materials"  # table of further materials of a case
 _FIRST = (
     "name", "youngs_modulus", "poisson_ratio", "density", "yield_strength", "hardening",
@@ -48,8 +47,8 @@ class Material:
     The parameters that laws have for each material are fields as well.
     """
 
-    name: str | None = schema.custom(
-        "what the material is called in figures and tables", schema.parse_label, default=None
+    name: str | None = schema.typed(
+        "what the material is called in figures and tables", schema.LABEL, default=None
     )
     youngs_modulus: float = schema.number("Young's modulus", YOUNGS_MODULUS, above=0)
     poisson_ratio: float = schema.number("Poisson's ratio", above=-1, below=0.5)
@@ -59,6 +58,18 @@ class Material:
     )
     source: str | None = schema.text("where the values come from", default=None)
 
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "preset": schema.typed(
+            "material whose values hold where the table gives none",
+            schema.TextType(expected="the name of a material"),
+            default=None,
+        ),
+        "file": schema.path(
+            "TOML file that the preset is taken from; without it, those of the package",
+            default=None,
+        ),
+    }
+
     if TYPE_CHECKING:
 
         def __getattr__(self, name: str) -> Any: ...
@@ -67,6 +78,9 @@ class Material:
     def rate(self) -> tuple[float, float]:
         """Rate sensitivity, and reference rate, 1/s."""
         return self.rate_sensitivity or 0.0, self.reference_rate or 1.0
+
+
+SELECTORS = tuple(Material.FURTHER_KEYS)
 
 
 @cache
@@ -89,7 +103,7 @@ def material(name: str) -> Material:
     errors = ErrorList("material")
     found = _select(name, presets(), "preset", errors)
     if found is None:
-        raise InputError(errors.lines)
+        raise InputError(errors.items)
     return found
 
 
@@ -114,11 +128,10 @@ def load_materials(path: str | Path) -> dict[str, Material]:
         named = {"name": name, **table} if isinstance(table, Mapping) else table
         read[name] = read_table(Material, named, name, errors)
     if not read:
-        errors.lines.append(
-            f"{path}: found no material, expected tables such as [my-steel] with youngs_modulus and so on"
-        )
-    if errors.lines:
-        raise InputError(errors.lines)
+        tables_of_materials = "tables such as [my-steel] with youngs_modulus and so on"
+        errors.add("", Mismatch("no material", tables_of_materials))
+    if errors.items:
+        raise InputError(errors.items)
     return {name: entry for name, entry in read.items() if entry is not None}
 
 
@@ -134,7 +147,7 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     if isinstance(table, str):
         return _select(table, presets(), key, errors)
     if not isinstance(table, Mapping):
-        errors.add(key, f'found {show(table)}, expected a name ("brass") or a table [{key}]')
+        errors.add(key, Mismatch(show(table), f'a name ("brass") or a table [{key}]'))
         return None
     own = {name: value for name, value in table.items() if name not in SELECTORS}
     if "preset" not in table:
@@ -146,15 +159,13 @@ def read_material(table: Any, errors: ErrorList, key: str = "material") -> Mater
     file = table.get("file")
     try:
         if file is not None and (not isinstance(file, str) or not file):
-            errors.add(
-                f"{key}.file", f"found {show(file)}, expected the path of a TOML file of materials"
-            )
+            errors.add(f"{key}.file", Mismatch(show(file), "the path of a TOML file of materials"))
         else:
             known = presets() if file is None else load_materials(file)
             base = _select(table["preset"], known, f"{key}.preset", errors, file)
     except InputError as error:
-        for line in error.errors:
-            errors.add(f"{key}.file", line)
+        for item in error.items:
+            errors.add(f"{key}.file", str(item))
     if base is None:
         refuse_unknown(own, [field.name for field in dataclasses.fields(Material)], key, errors)
         return None
@@ -171,28 +182,63 @@ def _select(
         return known[name]
     there = f" in {file}" if file else ""
     hint = schema.did_you_mean(name, known, cutoff=0.5)
-    errors.add(key, f"found {show(name)}, expected one of {', '.join(known)}{there}{hint}")
+    errors.add(key, Mismatch(show(name), f"one of {', '.join(known)}{there}{hint}"))
     return None
+
+
+@dataclasses.dataclass(frozen=True)
+class MaterialType(schema.ValueType):
+    """Type of a material: a name, or a table of values."""
+
+    expected: str = "the name of a material, or a table of its values as in [material]"
+
+    def read(self, value: Any) -> Any:
+        """Return the value; `read_material` reads it."""
+        return value
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A name, or a table as schemas of files have it under ``$defs``."""
+        table = {"$ref": "#/$defs/material"}
+        return {"anyOf": [{"enum": sorted(presets())}, {"type": "string"}, table]}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """Names of the materials of the package."""
+        return tuple(presets())
+
+
+MATERIAL = MaterialType()
+
+
+def material_field(description: str = "material of this body; that of the case by default") -> Any:
+    """Field of the key ``material`` of a body."""
+    return schema.nested(description, MATERIAL, read_material)
 
 
 def read_materials(tables: Any, errors: ErrorList) -> dict[str, Material]:
     """Read the tables ``[materials.NAME]`` of a case: further materials, by name."""
     if not isinstance(tables, Mapping):
-        errors.add(MATERIALS, f"found {show(tables)}, expected tables such as [{MATERIALS}.soft]")
+        errors.add(MATERIALS, Mismatch(show(tables), f"tables such as [{MATERIALS}.soft]"))
         return {}
     found: dict[str, Material] = {}
     for name, table in tables.items():
         try:
             schema.parse_label(name)
         except ValidationError as error:
-            errors.add(MATERIALS, f"found a table called {show(name)}, expected {error}")
+            errors.add(MATERIALS, Mismatch(f"a table called {show(name)}", error.expected))
             continue
         material = read_material(table, errors, f"{MATERIALS}.{name}")
         if material is not None:
             found[name] = dataclasses.replace(material, name=name)
             other = isinstance(table, Mapping) and table.get("name", name) != name
-            errors.check((other, f"{MATERIALS}.{name}.name",
-                          f"found {show(material.name)}, expected the name of the table"))  # fmt: skip
+            errors.check(
+                (
+                    other,
+                    f"{MATERIALS}.{name}.name",
+                    Mismatch(show(material.name), "the name of the table"),
+                )
+            )
     return found
 
 
@@ -252,15 +298,38 @@ def direction(values: Sequence[float]) -> Vector:
     return x, y, z
 
 
-def parse_axis(value: Any) -> Vector:
-    """Read a direction of a case file; raise `ValidationError` if it is none."""
-    if isinstance(value, str) and value in AXES:
-        return AXES[value]
-    schema.refuse_if(not isinstance(value, list | tuple) or len(value) != 3, AXIS_FORM)
-    try:
-        return direction([schema.finite(one, AXIS_FORM) for one in value])
-    except ValueError:
-        raise ValidationError(f"{AXIS_FORM}, not all 0") from None
+@dataclasses.dataclass(frozen=True)
+class AxisType(schema.ValueType):
+    """Type of a direction: a letter, or three numbers."""
+
+    expected: str = AXIS_FORM
+
+    def read(self, value: Any) -> Vector:
+        """Return the unit vector."""
+        if isinstance(value, str) and value in AXES:
+            return AXES[value]
+        numbers = schema.vector_type(3, AXIS_FORM).read(value)
+        try:
+            return direction(numbers)
+        except ValueError:
+            raise ValidationError(f"{AXIS_FORM}, not all 0") from None
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A letter, or three numbers."""
+        return {"anyOf": [{"enum": [*AXES]}, schema.vector_type(3, AXIS_FORM).json]}
+
+    @property
+    def words(self) -> tuple[str, ...]:
+        """The letters."""
+        return tuple(AXES)
+
+    def is_meant(self, value: Any) -> bool:
+        """Return True for a string or a list."""
+        return isinstance(value, str | list | tuple)
+
+
+AXIS = AxisType()
 
 
 def shape_field() -> Any:
@@ -275,7 +344,7 @@ def length_field() -> Any:
 
 def axis_field() -> Any:
     """Field of the key ``axis``."""
-    return schema.custom("direction of the axis of cylinders", parse_axis, default=None)
+    return schema.typed("direction of the axis of cylinders", AXIS, default=None)
 
 
 def shape_of(table: Any, axis: Vector = AXES["y"]) -> Shape:
@@ -291,11 +360,20 @@ def check_shape(table: Any, key: str, errors: ErrorList) -> None:
     """Check that cylinders have a length, and spheres neither length nor axis."""
     cylinder = table.shape == "cylinder"
     errors.check(
-        (cylinder and table.length is None, f"{key}.length",
-         'missing; a cylinder (shape = "cylinder") has a length, m'),
-        *((not cylinder and getattr(table, name) is not None, f"{key}.{name}",
-           'found without shape = "cylinder"; give that, or take it out') for name in ("length", "axis")),
-    )  # fmt: skip
+        (
+            cylinder and table.length is None,
+            f"{key}.length",
+            'missing; a cylinder (shape = "cylinder") has a length, m',
+        ),
+        *(
+            (
+                not cylinder and getattr(table, name) is not None,
+                f"{key}.{name}",
+                Mismatch('without shape = "cylinder"', remedy="give that, or take it out"),
+            )
+            for name in ("length", "axis")
+        ),
+    )
 
 
 def mass_of(material: Material, radius: float, shape: Shape) -> float:

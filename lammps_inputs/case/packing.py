@@ -6,7 +6,7 @@ import dataclasses
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.material import (
     shape_of,
 )
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
     FILE,
@@ -51,65 +52,127 @@ _NOT_OF_FILE = (
 )
 _OF_FILE = ("file", "grains", "period")
 _OF_SHAPE = ("shape", "length", "axis")
-_BOTH_WAYS = schema.numbers(
-    2,
-    "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll",
-    lambda x, y: abs(x) == abs(y) == 1,
+_WAYS_FORM = (
+    "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
 )
+_SIZE_FORM = (
+    "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square), [nx, nz] (crystals in the plane) or "
+    "n (chain)"
+)
+_VACANCIES_FORM = "a share of the spheres, 0 or more and below 1, or a list of ids"
+_GAPS_FORM = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
+_CELL_FORM = "one, two or three vectors [x, y, z] in m that point in different directions"
+_GRAINS_FORM = "a table of grains as text, as it stands in packing.file"
 
 
-def _parse_size(value: Any) -> tuple[int, ...]:
-    expected = "whole numbers from 1 up: [nx, ny, nz], [nx, ny] (square), [nx, nz] (crystals in the plane) or n (chain)"
-    counts = value if isinstance(value, list | tuple) else [value]
-    size = tuple(schema.whole(count, expected) for count in counts)
-    schema.refuse_if(not 1 <= len(size) <= 3, expected)
-    schema.refuse_if(math.prod(size) > LARGEST_ID, f"at most {LARGEST_ID} spheres in all")
-    return size
+def _both_ways(ways: tuple[float, float]) -> tuple[int, int]:
+    x, y = ways
+    schema.refuse_if(abs(x) != 1 or abs(y) != 1, _WAYS_FORM)
+    return int(x), int(y)
 
 
-def _parse_vacancies(value: Any) -> float | tuple[int, ...]:
-    expected = "a share of the spheres, 0 or more and below 1, or a list of ids"
-    if isinstance(value, list | tuple):
-        return tuple(sorted({schema.whole(one, expected) for one in value}))
-    share = schema.finite(value, expected)
-    schema.refuse_if(not 0 <= share < 1, expected)
-    return share
+def _size(counts: tuple[int, ...]) -> tuple[int, ...]:
+    is_too_large = math.prod(counts) > LARGEST_ID
+    schema.refuse_if(is_too_large, f"at most {LARGEST_ID} spheres in all")
+    return counts
 
 
-def _parse_gaps(value: Any) -> tuple[tuple[int, float], ...]:
-    expected = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
-    if not isinstance(value, list | tuple) or not all(
-        isinstance(one, list | tuple) and len(one) == 2 for one in value
-    ):
-        raise ValidationError(expected)
-    found = tuple(
-        (schema.whole(sphere, expected), schema.finite(width, expected)) for sphere, width in value
-    )
-    schema.refuse_if(not found or len({sphere for sphere, _ in found}) < len(found), expected)
-    return found
+def _different_ids(ids: tuple[int, ...]) -> tuple[int, ...]:
+    return tuple(sorted(set(ids)))
 
 
-def _parse_cell(value: Any) -> tuple[tuple[float, float, float], ...]:
-    expected = "one, two or three vectors [x, y, z] in m that point in different directions"
-    schema.refuse_if(not isinstance(value, list | tuple) or not 1 <= len(value) <= 3, expected)
-    vectors = tuple(schema.parse_point(one, expected) for one in value)
-    lengths = [math.hypot(*one) for one in vectors]
-    if not all(lengths) or np.linalg.matrix_rank(
-        np.array(vectors) / np.array(lengths)[:, None]
-    ) < len(vectors):
-        raise ValidationError(expected)
+@dataclasses.dataclass(frozen=True)
+class GapType(schema.ValueType):
+    """Type of a gap of a chain: the sphere before it and its width."""
+
+    expected: str = _GAPS_FORM
+
+    def read(self, value: Any) -> tuple[int, float]:
+        """Return sphere and width, m."""
+        is_pair = isinstance(value, list | tuple) and len(value) == 2
+        schema.refuse_if(not is_pair, self.expected)
+        sphere, width = value
+        return schema.whole(sphere, self.expected), schema.finite(width, self.expected)
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A list of two numbers."""
+        return schema.vector_type(2, self.expected).json
+
+
+def _gaps(gaps: tuple[tuple[int, float], ...]) -> tuple[tuple[int, float], ...]:
+    spheres = {sphere for sphere, _ in gaps}
+    schema.refuse_if(len(spheres) < len(gaps), _GAPS_FORM)
+    return gaps
+
+
+def _cell(
+    vectors: tuple[tuple[float, float, float], ...],
+) -> tuple[tuple[float, float, float], ...]:
+    lengths = [math.hypot(*vector) for vector in vectors]
+    schema.refuse_if(not all(lengths), _CELL_FORM)
+    directions = np.array(vectors) / np.array(lengths)[:, None]
+    schema.refuse_if(np.linalg.matrix_rank(directions) < len(vectors), _CELL_FORM)
     return vectors
 
 
-def _parse_grains(value: Any) -> Grains:
-    if isinstance(value, Grains):
-        return value
-    expected = "a table of grains as text, as it stands in packing.file"
-    schema.refuse_if(not isinstance(value, str), expected)
+def _read_text(text: str) -> Grains:
     try:
-        return parse_grains(value, None)
+        return parse_grains(text, None)
     except ValueError as error:
-        raise ValidationError(f"{expected}: {error}") from None
+        raise ValidationError(f"{_GRAINS_FORM}: {error}") from None
+
+
+@dataclasses.dataclass(frozen=True)
+class GrainsType(schema.ValueType):
+    """Type of a table of grains: its text, or the grains that were read of a file."""
+
+    expected: str = _GRAINS_FORM
+    kind: ClassVar[str] = "string"
+
+    def read(self, value: Any) -> Grains:
+        """Return the grains."""
+        if isinstance(value, Grains):
+            return value
+        schema.refuse_if(not isinstance(value, str), self.expected)
+        return _read_text(value)
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A string."""
+        return {"type": "string"}
+
+
+_SIZE = schema.ListType(
+    item=schema.CountType(form=_SIZE_FORM),
+    expected=_SIZE_FORM,
+    at_most=3,
+    alone=True,
+    finish=_size,
+)
+_GAPS = schema.ListType(item=GapType(), expected=_GAPS_FORM, finish=_gaps)
+_CELL = schema.ListType(
+    item=schema.vector_type(3, _CELL_FORM), expected=_CELL_FORM, at_most=3, finish=_cell
+)
+_VACANCIES = schema.EitherType(
+    types=(
+        schema.ListType(
+            item=schema.CountType(form=_VACANCIES_FORM),
+            expected=_VACANCIES_FORM,
+            at_least=0,
+            finish=_different_ids,
+        ),
+        schema.NumberType(at_least=0, below=1, form=_VACANCIES_FORM),
+    ),
+    form=_VACANCIES_FORM,
+)
+_WAYS = schema.ListType(
+    item=schema.NumberType(form=_WAYS_FORM),
+    expected=_WAYS_FORM,
+    at_least=2,
+    at_most=2,
+    finish=_both_ways,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -117,9 +180,9 @@ class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
     kind: str = schema.choice("lattice; file: grains at places of their own", kind_names())
-    size: tuple[int, ...] = schema.custom(
+    size: tuple[int, ...] = schema.typed(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
-        _parse_size,
+        _SIZE,
     )
     top_row: str = schema.choice(
         "struck row of a crystal in the plane: a long one of rows that alternate between n and n - 1 grains, a short "
@@ -133,28 +196,28 @@ class PackingSection:
     shape: str = shape_field()
     length: float | None = length_field()
     axis: Vector | None = axis_field()
-    grains: Grains | None = schema.custom(
+    grains: Grains | None = schema.typed(
         "the table of a file as text; a case that was run holds its grains so",
-        _parse_grains,
+        GrainsType(),
         default=None,
     )
-    period: tuple[float, float] | None = schema.custom(
+    period: tuple[float, float] | None = schema.typed(
         'periods along x and y of grains of a file, for boundary.sides = "periodic"; those of the file\'s cell if it '
         "has one",
-        schema.numbers(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
+        schema.vector_type(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
         unit=LENGTH,
         default=None,
     )
-    gaps: tuple[tuple[int, float], ...] = schema.custom(
+    gaps: tuple[tuple[int, float], ...] = schema.typed(
         "gaps in a chain: after which sphere, and how wide; negative: an overlap",
-        _parse_gaps,
+        _GAPS,
         unit="m",
         default=(),
     )
-    cell: tuple[tuple[float, float, float], ...] | None = schema.custom(
+    cell: tuple[tuple[float, float, float], ...] | None = schema.typed(
         "vectors after which the grains of a file, or [[grains]] with their lattice, repeat, for granwave bands; by "
         "default those of the file, if it has",
-        _parse_cell,
+        _CELL,
         unit="m",
         default=None,
     )
@@ -169,22 +232,29 @@ class PackingSection:
         ("uniform", "normal"),
         default="uniform",
     )
-    vacancies: float | tuple[int, ...] = schema.custom(
+    vacancies: float | tuple[int, ...] = schema.typed(
         "spheres left out: a share of them, chosen at random, or their ids",
-        _parse_vacancies,
+        _VACANCIES,
         default=0.0,
     )
-    tilt: tuple[int, int] | None = schema.custom(
+    tilt: tuple[int, int] | None = schema.typed(
         "slight tilt of a square packing's floor: ways along x and y, 1 or -1 each, in which the spheres roll until "
         "they lean on each other; left out: they stay at the sites of the lattice",
-        lambda value: tuple(map(int, _BOTH_WAYS(value))),
+        _WAYS,
         default=None,
     )
-    seed: int | None = schema.custom(
+    seed: int | None = schema.typed(
         "seed of all that is random in the packing",
-        lambda value: schema.whole(value, f"a whole number from 0 to {LARGEST_ID}", at_least=0),
+        schema.CountType(at_least=0, form=f"a whole number from 0 to {LARGEST_ID}"),
         default=None,
     )
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "file": schema.path(
+            "grains of a packing of kind file: a table (x, y, z, diameter ...), or what ASE reads",
+            default=None,
+        )
+    }
 
     @property
     def rule(self) -> PackingKind:
@@ -234,42 +304,64 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     """
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
-    kind = table.get("kind")
-    before = len(errors.lines)
-    if kind == FILE:
-        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
-        foreign = dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
-    else:  # a cell may come with [[grains]]: see `parse_case`
-        foreign = dict.fromkeys(
-            _OF_FILE, f'belongs to packing.kind = "file"; found {show(table.get("kind", ""))}'
-        )
-        if kind in list(KINDS) and not KINDS[kind].is_plane_crystal:
-            able = " or ".join(show(name) for name, rule in KINDS.items() if rule.is_plane_crystal)
-            foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
-    errors.check(*((name in table, f"packing.{name}", text) for name, text in foreign.items()))
-    rest = {name: value for name, value in table.items() if name not in (*foreign, "file")}
-    if kind != FILE:
-        found = read_table(PackingSection, rest, "packing", errors)
-        before = len(errors.lines)
-        if found is not None:
-            _check_cylinders(found, errors)
-        return found if len(errors.lines) == before else None
-    if "grains" not in table:
-        rest["grains"] = grains = _from_file(table, errors)
-        if grains is not None and grains.period is not None:
-            rest.setdefault("period", grains.period)
-    elif "file" in table:
-        errors.add("packing.file", "found beside packing.grains; give one of them")
-    if len(errors.lines) > before:
+    before = len(errors.items)
+    foreign = _foreign_keys(table.get("kind"))
+    for name, text in foreign.items():
+        if name in table:
+            errors.add(f"packing.{name}", text)
+    own = {name: value for name, value in table.items() if name not in (*foreign, "file")}
+    if table.get("kind") != FILE:
+        return _read_lattice(own, errors)
+    given = _given_grains(table, errors)
+    if len(errors.items) > before:
         return None
-    if "cell" not in table and "file" in table and (cell := read_cell(Path(table["file"]))):
-        rest["cell"] = cell
-    # The rest is read with stand-ins for what follows from the grains.
-    section = read_table(PackingSection, {"diameter": 1e-3, **rest, "size": 1}, "packing", errors)
+    # the rest is read with stand-ins for what follows from the grains
+    rest = {"diameter": 1e-3, **given, **own, "size": 1}
+    section = read_table(PackingSection, rest, "packing", errors)
     if section is None or section.grains is None:
         return None
     diameter = section.diameter if "diameter" in table else section.grains.usual_diameter
     return dataclasses.replace(section, size=(len(section.grains),), diameter=diameter)
+
+
+def _foreign_keys(kind: Any) -> dict[str, str]:
+    """Return the keys that a kind of packing does not have, each with the fault."""
+    if kind == FILE:
+        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
+        return dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
+    # a cell may come with [[grains]]: see `parse_case`
+    found = show("" if kind is None else kind)
+    foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {found}')
+    if kind in list(KINDS) and not KINDS[kind].is_plane_crystal:
+        able = " or ".join(show(name) for name, rule in KINDS.items() if rule.is_plane_crystal)
+        foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
+    return foreign
+
+
+def _read_lattice(table: Mapping[str, Any], errors: ErrorList) -> PackingSection | None:
+    """Read the packing of a lattice."""
+    packing = read_table(PackingSection, table, "packing", errors)
+    before = len(errors.items)
+    if packing is not None:
+        _check_cylinders(packing, errors)
+    return packing if len(errors.items) == before else None
+
+
+def _given_grains(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
+    """Return grains, periods and cell of the file that a packing names, as values of its keys."""
+    given: dict[str, Any] = {}
+    if "grains" in table:
+        if "file" in table:
+            beside = Mismatch("beside packing.grains", remedy="give one of them")
+            errors.add("packing.file", beside)
+        return given
+    grains = _from_file(table, errors)
+    given["grains"] = grains
+    if grains is not None and grains.period is not None:
+        given["period"] = grains.period
+    if grains is not None and "cell" not in table and (cell := read_cell(Path(table["file"]))):
+        given["cell"] = cell
+    return given
 
 
 def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
@@ -282,11 +374,17 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
     along = np.abs(packing.rule.contact_directions @ shape.vector).max()
     flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
     errors.check_first(
-        (packing.kind not in flat, "packing.shape",
-         f'found "cylinder" for {packing.kind}, expected a packing in a plane: {", ".join(flat)}'),
-        (along > _ACROSS, "packing.axis",
-         f"found {show(list(shape.axis))}, expected a direction across all contacts of {packing.kind}"),
-    )  # fmt: skip
+        (
+            packing.kind not in flat,
+            "packing.shape",
+            Mismatch(f'"cylinder" for {packing.kind}', f"a packing in a plane: {', '.join(flat)}"),
+        ),
+        (
+            along > _ACROSS,
+            "packing.axis",
+            Mismatch(show(list(shape.axis)), f"a direction across all contacts of {packing.kind}"),
+        ),
+    )
 
 
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
@@ -319,10 +417,13 @@ def check_size(packing: PackingSection, errors: ErrorList) -> bool:
     in_rows = packing.rule.is_plane_crystal
     form = f"a number {packing.rule.size_form}" if len(axes) == 1 else packing.rule.size_form
     return packing.grains is not None or errors.check_first(
-        (len(packing.size) != len(axes), _KEY, f"found {size}, expected {form} for {packing.kind}"),
-        (in_rows and packing.top_row != "equal" and packing.size[0] <= 1, _KEY,
-         f"found {size}: the short rows would be empty; expected 2 or more in a row"),
-    )  # fmt: skip
+        (len(packing.size) != len(axes), _KEY, Mismatch(size, f"{form} for {packing.kind}")),
+        (
+            in_rows and packing.top_row != "equal" and packing.size[0] <= 1,
+            _KEY,
+            Mismatch(f"{size}: the short rows would be empty", "2 or more in a row"),
+        ),
+    )
 
 
 def check_memory_of_sites(
@@ -334,7 +435,14 @@ def check_memory_of_sites(
     needed = n_sites * bytes_of_site
     available = available_memory()
     return errors.check_first(
-        (needed > available, _KEY,
-         f"found {show(packing.size)}: {packing.lattice().n_spheres} spheres need more than {needed / 2**30:.1f} GiB "
-         f"of memory, there is {available / 2**30:.1f} GiB; make the packing smaller or change machine"),
-    )  # fmt: skip
+        (
+            needed > available,
+            _KEY,
+            Mismatch(
+                f"{show(packing.size)}: {packing.lattice().n_spheres} spheres need "
+                f"more than {needed / 2**30:.1f} GiB of memory, there is "
+                f"{available / 2**30:.1f} GiB",
+                remedy="make the packing smaller or change machine",
+            ),
+        ),
+    )

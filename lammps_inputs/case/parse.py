@@ -32,6 +32,7 @@ from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
+    Material,
     read_material,
     read_materials,
     with_named_materials,
@@ -46,7 +47,7 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
 from granwave.lammps_inputs.files import with_absolute_paths
 from granwave.lammps_inputs.lattices import KINDS
 
@@ -65,9 +66,8 @@ def parse_override(override: str) -> tuple[str, Any]:
     """
     key, equals, written = (part.strip() for part in override.partition("="))
     if not equals or not _KEY.fullmatch(key):
-        raise InputError(
-            f"--set: found {show(override)}, expected KEY=VALUE such as load.velocity=10"
-        )
+        form = Mismatch(show(override), "KEY=VALUE such as load.velocity=10")
+        raise InputError(fault_of(form, changed=True))
     try:
         document = tomllib.loads(f"value = {written}")
     except tomllib.TOMLDecodeError:
@@ -76,10 +76,9 @@ def parse_override(override: str) -> tuple[str, Any]:
         return key, document["value"]
     if _BARE_WORD.fullmatch(written):
         return key, written
-    hint = f"; a list is [{written}]" if "," in written and "[" not in written else ""
-    raise InputError(
-        f"--set: {key}: found {show(written)}, expected a TOML value or a bare word{hint}"
-    )
+    hint = f"a list is [{written}]" if "," in written and "[" not in written else ""
+    value = Mismatch(show(written), "a TOML value or a bare word", hint)
+    raise InputError(fault_of(value, key=key, changed=True))
 
 
 def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, Any]:
@@ -92,17 +91,17 @@ def parse_overrides(overrides: Iterable[str] | Mapping[str, Any]) -> dict[str, A
     if isinstance(overrides, str):
         overrides = [overrides]
     parsed: dict[str, Any] = {}
-    errors: list[str] = []
+    faults: list[InputFault] = []
     for override in overrides:
         try:
             key, value = parse_override(override)
         except InputError as error:
-            errors += error.errors
+            faults += error.items
         else:
             parsed.pop(key, None)  # the last override of a key counts, and is applied last
             parsed[key] = value
-    if errors:
-        raise InputError(errors)
+    if faults:
+        raise InputError(faults)
     return dict(with_absolute_paths(parsed, Path()))
 
 
@@ -115,41 +114,45 @@ def apply_overrides(data: Mapping[str, Any], overrides: Mapping[str, Any]) -> di
         Part of a dotted key names a value that is not a table.
     """
     result = copy.deepcopy(dict(data))
-    errors: list[str] = []
+    faults = []
     for key, value in overrides.items():
-        try:
-            _set(result, key.split("."), copy.deepcopy(value))
-        except ValueError as error:
-            errors.append(f"--set: {key}: {error}")
-    if errors:
-        raise InputError(errors)
+        fault = _set(result, key.split("."), copy.deepcopy(value))
+        if fault is not None:
+            faults.append(fault_of(fault, key=key, changed=True))
+    if faults:
+        raise InputError(faults)
     return result
 
 
-def _set(table: Any, path: list[str], value: Any) -> None:
-    """Set a value of a table, or of an array of tables, whose numbers count from 1; raise
-    ValueError on faults.
+def _set(table: Any, path: list[str], value: Any) -> Mismatch | None:
+    """Set a value of a table, or of an array of tables, whose numbers count from 1; return the
+    fault if there is no such place.
     """
     for name, following in pairwise(path):
-        if isinstance(table, list):
-            inner = table[int(name) - 1]
-        elif following.isdigit() and name not in table:
-            raise ValueError(
-                f"found no [[{name}]] tables, expected {following} or more; give them whole"
-            )
-        else:
-            inner = table.setdefault(name, {})
-            if name == "material" and isinstance(inner, str):
-                inner = table[name] = {"preset": inner}
+        if following.isdigit() and isinstance(table, dict) and name not in table:
+            return Mismatch(f"no [[{name}]] tables", f"{following} or more", "give them whole")
+        inner = _inner(table, name)
         if isinstance(inner, list) and following.isdigit():
             if not 1 <= int(following) <= len(inner):
-                raise ValueError(
-                    f"found {len(inner)} [[{name}]] tables, expected {following} or more"
-                )
+                return Mismatch(f"{len(inner)} [[{name}]] tables", f"{following} or more")
         elif not isinstance(inner, dict):
-            raise ValueError(f"found {name} = {show(inner)}, expected a table [{name}]")
+            return Mismatch(f"{name} = {show(inner)}", f"a table [{name}]")
         table = inner
     table[int(path[-1]) - 1 if isinstance(table, list) else path[-1]] = value
+    return None
+
+
+def _inner(table: Any, name: str) -> Any:
+    """Return a value of a table, by default a new table, or of an array of tables; a material that
+    is a name becomes a table.
+    """
+    if isinstance(table, list):
+        return table[int(name) - 1]
+    inner = table.setdefault(name, {})
+    if name == "material" and isinstance(inner, str):
+        inner = {"preset": inner}
+        table[name] = inner
+    return inner
 
 
 _READERS: dict[type, Callable[[Any, ErrorList], Any]] = {
@@ -184,14 +187,7 @@ def parse_case(
     dict
         Fields of `Case` by name; None for those that are wrong.
     """
-    for name in (one for one in _OF_OTHERS if one in data):
-        errors.add_unknown(name, _OF_OTHERS[name])
-    refuse_unknown(
-        {name: value for name, value in data.items() if name not in (*_OF_OTHERS, RECORD)},
-        KNOWN,
-        "",
-        errors,
-    )
+    _refuse_other_tables(data, errors)
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
@@ -206,31 +202,54 @@ def parse_case(
     )
     parts[PRECOMPRESSION] = _pressed(parts, errors)
     parts["pair"] = read_pairs(data.get("pair", ()), data.get("contact", {}), errors)
-    parts |= {
-        name: read_list(section, data.get(name, ()), name, errors)
-        for name, section in LISTS.items()
-    }
-    packing = parts.get("packing")
-    added = parts.pop("grains")
-    if packing is not None and (added or packing.gaps):
-        periodic = parts["boundary"] is not None and parts["boundary"].periodic
-        packing = parts["packing"] = with_added_grains(
-            packing, added, materials, errors, periodic=periodic, stored=stored
-        )
+    for name, section in LISTS.items():
+        parts[name] = read_list(section, data.get(name, ()), name, errors)
+    _add_grains(parts, materials, errors, stored=stored)
     parts[MATERIALS] = tuple(materials.values())
-    if (
-        packing is not None and packing.cell is not None and packing.rule.is_lattice
-    ):  # a lattice has its own
+    packing: PackingSection | None = parts.get("packing")
+    if packing is not None:
+        _check_cell(packing, errors)
+        if "load" not in data and _moves(packing):
+            parts["load"] = GrainsLoad()
+    return parts
+
+
+def _refuse_other_tables(data: Mapping[str, Any], errors: ErrorList) -> None:
+    """Add faults of tables that a case does not have, or that are those of other files."""
+    for name, where in _OF_OTHERS.items():
+        if name in data:
+            errors.add_unknown(name, where)
+    own = {name: table for name, table in data.items() if name not in (*_OF_OTHERS, RECORD)}
+    refuse_unknown(own, KNOWN, "", errors)
+
+
+def _add_grains(
+    parts: dict[str, Any], materials: dict[str, Material], errors: ErrorList, *, stored: bool
+) -> None:
+    """Put the ``[[grains]]`` and the gaps of a chain into the packing, and their materials among
+    the further ones.
+    """
+    added = parts.pop("grains")
+    packing: PackingSection | None = parts.get("packing")
+    boundary: Boundary | None = parts["boundary"]
+    if packing is None or not (added or packing.gaps):
+        return
+    periodic = boundary is not None and boundary.periodic
+    parts["packing"] = with_added_grains(
+        packing, added, materials, errors, periodic=periodic, stored=stored
+    )
+
+
+def _check_cell(packing: PackingSection, errors: ErrorList) -> None:
+    """Check that a lattice, which has a cell of its own, is given none."""
+    if packing.cell is not None and packing.rule.is_lattice:
         found = f"found {show(packing.kind)} alone"
         errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
-    if (
-        "load" not in data
-        and packing is not None
-        and packing.grains is not None
-        and packing.grains.velocity.any()
-    ):
-        parts["load"] = GrainsLoad()
-    return parts
+
+
+def _moves(packing: PackingSection) -> bool:
+    """Return True if grains of a file have a velocity."""
+    return packing.grains is not None and bool(packing.grains.velocity.any())
 
 
 def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | None:
@@ -243,9 +262,8 @@ def _pressed(parts: Mapping[str, Any], errors: ErrorList) -> Precompression | No
     flat = packing is not None and packing.rule.is_plane_crystal and boundary.y is None
     moves = {axis: -boundary.gap for axis in ("x" if flat else "xy") if boundary.has_planes(axis)}
     implied = Precompression(kind=MovedWalls.name, **moves)
-    found = (
-        f"found {boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]; take one of them out"
-    )
+    both = f"{boundary.gap:g} m, which presses, beside [{PRECOMPRESSION}]"
+    found = Mismatch(both, remedy="take one of them out")
     errors.check((given is not None and given != implied, "boundary.side_gap", found))
     return implied if moves else given
 
@@ -284,21 +302,19 @@ def read_parts(
     parts: dict[str, Any] = {"name": read_name(data, source, errors)}
     for name in required:
         if name not in data:
-            errors.add(
-                name,
-                f"missing; a case needs [{name}]"
-                + ', or material = "steel"' * (name == "material"),
-            )
+            or_name = ', or material = "steel"' if name == "material" else ""
+            errors.add(name, f"missing; a case needs [{name}]{or_name}")
     if "material" in data:
         parts["material"] = read_material(data["material"], errors)
     for name, section in sections.items():
         if name not in data and name in (*required, *optional):
             continue
-        table = data.get(name, {})
         read = (readers or {}).get(section)
-        parts[name] = (
-            read_table(section, table, name, errors) if read is None else read(table, errors)
-        )
+        table = data.get(name, {})
+        if read is None:
+            parts[name] = read_table(section, table, name, errors)
+        else:
+            parts[name] = read(table, errors)
     return parts
 
 
@@ -315,22 +331,22 @@ def _with_implied(data: Mapping[str, Any]) -> dict[str, Any]:
     These are strikers as the load, the axis of strikers, and a bar for a bottom.
     """
     data = dict(data)
-    packing, boundary = (
-        data.get(name, {}) if isinstance(data.get(name, {}), Mapping) else None
-        for name in ("packing", "boundary")
-    )
     if "striker" in data:
         data.setdefault("load", {"kind": StrikerLoad.kind})
-    if (
-        packing
-        and packing.get("shape") == "cylinder"
-        and isinstance(data.get("striker"), list | tuple)
-    ):
-        axis = {"axis": packing["axis"]} if "axis" in packing else _usual_axis(packing)
-        data["striker"] = [
-            axis | dict(one) if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
-            for one in data["striker"]
-        ]
-    if "bar" in data and boundary is not None:
+        data["striker"] = _with_axes(data["striker"], data.get("packing"))
+    boundary = data.get("boundary", {})
+    if "bar" in data and isinstance(boundary, Mapping):
         data["boundary"] = {"bottom": "free", **boundary}
     return data
+
+
+def _with_axes(strikers: Any, packing: Any) -> Any:
+    """Return strikers with the axis of the cylinders of the packing, where they are cylinders."""
+    in_packing = isinstance(packing, Mapping) and packing.get("shape") == "cylinder"
+    if not in_packing or not isinstance(strikers, list | tuple):
+        return strikers
+    implied = {"axis": packing["axis"]} if "axis" in packing else _usual_axis(packing)
+    return [
+        {**implied, **one} if isinstance(one, Mapping) and one.get("shape") == "cylinder" else one
+        for one in strikers
+    ]

@@ -6,9 +6,8 @@ from __future__ import annotations
 
 import dataclasses
 import re
-from collections.abc import Mapping
 from itertools import pairwise
-from typing import Any, Literal
+from typing import Any, ClassVar, Literal
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import INTERVAL, TIME
@@ -28,22 +27,44 @@ FRAMES_OF_A_FILM = 60
 _SHARE = re.compile(r"(\d+(?:\.\d+)?) ?%")
 
 
-def _parse_frames(value: Any) -> int | Literal["auto"] | tuple[float, ...] | tuple[str, ...]:
-    expected = (
-        'how many snapshots (from 1 up), "auto", or a list of rising times, all in s or all shares '
-        'of run.end_time ("25 %")'
-    )
-    if value == AUTO:
-        return AUTO
-    if not isinstance(value, list | tuple):
-        return schema.whole(value, expected, at_most=schema.NO_LIMIT)
-    words = all(isinstance(one, str) for one in value)
-    times = [parse_share(one, expected) if words else schema.finite(one, expected) for one in value]
-    schema.refuse_if(
-        not times or times[0] < 0 or any(later <= earlier for earlier, later in pairwise(times)),
-        expected,
-    )
-    return tuple(value) if words else tuple(times)
+_FRAMES_FORM = (
+    'how many snapshots (from 1 up), "auto", or a list of rising times, all in s or all shares '
+    'of run.end_time ("25 %")'
+)
+
+
+@dataclasses.dataclass(frozen=True)
+class TimesType(schema.ValueType):
+    """Type of the times of snapshots: seconds, or shares of the end time in words."""
+
+    kind: ClassVar[str] = "array"
+    expected: str = _FRAMES_FORM
+
+    def read(self, value: Any) -> tuple[float, ...] | tuple[str, ...]:
+        """Return the times, s, or the shares as they are."""
+        schema.refuse_if(not isinstance(value, list | tuple) or not value, self.expected)
+        in_words = all(isinstance(one, str) for one in value)
+        read = parse_share if in_words else schema.finite
+        times = [read(one, self.expected) for one in value]
+        falls = any(later <= earlier for earlier, later in pairwise(times))
+        schema.refuse_if(times[0] < 0 or falls, self.expected)
+        return tuple(value) if in_words else tuple(times)
+
+    @property
+    def json(self) -> dict[str, Any]:
+        """A list of numbers, or of words."""
+        items = {"anyOf": [{"type": "number"}, {"type": "string"}]}
+        return {"type": "array", "items": items, "minItems": 1}
+
+
+_FRAMES = schema.EitherType(
+    types=(
+        schema.WordType(AUTO),
+        TimesType(),
+        schema.CountType(at_most=schema.NO_LIMIT, form=_FRAMES_FORM),
+    ),
+    form=_FRAMES_FORM,
+)
 
 
 def parse_share(text: str, expected: str) -> float:
@@ -81,11 +102,11 @@ class Run:
         "upper bound of an automatic timestep; auto: eight times that for the stiffest contact expected",
         INTERVAL,
     )
-    frames: int | Literal["auto"] | tuple[float, ...] | tuple[str, ...] = schema.custom(
+    frames: int | Literal["auto"] | tuple[float, ...] | tuple[str, ...] = schema.typed(
         "snapshots, the start and the end among them: how many, evenly spaced, or the times; "
         f"auto: {AUTO_FRAMES}, {FRAMES_OF_A_FILM} with a film, two thirds of them until the wave is "
         "expected at the bottom, if that is known",
-        _parse_frames,
+        _FRAMES,
         default=AUTO,
     )
 
@@ -120,41 +141,43 @@ class Run:
 _PROBE_FORM = "a list such as [{sphere = 12}, {contact = [12, 34]}]"
 
 
-def _parse_parts(value: Any) -> bool | str:
-    if value == "auto" or isinstance(value, bool):
-        return value
-    raise ValidationError('true, false or "auto"')
+_PARTS_FORM = 'true, false or "auto"'
+_PARTS = schema.or_word(AUTO, schema.ChoiceType((True, False)), form=_PARTS_FORM)
+_PROBE_ID = schema.CountType(form="an id from 1 up")
 
 
-def _parse_probes(value: Any) -> tuple[Probe, ...]:
-    if not isinstance(value, list | tuple) or not all(
-        isinstance(one, Mapping) and len(one) == 1 for one in value
-    ):
-        raise ValidationError(_PROBE_FORM)
-    probes = []
-    expected = f"{_PROBE_FORM} with ids from 1 up"
-    for what, which in (item for one in value for item in one.items()):
-        if what == "sphere":
-            probes.append(Probe(sphere=schema.whole(which, expected)))
-        elif what == "contact" and isinstance(which, list | tuple) and len(which) == 2:
-            first, second = (schema.whole(sphere, expected) for sphere in which)
-            probes.append(Probe(contact=(first, second)))
-        else:
-            raise ValidationError(_PROBE_FORM)
-    return tuple(probes)
+_TWO_IDS = "two ids from 1 up"
 
 
 @dataclasses.dataclass(frozen=True)
 class Probe:
     """Probe of one sphere or of the contact of two, recorded at its own rate."""
 
-    sphere: int | None = None
-    contact: tuple[int, int] | None = None
+    sphere: int | None = schema.typed("id of the sphere", _PROBE_ID, default=None)
+    contact: tuple[int, int] | None = schema.typed(
+        "ids of two spheres, whose contact is recorded",
+        schema.ListType(
+            item=schema.CountType(form=_TWO_IDS), expected=_TWO_IDS, at_least=2, at_most=2
+        ),
+        default=None,
+    )
+
+    def checked(self) -> Probe:
+        """Return the probe; raise `ValidationError` unless it is of a sphere or of a contact."""
+        schema.refuse_if((self.sphere is None) == (self.contact is None), _PROBE_FORM)
+        return self
 
     @property
     def spheres(self) -> tuple[int, ...]:
         """Ids of its sphere or spheres."""
         return self.contact if self.contact is not None else (self.sphere or 0,)
+
+
+_PROBES = schema.ListType(
+    item=schema.TableType(section=Probe, expected=_PROBE_FORM, finish=Probe.checked),
+    expected=_PROBE_FORM,
+    at_least=0,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -166,20 +189,19 @@ class Output:
         ("binary", "text"),
         default="binary",
     )
-    probes: tuple[Probe, ...] = schema.custom(
-        "spheres and contacts recorded at their own rate", _parse_probes, default=()
+    probes: tuple[Probe, ...] = schema.typed(
+        "spheres and contacts recorded at their own rate", _PROBES, default=()
     )
     probe_interval: float | str = schema.positive_or_auto(
         "time between records of probes and walls; auto: five timesteps", INTERVAL
     )
-    history: int | Literal["auto"] = schema.custom(
+    history: int | Literal["auto"] = schema.typed(
         "instants at which the velocity of every bead of a chain and the force of every contact are recorded; "
         "auto: 1000 (fewer with long bars) for chains of five beads and more; the same for each [[line]], auto: 2000",
         schema.or_word(
-            "auto",
-            lambda value: schema.whole(
-                value, 'a whole number from 0 up or "auto"', at_least=0, at_most=schema.NO_LIMIT
-            ),
+            AUTO,
+            schema.CountType(at_least=0, at_most=schema.NO_LIMIT),
+            form='a whole number from 0 up or "auto"',
         ),
         default="auto",
     )
@@ -189,10 +211,10 @@ class Output:
         (False, True),
         default=False,
     )
-    parts: bool | Literal["auto"] = schema.custom(
+    parts: bool | Literal["auto"] = schema.typed(
         "files of snapshots, contacts and checkpoints, one from each rank instead of one from all; "
         "auto: from 10 million spheres on",
-        _parse_parts,
+        _PARTS,
         default="auto",
     )
 
@@ -212,102 +234,119 @@ FIGURE_NAMES = (
 FORMATS = ("pdf", "svg")  # of figures, besides PNG
 FILM_FORMATS = ("mp4", "gif", "webp")
 COLUMN = 0.08636  # m, 3.4 inches: a column of a journal
-_LIMITS = schema.numbers(
+_LIMITS = schema.vector_type(
     2, "two rising numbers above 0: the lower and the upper end", lambda low, high: 0 < low < high
+)
+
+
+NO_NORMAL = "a normal that is not [0, 0, 0]"
+_PLANE_FORM = (
+    '"x", "y" or "z" (the normal; through the struck sphere), or {normal = [x, y, z], through = [x, y, z]} '
+    "with a point in m"
 )
 
 
 @dataclasses.dataclass(frozen=True)
 class CutPlane:
-    """A plane through a packing.
+    """A plane through a packing."""
 
-    Attributes
-    ----------
-    normal
-        Its normal, of any length but 0.
-    through
-        A point of it, m; None: the centre of the struck sphere.
-    """
-
-    normal: tuple[float, float, float]
-    through: tuple[float, float, float] | None = None
-
-
-def _parse_only(value: Any) -> tuple[str, ...]:
-    expected = 'a list of names of figures, as ["energies", "packing_3d"]'
-    schema.refuse_if(
-        not isinstance(value, list | tuple) or not all(isinstance(name, str) for name in value),
-        expected,
+    normal: tuple[float, float, float] = schema.typed(
+        "normal of the plane, of any length but 0",
+        schema.vector_type(3, "[x, y, z]", lambda *normal: any(normal), NO_NORMAL),
     )
-    for name in value:
-        if name not in FIGURE_NAMES:
-            hint = (
-                schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5)
-                or f", but {', '.join(FIGURE_NAMES)}"
-            )
-            raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
-    return tuple(dict.fromkeys(value))
-
-
-def _parse_plane(value: Any) -> CutPlane:
-    expected = (
-        '"x", "y" or "z" (the normal; through the struck sphere), or {normal = [x, y, z], through = [x, y, z]} '
-        "with a point in m"
-    )
-    if isinstance(value, str) and value in AXES:
-        return CutPlane(AXES[value])
-    value = schema.inner_table(value, expected, ("normal", "through"), needed=("normal",))
-    normal = schema.parse_point(value["normal"], expected)
-    schema.refuse_if(not any(normal), "a normal that is not [0, 0, 0]")
-    return CutPlane(
-        normal, schema.parse_point(value["through"], expected) if "through" in value else None
+    through: tuple[float, float, float] | None = schema.typed(
+        "point of the plane; the centre of the struck sphere by default",
+        schema.vector_type(3, "[x, y, z] in m"),
+        unit="m",
+        default=None,
     )
 
 
-def _parse_colour_map(value: Any) -> str:
-    expected = 'the name of a colour map of matplotlib, as "viridis"'
-    schema.refuse_if(not isinstance(value, str), expected)
+def _across(letter: str) -> CutPlane:
+    return CutPlane(AXES[letter])
+
+
+_PLANE = schema.EitherType(
+    types=(
+        schema.ChoiceType(tuple(AXES), finish=_across),
+        schema.TableType(section=CutPlane, expected=_PLANE_FORM),
+    ),
+    form=_PLANE_FORM,
+)
+_ONLY_FORM = 'a list of names of figures, as ["energies", "packing_3d"]'
+_COLOUR_MAP_FORM = 'the name of a colour map of matplotlib, as "viridis"'
+_FORMATS_FORM = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
+
+
+def _figure_name(name: str) -> str:
+    if name not in FIGURE_NAMES:
+        near = schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5)
+        hint = near or f", but {', '.join(FIGURE_NAMES)}"
+        raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
+    return name
+
+
+def _each_once(names: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(dict.fromkeys(names))
+
+
+def _colour_map(name: str) -> str:
     from matplotlib import colormaps  # takes longer to load than most commands need
 
-    if value not in colormaps:
-        raise ValidationError(expected + schema.did_you_mean(value, colormaps, cutoff=0.5))
-    return value
+    if name not in colormaps:
+        hint = schema.did_you_mean(name, colormaps, cutoff=0.5)
+        raise ValidationError(_COLOUR_MAP_FORM + hint)
+    return name
 
 
-def _parse_formats(value: Any) -> tuple[str, ...]:
-    expected = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
-    names = value if isinstance(value, list | tuple) else [value]
-    schema.refuse_if(not all(isinstance(name, str) for name in names), expected)
-    if unknown := [name for name in names if name not in (*FORMATS, "png")]:
-        raise ValidationError(expected + schema.did_you_mean(unknown[0], FORMATS))
+def _formats(names: tuple[str, ...]) -> tuple[str, ...]:
+    unknown = [name for name in names if name not in (*FORMATS, "png")]
+    if unknown:
+        raise ValidationError(_FORMATS_FORM + schema.did_you_mean(unknown[0], FORMATS))
     return tuple(name for name in FORMATS if name in names)
+
+
+_ONLY = schema.ListType(
+    item=schema.TextType(expected=_ONLY_FORM, may_be_empty=True, finish=_figure_name),
+    expected=_ONLY_FORM,
+    at_least=0,
+    finish=_each_once,
+)
+_COLOUR_MAP = schema.TextType(expected=_COLOUR_MAP_FORM, may_be_empty=True, finish=_colour_map)
+_FORMATS = schema.ListType(
+    item=schema.TextType(expected=_FORMATS_FORM, may_be_empty=True),
+    expected=_FORMATS_FORM,
+    at_least=0,
+    alone=True,
+    finish=_formats,
+)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Figures:
     """``[figures]``: what is drawn of a run, and how; none of it changes a result."""
 
-    only: tuple[str, ...] = schema.custom(
-        "names of the figures to draw; all that apply by default", _parse_only, default=()
+    only: tuple[str, ...] = schema.typed(
+        "names of the figures to draw; all that apply by default", _ONLY, default=()
     )
-    plane: CutPlane | None = schema.custom(
+    plane: CutPlane | None = schema.typed(
         "plane of a section of your own, besides the principal and the orthogonal one; its figures end in _section",
-        _parse_plane,
+        _PLANE,
         default=None,
     )
-    colour_map: str | None = schema.custom(
+    colour_map: str | None = schema.typed(
         "colour map of sections, cut packings, maps, films and pages; by default viridis for forces and velocities, "
         "inferno for dissipation, cividis for dents",
-        _parse_colour_map,
+        _COLOUR_MAP,
         default=None,
     )
-    force_limits: tuple[float, float] | None = schema.custom(
+    force_limits: tuple[float, float] | None = schema.typed(
         "ends of the colour scale of forces, over the force at first yield, or over the largest force where nothing "
         "yields; by default they fit the values",
         _LIMITS,
         default=None,
     )
-    dissipation_limits: tuple[float, float] | None = schema.custom(
+    dissipation_limits: tuple[float, float] | None = schema.typed(
         "ends of the colour scale of dissipation, over the energy input; 1e-6 and 0.1 by default",
         _LIMITS,
         default=None,
@@ -319,9 +358,9 @@ class Figures:
         at_most=0.5,
         default=COLUMN,
     )
-    formats: tuple[str, ...] = schema.custom(
+    formats: tuple[str, ...] = schema.typed(
         "files of each figure besides the PNG and the CSV of its data; each form adds to the time of drawing",
-        _parse_formats,
+        _FORMATS,
         default=("pdf",),
     )
     film: str = schema.choice(

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.bodies import BAR, INCIDENT_BAR, echoes
 from granwave.lammps_inputs.packing.cylinders import extents
@@ -61,14 +62,14 @@ def check_together(case: Case, errors: ErrorList) -> None:
 
 def _fit(case: Case, errors: ErrorList, *checks: Check) -> bool:
     """Return True if a case passes some checks; one that needs a table that is wrong ends there."""
-    before = len(errors.lines)
+    before = len(errors.items)
     complete = True
     for check in checks:
         try:
             check(case, errors)
         except WrongTable:
             complete = False
-    return complete and len(errors.lines) == before
+    return complete and len(errors.items) == before
 
 
 def check_case(case: Case, errors: ErrorList) -> Assembly | None:
@@ -93,7 +94,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         loads.check_absorbing,
     ):
         check(assembly, errors)
-    if not errors.lines:
+    if not errors.items:
         loads.check_driving(assembly, errors)
     if fault := error_in_dents(assembly):
         errors.add(KEY, fault)
@@ -134,12 +135,29 @@ def _check_ids(case: Case, errors: ErrorList) -> None:
           for key, line in numbered("line", case.line).items()),
         *((f"{key}.start", (line.start or 1,), last) for key, line in numbered("line", case.line).items()),
     ]  # fmt: skip
+
+    def up_to(most: int) -> str:
+        end = "the end of the packing" if most == n else "strikers included"
+        return f"ids from 1 to {most}, {end}"
+
     errors.check(
-        *((max(ids, default=0) > most, key, f"found {max(ids, default=0)}, expected ids from 1 to {most}, "
-           + ("the end of the packing" if most == n else "strikers included")) for key, ids, most in named),
-        *((len(set(probe.spheres)) < len(probe.spheres), "output.probes",
-           f"found contact {show(probe.contact)}, expected two different spheres") for probe in probes),
-    )  # fmt: skip
+        *(
+            (
+                max(ids, default=0) > most,
+                key,
+                Mismatch(f"{max(ids, default=0)}", up_to(most)),
+            )
+            for key, ids, most in named
+        ),
+        *(
+            (
+                len(set(probe.spheres)) < len(probe.spheres),
+                "output.probes",
+                Mismatch(f"contact {show(probe.contact)}", "two different spheres"),
+            )
+            for probe in probes
+        ),
+    )
     errors.check_names(numbered("sensor", case.sensor))
 
 
@@ -151,16 +169,14 @@ def _check_strikers(case: Case, errors: ErrorList) -> None:
             along = (
                 any(striker.velocity) and any(shift) and not np.cross(shift, striker.velocity).any()
             )
-            found = f"found {show(shift)} along its way, expected a part across it: {no_effect}"
+            found = Mismatch(f"{show(shift)} along its way", f"a part across it: {no_effect}")
             errors.check((along, f"{key}.{name}", found))
 
 
 def _check_history(case: Case, errors: ErrorList) -> None:
     history = case.output.history
     has_one = case.packing.rule.is_chain or case.line
-    found = (
-        f"found {history} for {case.packing.kind}, expected 0: only chains and [[line]]s have one"
-    )
+    found = Mismatch(f"{history} for {case.packing.kind}", "0: only chains and [[line]]s have one")
     errors.check((not has_one and history not in (0, "auto"), "output.history", found))
 
 
@@ -170,8 +186,9 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
     bottom = case.boundary.bottom_rule
     periodic = case.boundary.periodic
     if case.packing.grains is not None:
-        text = 'found "periodic" with packing.kind = "file"; packing.cell says how they repeat'
-        errors.check((bottom.repeats, "boundary.bottom", text))
+        remedy = "packing.cell says how they repeat"
+        found = Mismatch('"periodic" with packing.kind = "file"', remedy=remedy)
+        errors.check((bottom.repeats, "boundary.bottom", found))
         if periodic and case.packing.period is None:
             raise WrongTable("packing.period")  # see `grains.check_places`
         return
@@ -182,28 +199,57 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
         (n for n, axis in zip((nx, ny), "xy", strict=True) if axis in rule.axes),
         default=_LEAST_PERIODIC,
     )
-    errors.check((bottom.holds_layer and nz == 1, "boundary.bottom",
-                  'found "fixed" with a single layer, which is struck; expected two layers or more'))  # fmt: skip
+    errors.check(
+        (
+            bottom.holds_layer and nz == 1,
+            "boundary.bottom",
+            Mismatch('"fixed" with a single layer, which is struck', "two layers or more"),
+        )
+    )
     errors.check_first(
-        (endless and "z" not in rule.axes, "boundary.bottom",
-         f'found "periodic" for {kind}, a single layer; expected "free"'),
-        (endless and not periodic, "boundary.sides",
-         f'found {show(case.boundary.sides)} with boundary.bottom = "periodic", '
-         'expected "periodic": both or none'),
-        (endless and nz % rule.layer_period, "packing.size",
-         f"found {nz} layers, expected a multiple of {rule.layer_period} for an endless {kind}"),
-    )  # fmt: skip
+        (
+            endless and "z" not in rule.axes,
+            "boundary.bottom",
+            Mismatch(f'"periodic" for {kind}, a single layer', '"free"'),
+        ),
+        (
+            endless and not periodic,
+            "boundary.sides",
+            Mismatch(
+                f'{show(case.boundary.sides)} with boundary.bottom = "periodic"', '"periodic": both or none'
+            ),
+        ),
+        (
+            endless and nz % rule.layer_period,
+            "packing.size",
+            Mismatch(f"{nz} layers", f"a multiple of {rule.layer_period} for an endless {kind}"),
+        ),
+    )
     errors.check_first(
-        (periodic and rule.is_chain, "boundary.sides",
-         'found "periodic" for a chain, expected "free" or "wall"'),
-        (periodic and rule.is_plane_crystal and case.packing.top_row != "equal", "packing.top_row",
-         f'found {show(case.packing.top_row)} with boundary.sides = "periodic", expected "equal"'),
-        (periodic and across < _LEAST_PERIODIC, "packing.size",
-         f"found {nx} x {ny} spheres in a layer, expected at least {_LEAST_PERIODIC} each way "
-         'for boundary.sides = "periodic"'),
-        (periodic and ny % rule.row_period, "packing.size",
-         f"found {ny} rows, expected an even number for periodic {kind} layers"),
-    )  # fmt: skip
+        (
+            periodic and rule.is_chain,
+            "boundary.sides",
+            Mismatch('"periodic" for a chain', '"free" or "wall"'),
+        ),
+        (
+            periodic and rule.is_plane_crystal and case.packing.top_row != "equal",
+            "packing.top_row",
+            Mismatch(f'{show(case.packing.top_row)} with boundary.sides = "periodic"', '"equal"'),
+        ),
+        (
+            periodic and across < _LEAST_PERIODIC,
+            "packing.size",
+            Mismatch(
+                f"{nx} x {ny} spheres in a layer",
+                f'at least {_LEAST_PERIODIC} each way for boundary.sides = "periodic"',
+            ),
+        ),
+        (
+            periodic and ny % rule.row_period,
+            "packing.size",
+            Mismatch(f"{ny} rows", f"an even number for periodic {kind} layers"),
+        ),
+    )
 
 
 def _check_struck_spheres(case: Case, errors: ErrorList) -> None:
@@ -212,7 +258,8 @@ def _check_struck_spheres(case: Case, errors: ErrorList) -> None:
             struck_spheres(layout_of(case.packing, case.boundary), case.load.spheres)
         except ValueError as error:
             errors.add(
-                "load.spheres", f"found {case.load.spheres}, but {error}; use 1, or another packing"
+                "load.spheres",
+                Mismatch(f"{case.load.spheres}, but {error}", remedy="use 1, or another packing"),
             )
 
 
@@ -222,24 +269,52 @@ def _check_bars(case: Case, errors: ErrorList) -> None:
     for name, bar in ((BAR, case.bar), (INCIDENT_BAR, case.incident_bar)):
         if bar is not None:
             errors.check_first(
-                (not case.packing.rule.is_chain, name,
-                 f"found with packing.kind = {show(kind)}, expected a chain"),
-                (bar.length > longest * bar.elements, f"{name}.elements",
-                 f"found {bar.elements} in {bar.length:g} m, expected {math.ceil(bar.length / longest)} or more: "
-                 f"elements of at most {_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's pulses"),
-            )  # fmt: skip
+                (
+                    not case.packing.rule.is_chain,
+                    name,
+                    Mismatch(f"with packing.kind = {show(kind)}", "a chain"),
+                ),
+                (
+                    bar.length > longest * bar.elements,
+                    f"{name}.elements",
+                    Mismatch(
+                        f"{bar.elements} in {bar.length:g} m",
+                        f"{math.ceil(bar.length / longest)} or more: elements of at most "
+                        f"{_LONGEST_ELEMENT} bead diameters, or they cannot carry a chain's "
+                        "pulses",
+                    ),
+                ),
+            )
     errors.check(
-        (case.bar and case.boundary.bottom_rule.bears, "boundary.bottom",
-         f'found {show(case.boundary.bottom)} beside [bar], expected "free": the bar is what is below'),
-        (case.incident_bar and case.striker, "striker", "found beside [incident_bar]; take one of them out"),
-    )  # fmt: skip
+        (
+            case.bar and case.boundary.bottom_rule.bears,
+            "boundary.bottom",
+            Mismatch(
+                f"{show(case.boundary.bottom)} beside [bar]", '"free": the bar is what is below'
+            ),
+        ),
+        (
+            case.incident_bar and case.striker,
+            "striker",
+            Mismatch("beside [incident_bar]", remedy="take one of them out"),
+        ),
+    )
     load = case.load
     errors.check(
-        (case.incident_bar and not load.takes_incident_bar, "load.kind",
-         f"found {show(load.kind)}, expected a force: it acts on the free end of the incident_bar"),
-        ((case.bar or case.incident_bar) and any(load.way[:2]), "load.direction",
-         f"found {show(load.keys().get('direction'))} beside a bar, which moves along z alone; expected [0, 0, 1]"),
-    )  # fmt: skip
+        (
+            case.incident_bar and not load.takes_incident_bar,
+            "load.kind",
+            Mismatch(show(load.kind), "a force: it acts on the free end of the incident_bar"),
+        ),
+        (
+            (case.bar or case.incident_bar) and any(load.way[:2]),
+            "load.direction",
+            Mismatch(
+                f"{show(load.keys().get('direction'))} beside a bar, which moves along z alone",
+                "[0, 0, 1]",
+            ),
+        ),
+    )
 
 
 def _check_holder(case: Case, errors: ErrorList) -> None:
@@ -248,11 +323,20 @@ def _check_holder(case: Case, errors: ErrorList) -> None:
     key = "boundary.holder_friction"
     upright = case.precompression is not None and case.precompression.rule.grows_with_depth
     errors.check(
-        (friction and not case.packing.rule.is_chain, key,
-         f"found {friction:g} for {case.packing.kind}, expected 0: only chains lie in a holder"),
-        (friction and upright, key,
-         f'found {friction:g} under precompression.kind = "gravity", expected 0: a chain that stands has no holder'),
-    )  # fmt: skip
+        (
+            friction and not case.packing.rule.is_chain,
+            key,
+            Mismatch(f"{friction:g} for {case.packing.kind}", "0: only chains lie in a holder"),
+        ),
+        (
+            friction and upright,
+            key,
+            Mismatch(
+                f'{friction:g} under precompression.kind = "gravity"',
+                "0: a chain that stands has no holder",
+            ),
+        ),
+    )
 
 
 def _check_times(case: Case, errors: ErrorList) -> None:
@@ -274,16 +358,37 @@ def _check_times(case: Case, errors: ErrorList) -> None:
     least = given.get("smallest_timestep", 0.0)
     most = given.get("largest_timestep", math.inf)
     errors.check(
-        (step > end, "run.timestep", f"found {step:g} s, expected at most {ends}"),
-        (least > most, "run.smallest_timestep",
-         f"found {least:g} s, expected at most run.largest_timestep, {most:g} s"),
-        *((not run.adaptive, f"run.{name}",
-           f"found {value:g} beside run.timestep, a fixed one of {step:g} s; take one of them out")
-          for name, value in given.items()),
-        (no_end, "run.frames",
-         'found shares of an end that is not known: give times in s, or run.end_time as a number, not "auto"'),
-        (not no_end and last > end, "run.frames", f"found a time of {last:g} s, expected none beyond {ends}"),
-    )  # fmt: skip
+        (step > end, "run.timestep", Mismatch(f"{step:g} s", f"at most {ends}")),
+        (
+            least > most,
+            "run.smallest_timestep",
+            Mismatch(f"{least:g} s", f"at most run.largest_timestep, {most:g} s"),
+        ),
+        *(
+            (
+                not run.adaptive,
+                f"run.{name}",
+                Mismatch(
+                    f"{value:g} beside run.timestep, a fixed one of {step:g} s",
+                    remedy="take one of them out",
+                ),
+            )
+            for name, value in given.items()
+        ),
+        (
+            no_end,
+            "run.frames",
+            Mismatch(
+                "shares of an end that is not known: give times in s, or "
+                'run.end_time as a number, not "auto"'
+            ),
+        ),
+        (
+            not no_end and last > end,
+            "run.frames",
+            Mismatch(f"a time of {last:g} s", f"none beyond {ends}"),
+        ),
+    )
 
 
 def _check_probe_interval(case: Case, errors: ErrorList) -> None:
@@ -292,7 +397,7 @@ def _check_probe_interval(case: Case, errors: ErrorList) -> None:
     if not isinstance(interval, str) and interval > end:
         errors.add(
             "output.probe_interval",
-            f"found {interval:g} s, expected at most run.end_time, {end:g} s",
+            Mismatch(f"{interval:g} s", f"at most run.end_time, {end:g} s"),
         )
 
 
@@ -305,10 +410,16 @@ def _check_resolution(case: Case, errors: ErrorList) -> None:
     highest = load.frequencies[1]
     most = 1 / (_STEPS_IN_A_PERIOD * step)
     errors.check(
-        (highest > most, load.highest_key,
-         f"found {highest:g} Hz, expected at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of "
-         f'{step:g} s; make run.timestep shorter, or "auto"'),
-    )  # fmt: skip
+        (
+            highest > most,
+            load.highest_key,
+            Mismatch(
+                f"{highest:g} Hz",
+                f"at most {most:.4g} Hz, a period of {_STEPS_IN_A_PERIOD} timesteps of {step:g} s",
+                'make run.timestep shorter, or "auto"',
+            ),
+        ),
+    )
 
 
 def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
@@ -330,7 +441,9 @@ def _check_struck(assembly: Assembly, errors: ErrorList) -> None:
     if held and case.boundary.bottom_rule.holds_layer:
         errors.add(
             "load.index",
-            f'found {held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds',
+            Mismatch(
+                f'{held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds'
+            ),
         )
 
 
@@ -401,15 +514,33 @@ def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
         deepest = max(depth, key=depth.__getitem__, default="")
         stage = case.precompression
         errors.check_first(
-            (not planes, key, "found true, but there are no walls; expected false"),
-            (case.boundary.sides_touch is not None, key,
-             "found true beside boundary.sides_touch: those walls act on chosen grains of the packing alone"),
-            (stage is not None and (stage.moves or stage.presses), key,
-             "found true beside walls that move in (precompression): they would press the striker too"),
-            (depth.get(deepest, 0.0) > _OVERLAP * case.packing.diameter, key,
-             f"found true, but it stands in the wall {deepest}, {depth.get(deepest, 0.0):.3g} m deep; "
-             "place it inside, or leave walls out"),
-        )  # fmt: skip
+            (not planes, key, Mismatch("true, but there are no walls", "false")),
+            (
+                case.boundary.sides_touch is not None,
+                key,
+                Mismatch(
+                    "true beside boundary.sides_touch: those walls act on chosen "
+                    "grains of the packing alone"
+                ),
+            ),
+            (
+                stage is not None and (stage.moves or stage.presses),
+                key,
+                Mismatch(
+                    "true beside walls that move in (precompression): they would press "
+                    "the striker too"
+                ),
+            ),
+            (
+                depth.get(deepest, 0.0) > _OVERLAP * case.packing.diameter,
+                key,
+                Mismatch(
+                    f"true, but it stands in the wall {deepest}, "
+                    f"{depth.get(deepest, 0.0):.3g} m deep",
+                    remedy="place it inside, or leave walls out",
+                ),
+            ),
+        )
 
 
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:

@@ -12,6 +12,7 @@ from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
@@ -20,12 +21,8 @@ from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched
 
-_PLACED = (
-    ": packing.grains",
-    ": packing.file",
-    ": packing.gaps",
-    ": grains.",
-)  # of grains that could not be placed
+# keys of grains that could not be placed
+_PLACED = ("packing.grains", "packing.file", "packing.gaps", "grains.")
 # largest diameters; in fewer two grains could touch twice, one of them also as its image
 _LEAST_PERIOD = 2.5
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
@@ -45,19 +42,30 @@ def check_columns(case: Case, errors: ErrorList) -> None:
     if grains is None:
         return
     errors.check(
-        *((getattr(case, name), name, f'found with packing.kind = "file": {reason}; take it out')
-          for name, reason in _OF_LATTICES.items()),
-        (stage is not None and stage.rule.on_all_faces and case.packing.cell is None,
-         "precompression.kind",
-         'found "uniform" with packing.kind = "file", whose faces are not known; expected "walls", "overlaps", '
-         '"uniaxial" or "gravity"'),
-    )  # fmt: skip
+        *(
+            (
+                getattr(case, name),
+                name,
+                Mismatch(f'with packing.kind = "file": {reason}', remedy="take it out"),
+            )
+            for name, reason in _OF_LATTICES.items()
+        ),
+        (
+            stage is not None and stage.rule.on_all_faces and case.packing.cell is None,
+            "precompression.kind",
+            Mismatch(
+                '"uniform" with packing.kind = "file", whose faces are not known',
+                '"walls", "overlaps", "uniaxial" or "gravity"',
+            ),
+        ),
+    )
     known = {"", *presets(), *(one.name for one in (case.material, *case.materials))}
     for name in dict.fromkeys(grains.material):
         if name not in known:
             first = grains.material.index(name) + 1
-            text = f"found material {show(name)} of grain {grains.called(first)}, expected a preset or a table "
-            _add(errors, grains, [first], f"{text}[materials.{name}]")
+            found = f"material {show(name)} of grain {grains.called(first)}"
+            fault = Mismatch(found, f"a preset or a table [materials.{name}]")
+            _add(errors, grains, [first], fault)
 
 
 def check_places(case: Case, errors: ErrorList) -> None:
@@ -73,17 +81,29 @@ def check_places(case: Case, errors: ErrorList) -> None:
         "boundary" in vars(case) and case.boundary.periodic
     )  # a wrong boundary hides no overlaps
     if periodic:
-        before = len(errors.lines)
+        before = len(errors.items)
         least = _LEAST_PERIOD * float(grains.diameter.max())
         errors.check(
-            (packing.period is None, "packing.period",
-             'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
-             "cell is a box, periodic along x and y"),
-            *((period < least, "packing.period",
-               f"found {period:g} m along {letter}, expected at least {least:g} m, {_LEAST_PERIOD:g} of the largest "
-               "diameters; repeat the grains") for letter, period in zip("xy", packing.period or (), strict=False)),
-        )  # fmt: skip
-        if len(errors.lines) > before:
+            (
+                packing.period is None,
+                "packing.period",
+                'missing; boundary.sides = "periodic" of grains of a file needs [along x, along y] in m, or a file whose '
+                "cell is a box, periodic along x and y",
+            ),
+            *(
+                (
+                    period < least,
+                    "packing.period",
+                    Mismatch(
+                        f"{period:g} m along {letter}",
+                        f"at least {least:g} m, {_LEAST_PERIOD:g} of the largest diameters; "
+                        "repeat the grains",
+                    ),
+                )
+                for letter, period in zip("xy", packing.period or (), strict=False)
+            ),
+        )
+        if len(errors.items) > before:
             return
     places = Places(grains, packing.diameter, packing.period if periodic else None)
     at_ends = end_contacts(grains, TOUCHING * places.diameter) if any(grains.shape) else []
@@ -97,11 +117,16 @@ def check_places(case: Case, errors: ErrorList) -> None:
         overlaps = overlaps[other]
     if not len(pairs):
         return errors.check(
-            (stage is not None and stage.rule.from_overlaps and packing.cell is None,
-             "precompression.kind",
-             'found "overlaps" with grains that do not overlap, expected at least two that do; move them together, or '
-             'take another kind, such as "walls"'),
-        )  # fmt: skip
+            (
+                stage is not None and stage.rule.from_overlaps and packing.cell is None,
+                "precompression.kind",
+                Mismatch(
+                    '"overlaps" with grains that do not overlap',
+                    "at least two that do",
+                    'move them together, or take another kind, such as "walls"',
+                ),
+            ),
+        )
     if stage is not None and stage.takes_overlaps:
         shared = 2 / (2 / grains.diameter[pairs - 1]).sum(axis=1)  # effective radii
         worst = int(np.argmax(overlaps / shared))
@@ -138,19 +163,23 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
         (
             case.boundary.sides_tube,
             "boundary.sides.tube",
-            "found with cylinders; a tube holds spheres",
+            Mismatch("with cylinders", remedy="a tube holds spheres"),
         ),
-        (case.bar, "bar", "found with cylinders; a bar touches spheres"),
-        (case.incident_bar, "incident_bar", "found with cylinders; a bar touches spheres"),
+        (case.bar, "bar", Mismatch("with cylinders", remedy="a bar touches spheres")),
+        (
+            case.incident_bar,
+            "incident_bar",
+            Mismatch("with cylinders", remedy="a bar touches spheres"),
+        ),
         (
             case.packing.tilt,
             "packing.tilt",
-            "found with cylinders; they do not roll on a tilted floor",
+            Mismatch("with cylinders", remedy="they do not roll on a tilted floor"),
         ),
         (
             given and not isinstance(given, str),
             "contact.initial_overlap",
-            f"found with cylinders, expected {path}",
+            Mismatch("with cylinders", path),
         ),
     )
     planes = [letter for letter in "xy" if case.boundary.has_planes(letter)]
@@ -159,8 +188,9 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
     for shape in cylinders:
         for letter in planes:
             if _OBLIQUE < abs(shape.axis["xyz".index(letter)]) < 1 - _OBLIQUE:
-                fault = f"oblique to the wall across {letter}; expected an axis along it or normal to it"
-                fault = f"found cylinders along {show(list(shape.axis))}, {fault}"
+                axis = show(list(shape.axis))
+                found = f"cylinders along {axis}, oblique to the wall across {letter}"
+                fault = Mismatch(found, "an axis along it or normal to it")
                 if packed is None:
                     errors.add("packing.axis", fault)
                 else:
@@ -168,20 +198,16 @@ def check_cylinders(case: Case, errors: ErrorList) -> None:
     for one, other in combinations(cylinders, 2):
         if packed is not None and cylinder_pair(one, other).nearly_parallel:
             axes = f"{show(list(one.axis))} and {show(list(other.axis))}"
-            fault = "which are nearly parallel; expected parallel axes, or axes at 1 degree or more"
-            _add(
-                errors,
-                packed,
-                [packed.shape.index(other) + 1],
-                f"found cylinders along {axes}, {fault}",
-            )
+            found = f"cylinders along {axes}, which are nearly parallel"
+            fault = Mismatch(found, "parallel axes, or axes at 1 degree or more")
+            _add(errors, packed, [packed.shape.index(other) + 1], fault)
             return
 
 
-def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], message: str) -> None:
+def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: str | Mismatch) -> None:
     """Add an error of some grains, under the key and the file that gave them."""
     key = grains.key(*ids)
-    errors.add(key, f"{grains.file}: {message}" if key == "packing.file" else message)
+    errors.add(key, f"{grains.file}: {fault}" if key == "packing.file" else fault)
 
 
 def _add_pair(
@@ -197,18 +223,18 @@ def check_loaded(case: Case, errors: ErrorList) -> None:
     """Check that grains of a file move if they are the load, and that one that is struck does not."""
     grains = case.packing.grains
     load = case.load
-    found = f"found {show(load.kind)}"
+    found = show(load.kind)
     if grains is None:
-        text = f'{found} with packing.kind = {show(case.packing.kind)}, expected it with "file"'
-        errors.check((load.moves_grains, "load.kind", text))
+        fault = Mismatch(f"{found} with packing.kind = {show(case.packing.kind)}", 'it with "file"')
+        errors.check((load.moves_grains, "load.kind", fault))
         return
-    text = f"{found}, but no grain has a velocity; give columns vx, vy, vz"
-    errors.check((load.moves_grains and not grains.velocity.any(), "load.kind", text))
+    fault = Mismatch(f"{found}, but no grain has a velocity", remedy="give columns vx, vy, vz")
+    errors.check((load.moves_grains and not grains.velocity.any(), "load.kind", fault))
     struck = load.index or () if load.gives_velocity else ()
     moving = [one for one in struck if one <= len(grains) and grains.velocity[one - 1].any()]
     for grain in moving[:1]:
-        text = f"found grain {grain}, which has a velocity in the file; give one of them"
-        errors.add("load.index", text)
+        twice = f"grain {grain}, which has a velocity in the file"
+        errors.add("load.index", Mismatch(twice, remedy="give one of them"))
 
 
 def check_held(case: Case, errors: ErrorList) -> None:
@@ -222,14 +248,20 @@ def check_held(case: Case, errors: ErrorList) -> None:
         if (
             of_group
             and hold.index is None
-            and any(one in line for line in errors.lines for one in _PLACED)
+            and any(item.key.startswith(_PLACED) for item in errors.items)
         ):
             continue  # the grains of the group could not be placed, which has its own error
         fits = errors.check_first(
-            ((hold.index is None) == (hold.group is None), key,
-             f"found {'both index and group' if hold.index else 'neither index nor group'}, expected one of them"),
-            (of_group, f"{key}.group", f"found {show(hold.group)}, expected {there}"),
-        )  # fmt: skip
+            (
+                (hold.index is None) == (hold.group is None),
+                key,
+                Mismatch(
+                    f"{'both index and group' if hold.index else 'neither index nor group'}",
+                    "one of them",
+                ),
+            ),
+            (of_group, f"{key}.group", Mismatch(show(hold.group), there)),
+        )
         if not fits or max(hold.index or (0,)) > n:
             continue
         errors.check(
@@ -246,9 +278,16 @@ def check_held(case: Case, errors: ErrorList) -> None:
             if grains
         }
         errors.check_first(
-            *((len(there), key, f"holds grain {there[0] + 1} along {letter}, along which the file gives it a velocity")
-              for letter, there in moving.items() if len(there)),
-        )  # fmt: skip
+            *(
+                (
+                    len(there),
+                    key,
+                    f"holds grain {there[0] + 1} along {letter}, along which the file gives it a velocity",
+                )
+                for letter, there in moving.items()
+                if len(there)
+            ),
+        )
 
 
 def check_touched(case: Case, errors: ErrorList) -> bool:
@@ -259,11 +298,14 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
     """
     boundary = case.boundary
     key = "boundary.sides_touch"
-    if boundary.sides_touch is None or errors.lines:
+    if boundary.sides_touch is None or errors.items:
         return True
     if boundary.sides_tube is None and not any(boundary.has_planes(axis) for axis in "xy"):
         errors.add(
-            key, 'found it without walls; give x or y or sides = "wall", or sides = {tube = ...}'
+            key,
+            Mismatch(
+                "it without walls", remedy='give x or y or sides = "wall", or sides = {tube = ...}'
+            ),
         )
         return True
     grains = case.packing.grains
@@ -275,15 +317,19 @@ def check_touched(case: Case, errors: ErrorList) -> bool:
     }
     for what, names in known.items():
         there = f"one of {', '.join(map(show, names))}" if names else f"none: no grain has a {what}"
-        errors.check(*((name not in names, f"{key}.{what}", f"found {show(name)}, expected {there}")
-                       for name in getattr(boundary.sides_touch, what)))  # fmt: skip
+        errors.check(
+            *(
+                (name not in names, f"{key}.{what}", Mismatch(show(name), there))
+                for name in getattr(boundary.sides_touch, what)
+            )
+        )
     return bool(touched(case, sites, boundary.sides_touch).any())
 
 
 def check_tube(case: Case, errors: ErrorList) -> None:
     """Check that the packing fits into its tube, before this shrinks, and each grain after it has."""
     tube = case.boundary.sides_tube
-    if tube is None or errors.lines:
+    if tube is None or errors.items:
         return
     lattice = layout_of(case.packing, case.boundary)
     sites = sites_of(case, lattice)
@@ -296,7 +342,10 @@ def check_tube(case: Case, errors: ErrorList) -> None:
     if reach[widest] > tube + TOUCHING * lattice.diameter:
         errors.add(
             "boundary.sides.tube.radius",
-            f"found {tube:g} m, but sphere {widest + 1} reaches {reach[widest]:.9g} m from the axis x = y = 0",
+            Mismatch(
+                f"{tube:g} m, but sphere {widest + 1} reaches {reach[widest]:.9g} m "
+                "from the axis x = y = 0"
+            ),
         )
     stage = case.precompression
     if stage is None:
@@ -306,13 +355,24 @@ def check_tube(case: Case, errors: ErrorList) -> None:
     room = tube - float(radius[largest]) - TOUCHING * lattice.diameter
     least = f"sphere {largest + 1} with a radius of {radius[largest]:.9g} m"
     errors.check(
-        (0 < stage.moves.get("tube", 0.0) >= room, "precompression.tube",
-         f"found {stage.moves.get('tube', 0.0):g} m, by which a tube of {tube:.9g} m gets narrower "
-         f"than {least}; give a wider tube, or a smaller distance"),
-        ("tube" in stage.presses and room <= 0, "precompression.tube_force",
-         f"found a tube of {tube:.9g} m that shrinks, but is no wider than {least}; give a wider "
-         "tube"),
-    )  # fmt: skip
+        (
+            0 < stage.moves.get("tube", 0.0) >= room,
+            "precompression.tube",
+            Mismatch(
+                f"{stage.moves.get('tube', 0.0):g} m, by which a tube of {tube:.9g} "
+                f"m gets narrower than {least}",
+                remedy="give a wider tube, or a smaller distance",
+            ),
+        ),
+        (
+            "tube" in stage.presses and room <= 0,
+            "precompression.tube_force",
+            Mismatch(
+                f"a tube of {tube:.9g} m that shrinks, but is no wider than {least}",
+                remedy="give a wider tube",
+            ),
+        ),
+    )
 
 
 def check_lines(assembly: Assembly, errors: ErrorList) -> None:
@@ -326,14 +386,27 @@ def check_lines(assembly: Assembly, errors: ErrorList) -> None:
         )
         vacant = np.setdiff1d([one for _, one in named], assembly.ids)
         fits = errors.check_first(
-            (line.index is not None and line.start is not None, f"{key}.index", "found beside start; give one of them"),
-            *((one in vacant, f"{key}.{name}", f"found {one}, a vacant site; expected a grain that is there")
-              for name, one in named),
-            (len(set(index)) < len(index), f"{key}.index", f"found {show(list(index))}, expected each id once"),
-        )  # fmt: skip
+            (
+                line.index is not None and line.start is not None,
+                f"{key}.index",
+                Mismatch("beside start", remedy="give one of them"),
+            ),
+            *(
+                (
+                    one in vacant,
+                    f"{key}.{name}",
+                    Mismatch(f"{one}, a vacant site", "a grain that is there"),
+                )
+                for name, one in named
+            ),
+            (
+                len(set(index)) < len(index),
+                f"{key}.index",
+                Mismatch(show(list(index)), "each id once"),
+            ),
+        )
         if fits and (found := len(line_ids(assembly, line))) < 2:
-            text = (
-                f"found {found} grain{'' if found == 1 else 's'} along {show(list(line.direction))}"
-            )
-            hint = "give another direction or start, or the ids as index"
-            errors.add(key, f"{text}, expected two or more; {hint}")
+            grains = f"{found} grain{'' if found == 1 else 's'}"
+            remedy = "give another direction or start, or the ids as index"
+            fault = Mismatch(f"{grains} along {show(list(line.direction))}", "two or more", remedy)
+            errors.add(key, fault)

@@ -213,7 +213,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
     stage = case.precompression
     no_force = stage is None or stage.rule.across_alone or not len(lattice.rule.supports)
     for key, entry in numbered("absorb", case.absorb).items():
-        before = len(errors.lines)
+        before = len(errors.items)
         layers = entry.layers or 0
         by_rate = entry.rate is not None
         errors.check_first(
@@ -233,7 +233,7 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
             (entry.impedance is not None and entry.towards != Absorb.towards, f"{key}.towards",
              "belongs to a rate; an impedance is the same for each sphere"),
         )  # fmt: skip
-        if len(errors.lines) > before:
+        if len(errors.items) > before:
             continue
         chosen = absorbing_ids(assembly, entry)
         low, high = rise_of(assembly, entry) or (0.0, 1.0)

@@ -9,11 +9,13 @@ import numpy as np
 
 from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.contact import MARSHALL, RIGID, Contact
+from granwave.lammps_inputs.case.contact import RIGID, Contact
+from granwave.lammps_inputs.case.contact_tables import MARSHALL
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
 from granwave.lammps_inputs.case.material import Material, Shape, presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.law import cohesive_laws, error_in_parameters, viscous_loss
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import vacant_sites
 from granwave.lammps_inputs.packing.places import Places, layout_of
@@ -35,29 +37,54 @@ def check_disorder(case: Case, errors: ErrorList) -> None:
     scatter = packing.diameter_scatter
     radius = packing.diameter / 2
     errors.check(
-        (scatter >= radius, "packing.diameter_scatter",
-         f"found {scatter:g}, expected less than the radius, {radius:g} m"),
-    )  # fmt: skip
+        (
+            scatter >= radius,
+            "packing.diameter_scatter",
+            Mismatch(f"{scatter:g}", f"less than the radius, {radius:g} m"),
+        ),
+    )
     for key, entry in replaced.items():
         _check_replaced(case, entry, key, errors)
     if packing.tilt is None:
         return
     found = f"above packing.diameter, {packing.diameter:g} m, beside packing.tilt; make that the largest diameter"
     errors.check(
-        (not packing.rule.is_layer, "packing.tilt",
-         f'found with packing.kind = "{packing.kind}", expected "square", a layer on a floor'),
-        (packing.vacancies, "packing.vacancies",
-         "found beside packing.tilt; spheres beside a vacancy would roll into it"),
-        (case.precompression, "precompression",
-         "found beside packing.tilt, which closes contacts without force: the static stage has no weight along the "
-         "floor that would hold the spheres in their corner; take one of them out"),
-        *(((entry.diameter or 0.0) > packing.diameter, f"{key}.diameter", f"found {entry.diameter or 0.0:g} {found}")
-          for key, entry in replaced.items()),
-    )  # fmt: skip
+        (
+            not packing.rule.is_layer,
+            "packing.tilt",
+            Mismatch(f'with packing.kind = "{packing.kind}"', '"square", a layer on a floor'),
+        ),
+        (
+            packing.vacancies,
+            "packing.vacancies",
+            Mismatch("beside packing.tilt", remedy="spheres beside a vacancy would roll into it"),
+        ),
+        (
+            case.precompression,
+            "precompression",
+            Mismatch(
+                "beside packing.tilt, which closes contacts without force: the "
+                "static stage has no weight along the floor that would hold the "
+                "spheres in their corner",
+                remedy="take one of them out",
+            ),
+        ),
+        *(
+            (
+                (entry.diameter or 0.0) > packing.diameter,
+                f"{key}.diameter",
+                Mismatch(f"{entry.diameter or 0.0:g} {found}"),
+            )
+            for key, entry in replaced.items()
+        ),
+    )
     errors.check(
-        (case.boundary.periodic, "boundary.sides",
-         'found "periodic" beside packing.tilt, expected "wall" or "free": it needs a corner'),
-    )  # fmt: skip
+        (
+            case.boundary.periodic,
+            "boundary.sides",
+            Mismatch('"periodic" beside packing.tilt', '"wall" or "free": it needs a corner'),
+        ),
+    )
 
 
 def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> None:
@@ -68,15 +95,31 @@ def _check_replaced(case: Case, entry: Replace, key: str, errors: ErrorList) -> 
     high = entry.high
     one_way = len(found) == 1
     errors.check(
-        (entry.diameter is None and entry.material is None, key, "changes nothing; give a material, or a diameter"),
-        (entry.diameter is not None and scatter >= entry.diameter / 2, f"{key}.diameter",
-         f"found {entry.diameter or 0.0:g}, expected more than twice packing.diameter_scatter, {scatter:g} m"),
-        (not one_way, key, f"found {' and '.join(found) or 'no spheres'}, expected one of {_WAYS}"),
-        (one_way and (low is None) != (high is None), f"{key}.{'low' if low is None else 'high'}",
-         "missing; a box has both corners"),
-        (one_way and low and high and (np.array(low) > high).any(), f"{key}.high",
-         f"found {list(high or ())}, expected none of it below low, {list(low or ())}"),
-    )  # fmt: skip
+        (
+            entry.diameter is None and entry.material is None,
+            key,
+            "changes nothing; give a material, or a diameter",
+        ),
+        (
+            entry.diameter is not None and scatter >= entry.diameter / 2,
+            f"{key}.diameter",
+            Mismatch(
+                f"{entry.diameter or 0.0:g}",
+                f"more than twice packing.diameter_scatter, {scatter:g} m",
+            ),
+        ),
+        (not one_way, key, Mismatch(f"{' and '.join(found) or 'no spheres'}", f"one of {_WAYS}")),
+        (
+            one_way and (low is None) != (high is None),
+            f"{key}.{'low' if low is None else 'high'}",
+            "missing; a box has both corners",
+        ),
+        (
+            one_way and low and high and (np.array(low) > high).any(),
+            f"{key}.high",
+            Mismatch(f"{list(high or ())}", f"none of it below low, {list(low or ())}"),
+        ),
+    )
 
 
 def check_vacancies(case: Case, errors: ErrorList) -> None:
@@ -92,13 +135,13 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
     chain = bool(packing.vacancies) and packing.rule.is_chain
     wrong = [sphere for sphere in listed if sphere > n]
     errors.check(
-        (chain, key, "found in a chain, which has none: it would be two chains"),
+        (chain, key, Mismatch("in a chain, which has none: it would be two chains")),
         *(
-            (not chain, key, f"found {one}, expected ids from 1 to {n}, the end of the packing")
+            (not chain, key, Mismatch(f"{one}", f"ids from 1 to {n}, the end of the packing"))
             for one in wrong[:1]
         ),
     )
-    if errors.lines:
+    if errors.items:
         return  # the named spheres are unknown while other keys are wrong
     lattice = packing.lattice(periodic=case.boundary.periodic)
     present = np.ones(n, dtype=bool)
@@ -106,10 +149,16 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         named = named_spheres(case, lattice)
         clash = [sphere for sphere in listed if sphere in named]
         fits = errors.check_first(
-            *((True, key, f"found {one}, which {named[one]} needs; expected a sphere that nothing names")
-              for one in clash),
-            (len(listed) == n, key, f"found all {n} spheres, expected fewer: it leaves no sphere"),
-        )  # fmt: skip
+            *(
+                (
+                    True,
+                    key,
+                    Mismatch(f"{one}, which {named[one]} needs", "a sphere that nothing names"),
+                )
+                for one in clash
+            ),
+            (len(listed) == n, key, Mismatch(f"all {n} spheres", "fewer: it leaves no sphere")),
+        )
         if not fits:
             return
         try:
@@ -117,7 +166,10 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
         except ValueError as error:
             errors.add(
                 key,
-                f"found {packing.vacancies:g} of {n} spheres, which {error}; make the share smaller",
+                Mismatch(
+                    f"{packing.vacancies:g} of {n} spheres, which {error}",
+                    remedy="make the share smaller",
+                ),
             )
             return
     low, high = (
@@ -125,11 +177,13 @@ def check_vacancies(case: Case, errors: ErrorList) -> None:
     )
     for place, entry in enumerate(case.replace, start=1):
         if not present[chosen_sites(packing, lattice, entry, place, present)].any():
-            box = f"found no sphere in the box from {list(entry.low or ())} to {list(entry.high or ())}; centres lie"
-            share = f"found a share of {entry.share or 0.0:g} of {np.count_nonzero(present)} spheres, which is none"
-            errors.add(
-                f"replace.{place}", f"{box} from {low} to {high}" if entry.share is None else share
-            )
+            box = f"the box from {list(entry.low or ())} to {list(entry.high or ())}"
+            fault = Mismatch(f"no sphere in {box}", remedy=f"centres lie from {low} to {high}")
+            if entry.share is not None:
+                n_there = np.count_nonzero(present)
+                share = f"a share of {entry.share:g} of {n_there} spheres, which is none"
+                fault = Mismatch(share)
+            errors.add(f"replace.{place}", fault)
 
 
 def check_room(case: Case, errors: ErrorList) -> None:
@@ -203,9 +257,15 @@ def check_pairs(case: Case, errors: ErrorList) -> None:
     for key, pair in numbered("pair", case.pair).items():
         there = f"{', '.join(map(show, known))} (a rigid wall)"
         errors.check(
-            *((name not in known, f"{key}.materials", f"found {show(name)}, expected materials of the case: {there}")
-              for name in dict.fromkeys(pair.materials)),
-        )  # fmt: skip
+            *(
+                (
+                    name not in known,
+                    f"{key}.materials",
+                    Mismatch(show(name), f"materials of the case: {there}"),
+                )
+                for name in dict.fromkeys(pair.materials)
+            ),
+        )
 
 
 def check_contact(case: Case, errors: ErrorList) -> None:
@@ -243,15 +303,24 @@ def _check_law(contact: Contact, key: str, errors: ErrorList) -> None:
     resist twisting.
     """
     kind = contact.cohesion.kind if contact.cohesion is not None and contact.coheres else ""
-    found = f'found "{kind}" with law = "{contact.law}"'
+    found = f'"{kind}" with law = "{contact.law}"'
     errors.check(
-        (contact.twisting == MARSHALL and not contact.friction, f"{key}.twisting",
-         f'found "{MARSHALL}" with friction = 0, expected friction above 0, by which it resists'),
-        (kind and contact.entry.is_power, f"{key}.cohesion",
-         f"{found}, which has no contact circle; expected a law of two materials"),
-        (kind == "jkr" and contact.yields, f"{key}.cohesion",
-         f'{found}; "jkr" is of elastic spheres: expected law = "hertz", or kind = "dmt"'),
-    )  # fmt: skip
+        (
+            contact.twisting == MARSHALL and not contact.friction,
+            f"{key}.twisting",
+            Mismatch(f'"{MARSHALL}" with friction = 0', "friction above 0, by which it resists"),
+        ),
+        (
+            kind and contact.entry.is_power,
+            f"{key}.cohesion",
+            Mismatch(f"{found}, which has no contact circle", "a law of two materials"),
+        ),
+        (
+            kind == "jkr" and contact.yields,
+            f"{key}.cohesion",
+            Mismatch(f'{found}; "jkr" is of elastic spheres', 'law = "hertz", or kind = "dmt"'),
+        ),
+    )
     _check_parameters(contact, key, errors)
 
 
@@ -259,16 +328,16 @@ def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
     """Check that a law has the parameters that it requires, and none of other laws, and that they
     make a passive law.
     """
-    before = len(errors.lines)
+    before = len(errors.items)
     required = [one.name for one in contact.entry.parameters.values() if one.required]
     for name in required:
         expected = f'missing; law = "{contact.law}" requires {" and ".join(required)}'
         errors.check((name not in contact.parameters, f"{key}.{name}", expected))
     for name, value in contact.foreign.items():
         laws = " or ".join(f'law = "{law}"' for law in laws_with(PARAMETERS[name]))
-        found = f'found {value:g} with law = "{contact.law}"; it belongs to {laws}'
-        errors.add(f"{key}.{name}", found)
-    if len(errors.lines) > before or not (fault := error_in_parameters(contact)):
+        found = f'{value:g} with law = "{contact.law}"'
+        errors.add(f"{key}.{name}", Mismatch(found, remedy=f"it belongs to {laws}"))
+    if len(errors.items) > before or not (fault := error_in_parameters(contact)):
         return
     names = list(contact.constants)
     if len(names) == 1:
@@ -303,25 +372,38 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
     ) if there]  # fmt: skip
     rest = "it begins at rest where no contact bears a force, which is found for equal spheres"
     errors.check(
-        *((True, key, f"found with {name}, expected a packing without: {rest}") for name in unlike)
+        *((True, key, Mismatch(f"with {name}", f"a packing without: {rest}")) for name in unlike)
     )
     if isinstance(assembly.lattice, Places) and assembly.lattice.n_contacts:
-        text = f'found with packing.kind = "file" and {assembly.lattice.n_contacts} contacts between its grains'
-        errors.add(key, f"{text}, expected grains that are apart: {rest} on a lattice")
+        contacts = f"{assembly.lattice.n_contacts} contacts between its grains"
+        found = f'with packing.kind = "file" and {contacts}'
+        errors.add(key, Mismatch(found, f"grains that are apart: {rest} on a lattice"))
     gap = boundary.forget_gap * packing.diameter
     radius = packing.diameter / 2
     laws = [] if unlike else [law for law, _ in cohesive_laws(assembly)]
     neck = max((law.neck_length for law in laws), default=0.0)
     sunken = max((law.balanced_overlap for law in laws), default=0.0)
     errors.check(
-        (assembly.has_rate, key, "found with material.rate_sensitivity, expected a yield strength without a rate"),
-        (neck >= gap, "boundary.forget_gap",
-         f"found {boundary.forget_gap:g}, a gap of {gap:.3g} m; expected more than {neck:.3g} m, up to which surfaces "
-         f"are held together by {key}"),
-        (sunken > _MOST_SUNKEN * radius, key,
-         f"the work of adhesion presses spheres of radius {radius:g} m into each other by {sunken:.3g} m; expected "
-         f"less, for overlaps of at most {_MOST_SUNKEN:g} of the radius"),
-    )  # fmt: skip
+        (
+            assembly.has_rate,
+            key,
+            Mismatch("with material.rate_sensitivity", "a yield strength without a rate"),
+        ),
+        (
+            neck >= gap,
+            "boundary.forget_gap",
+            Mismatch(
+                f"{boundary.forget_gap:g}, a gap of {gap:.3g} m",
+                f"more than {neck:.3g} m, up to which surfaces are held together by {key}",
+            ),
+        ),
+        (
+            sunken > _MOST_SUNKEN * radius,
+            key,
+            f"the work of adhesion presses spheres of radius {radius:g} m into each other by {sunken:.3g} m; expected "
+            f"less, for overlaps of at most {_MOST_SUNKEN:g} of the radius",
+        ),
+    )
 
 
 def check_losses(assembly: Assembly, errors: ErrorList) -> None:
@@ -329,7 +411,7 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
     case = assembly.case
     if not case.has_loss:
         return
-    wrong: dict[str, str] = {}
+    wrong: dict[str, Mismatch] = {}
     for first, second, shapes in _material_pairs(assembly):
         contact = case.contact_between(first, second)
         own = [
@@ -345,7 +427,7 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
             found = show({name: value for name, value in loss.items() if value is not None})
             wrong.setdefault(
                 [*own, "contact.loss"][0],
-                f"found {found}, expected of {names} a restitution of {error}",
+                Mismatch(found, f"of {names} a restitution of {error}"),
             )
     errors.check(*((True, key, message) for key, message in wrong.items()))
 
@@ -367,7 +449,7 @@ def check_rates(assembly: Assembly, errors: ErrorList) -> None:
             names = ", ".join(laws_with(PARAMETERS["rate_sensitivity"]))
             errors.add(
                 "material.rate_sensitivity",
-                f"found with law {law}, expected one of {names} (continuous), or none",
+                Mismatch(f"with law {law}", f"one of {names} (continuous), or none"),
             )
             return
 

@@ -250,7 +250,7 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
     n = assembly.lattice.n_spheres
     grains = assembly.case.packing.grains
     contact = case.contact_between(case.material, case.material)
-    if errors.lines or not contact.yields or case.contact.initial_overlap:
+    if errors.items or not contact.yields or case.contact.initial_overlap:
         return
     kinds = {
         (assembly.diameter_of(k), assembly.material_of(k).name): k

@@ -21,10 +21,9 @@ from granwave.lammps_inputs.case.boundary import Backing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import (
     LAWS,
-    Cohesion,
     Contact,
-    DashpotRestitution,
 )
+from granwave.lammps_inputs.case.contact_tables import Cohesion, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import TOUCHING, Lattice

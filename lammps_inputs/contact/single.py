@@ -40,7 +40,7 @@ from granwave.lammps_inputs.case.schema import (
     show,
 )
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, Mismatch, fault_of
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 
 _LOG = logging.getLogger(__name__)
@@ -100,8 +100,8 @@ def contact_between_bodies(
     contact = _read_law(law, options, errors)
     found = _read_bodies(bodies, errors, elastic=contact is not None and not contact.yields,
                          needs_material=contact is None or not contact.entry.is_power)  # fmt: skip
-    if errors.lines or contact is None or found is None:
-        raise InputError(errors.lines)
+    if errors.items or contact is None or found is None:
+        raise InputError(errors.items)
     one, other = found
     effective_radius = None
     if other.shape == "tube":
@@ -123,16 +123,16 @@ def contact_between_bodies(
 def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contact | None:
     if not isinstance(law, str) or law not in LAW_NAMES:
         expected = "one of " + ", ".join(map(show, LAW_NAMES))
-        errors.add("law", f"found {show(law)}, expected {expected}{did_you_mean(law, LAW_NAMES)}")
+        errors.add("law", Mismatch(show(law), f"{expected}{did_you_mean(law, LAW_NAMES)}"))
         return None
     entry = ALL_LAWS["hertz" if law == LINE else law]
     known = [one.name for one in entry.parameters.values() if not one.of_material]
     known += [] if entry.is_power or law == LINE else ["cohesion"]
-    before = len(errors.lines)
+    before = len(errors.items)
     if known:
         refuse_unknown(options, known, "", errors)
     errors.check(
-        *((not known, name, f"found with law {law}, which has no options") for name in options)
+        *((not known, name, Mismatch(f"with law {law}, which has no options")) for name in options)
     )
     contact = read_table(
         Contact,
@@ -145,10 +145,10 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
     if contact is not None and contact.cohesion is not None:
         neck = contact.cohesion.kind == "jkr" and contact.yields
         errors.check(
-            (neck, "cohesion", f'found "jkr" with law {law}; it is of law hertz, expected "dmt"')
+            (neck, "cohesion", Mismatch(f'"jkr" with law {law}; it is of law hertz', '"dmt"'))
         )
     errors.check(*((name not in options, name, missing) for name in required))
-    return contact if len(errors.lines) == before else None
+    return contact if len(errors.items) == before else None
 
 
 def _read_bodies(
@@ -156,7 +156,7 @@ def _read_bodies(
 ) -> tuple[Body, Body] | None:
     """Return two bodies, a wall last; None with errors."""
     if isinstance(bodies, str | Mapping) or not isinstance(bodies, Sequence) or len(bodies) != 2:
-        errors.add("bodies", f"found {show(bodies)}, expected {_EXAMPLE}")
+        errors.add("bodies", Mismatch(show(bodies), f"{_EXAMPLE}"))
         return None
     read = [_read_body(table, f"bodies[{n}]", errors, elastic=elastic, needs_material=needs_material)
             for n, table in enumerate(bodies)]  # fmt: skip
@@ -166,13 +166,25 @@ def _read_bodies(
     one, other = sorted(both, key=lambda body: body.shape in _WALLS)
     in_tube = other.shape == "tube" and one.shape not in _WALLS
     errors.check(
-        (one.shape in _WALLS, "bodies",
-         f"found a {one.shape} and a {other.shape}, expected a sphere or cylinder as one of them"),
-        (in_tube and one.shape == "cylinder", "bodies",
-         "found a cylinder in a tube, expected a sphere there, or a plane"),
-        (in_tube and one.shape == "sphere" and one.radius >= other.radius, "bodies",
-         f"found a sphere of radius {one.radius:g} m in a tube of radius {other.radius:g} m, expected a smaller one"),
-    )  # fmt: skip
+        (
+            one.shape in _WALLS,
+            "bodies",
+            Mismatch(f"a {one.shape} and a {other.shape}", "a sphere or cylinder as one of them"),
+        ),
+        (
+            in_tube and one.shape == "cylinder",
+            "bodies",
+            Mismatch("a cylinder in a tube", "a sphere there, or a plane"),
+        ),
+        (
+            in_tube and one.shape == "sphere" and one.radius >= other.radius,
+            "bodies",
+            Mismatch(
+                f"a sphere of radius {one.radius:g} m in a tube of radius {other.radius:g} m",
+                "a smaller one",
+            ),
+        ),
+    )
     return one, other
 
 
@@ -182,9 +194,9 @@ def _read_body(
     if isinstance(table, str):
         table = {"shape": table}
     if not isinstance(table, Mapping):
-        errors.add(key, f"found {show(table)}, expected one of {_EXAMPLE}")
+        errors.add(key, Mismatch(show(table), f"one of {_EXAMPLE}"))
         return None
-    before = len(errors.lines)
+    before = len(errors.items)
     read = read_table(
         _Table, {name: value for name, value in table.items() if name != "material"}, key, errors
     )
@@ -197,22 +209,43 @@ def _read_body(
     sizes = (read.diameter is not None) + (read.radius is not None)
     given = "radius" if read.diameter is None else "diameter"
     errors.check(
-        (sized and not sizes, f"{key}.diameter", f"missing; a {shape} has a diameter or a radius (m)"),
-        (sized and sizes == 2, f"{key}.radius", f"found {show(read.radius)} beside a diameter; give one of them"),
-        (not sized and sizes, f"{key}.{given}", f"found with a {shape}, expected none"),
-        *((name not in takes and getattr(read, name) is not None, f"{key}.{name}",
-           f"found with a {shape}, expected only with a cylinder") for name in ("length", "axis")),
-        ("length" in takes and read.length is None, f"{key}.length", "missing; a cylinder has a length (m)"),
-        (material is None and shape not in _WALLS and needs_material, f"{key}.material",
-         f"missing; a {shape} has one (planes and tubes without are rigid)"),
-    )  # fmt: skip
+        (
+            sized and not sizes,
+            f"{key}.diameter",
+            f"missing; a {shape} has a diameter or a radius (m)",
+        ),
+        (
+            sized and sizes == 2,
+            f"{key}.radius",
+            Mismatch(f"{show(read.radius)} beside a diameter", remedy="give one of them"),
+        ),
+        (not sized and sizes, f"{key}.{given}", Mismatch(f"with a {shape}", "none")),
+        *(
+            (
+                name not in takes and getattr(read, name) is not None,
+                f"{key}.{name}",
+                Mismatch(f"with a {shape}", "only with a cylinder"),
+            )
+            for name in ("length", "axis")
+        ),
+        (
+            "length" in takes and read.length is None,
+            f"{key}.length",
+            "missing; a cylinder has a length (m)",
+        ),
+        (
+            material is None and shape not in _WALLS and needs_material,
+            f"{key}.material",
+            f"missing; a {shape} has one (planes and tubes without are rigid)",
+        ),
+    )
     if isinstance(material, Mapping) and not set(SELECTORS) & set(material):
         material = {"density": _ANY_DENSITY, **material}
     if material is not None and not isinstance(material, Material):
         material = read_material(material, errors, f"{key}.material")
     if material is not None and not elastic and material.yield_strength is None:
         errors.add(f"{key}.material.yield_strength", "missing; the law needs it (Pa)")
-    if len(errors.lines) > before:
+    if len(errors.items) > before:
         return None
     radius = math.inf if shape == "plane" else read.radius or (read.diameter or 0.0) / 2
     cylinder = (
@@ -227,20 +260,21 @@ def _refuse_unknown_contact(law: str, contact: Contact, one: Body, other: Body) 
         return
     pair = cylinder_pair(one.cylinder, other.cylinder) if (one.cylinder or other.cylinder) else None
     if pair is not None and pair.nearly_parallel and other.shape == "cylinder":
-        found = "found cylinders whose axes are less than 1 degree from parallel"
-        raise InputError(f"contact: bodies: {found}, expected parallel ones, or a larger angle")
+        found = "cylinders whose axes are less than 1 degree from parallel"
+        fault = Mismatch(found, "parallel ones, or a larger angle")
+        raise InputError(fault_of(fault, source="contact", key="bodies"))
     if contact.cohesion is not None and (one.cylinder or other.cylinder):
-        raise InputError(
-            f"contact: cohesion: found a {one.shape} and a {other.shape}, expected spheres, planes or tubes"
-        )
+        fault = Mismatch(f"a {one.shape} and a {other.shape}", "spheres, planes or tubes")
+        raise InputError(fault_of(fault, source="contact", key="cohesion"))
     along_line = one.cylinder is not None and (
         other.shape == "plane" or (pair is not None and pair.parallel)
     )
     if law == LINE and not along_line:
-        raise InputError(
-            f"contact: law: found line for a {one.shape} and a {other.shape}, which touch in a point; expected a "
-            "cylinder on a plane or beside a parallel one, or law hertz"
+        fault = Mismatch(
+            f"line for a {one.shape} and a {other.shape}, which touch in a point",
+            "a cylinder on a plane or beside a parallel one, or law hertz",
         )
+        raise InputError(fault_of(fault, source="contact", key="law"))
     if contact.yields and along_line:
         _LOG.warning("law %s: a %s and a %s touch along a line, and stay elastic as in runs: as law hertz",
                      law, one.shape, other.shape)  # fmt: skip

@@ -9,7 +9,8 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 
-from granwave.lammps_inputs.case.contact import MARSHALL, Contact, Resistance
+from granwave.lammps_inputs.case.contact import Contact
+from granwave.lammps_inputs.case.contact_tables import MARSHALL, Resistance
 from granwave.lammps_inputs.case.law_parameters import is_set, keywords, value_of
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (

@@ -343,7 +343,7 @@ def test_defaults_are_those_of_the_interface():
     ("tables", "words"),
     [
         ({"punch": {"width": 1}, "run": {"elements": 5}, "material": {"preset": "brass", "yield_strength": -1}},
-         ("punch.width: unknown", "material.yield_strength", "run.elements", "--set: run.end_time")),
+         ("punch.width: unknown", "material.yield_strength", "run.elements", "run.end_time")),
         ({"punch": {"diameter": 0.2}}, ("punch.diameter: found 0.2 m, expected less than block.diameter",)),
         ({"punch": {"taper": 0.006}}, ("punch.taper",)),
         ({"run": {"edge_size": 0.006}}, ("run.edge_size",)),

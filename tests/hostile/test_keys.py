@@ -21,8 +21,18 @@ from typing import Any, Literal
 import pytest
 import tomli_w
 
-from granwave.lammps_inputs.case import bodies, boundary, contact, packing, precompression, run
-from granwave.lammps_inputs.case.added_grains import AddedGrains
+from granwave.lammps_inputs.case import (
+    added_grains,
+    bodies,
+    boundary,
+    contact,
+    contact_tables,
+    packing,
+    precompression,
+    run,
+    schema,
+)
+from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
 from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import Material
 from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
@@ -34,7 +44,12 @@ from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
 BRASS = {"youngs_modulus": 115e9, "poisson_ratio": 0.3, "density": 8500.0, "yield_strength": 550e6}
 PACKING = {"kind": "fcc", "size": [4, 4, 3], "diameter": 0.01}
 SPHERES = {"material": BRASS, "packing": PACKING, "run": {"end_time": 4e-5, "frames": 3}}
+PAIRED = SPHERES | {
+    "material": BRASS | {"name": "m"},
+    "pair": [{"materials": ["m", "m"], "friction": 0.1}],
+}
 CHAIN = SPHERES | {"packing": {"kind": "chain", "size": 6, "diameter": 0.01}}
+FREE: dict[str, Any] = {"boundary": {"bottom": "free"}}
 BAR = {"length": 0.1, "area": 1e-4, "elements": 50}
 PULSE = {"kind": "force", "shape": "half-sine", "amplitude": 10.0, "duration": 1e-5}
 BLOCK: dict[str, Any] = {"material": BRASS, "block": {}, "punch": {}, "run": {"elements": 2000}}
@@ -48,6 +63,12 @@ COMMANDS = {
     "scan.toml": "scan scan.toml --plan",
     SLURM: "scan scan.toml --plan --executor slurm --profile profile.toml",
 }
+OF_CONTACT: list[tuple[str, type, dict[str, Any]]] = [
+    ("rolling", contact_tables.Resistance, {"coefficient": 0.1, "stiffness": 1e6}),
+    ("twisting", contact_tables.Resistance, {"coefficient": 1e-5, "stiffness": 1e-2}),
+    ("loss", contact_tables.Loss, {"time": 1e-7}),
+    ("cohesion", contact_tables.Cohesion, {"kind": "dmt", "energy": 0.1}),
+]
 #: All tables: file, dotted name of the table, dataclass of its keys, and a valid file.
 TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "material", Material, SPHERES),
@@ -68,8 +89,25 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "output", run.Output, SPHERES | {"output": {}}),
     (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),
     (CASE, "absorb.1", bodies.Absorb, SPHERES | {"absorb": [{"layers": 1, "rate": 1e4}]}),
-    (CASE, "pair.1", contact.Contact, SPHERES
-        | {"material": BRASS | {"name": "m"}, "pair": [{"materials": ["m", "m"], "friction": 0.1}]}),
+    (CASE, "pair.1", contact.Contact, PAIRED),
+    (CASE, "pair.1", contact.Pair, PAIRED),
+    *((CASE, f"contact.{name}", section, SPHERES | {"contact": {"law": "hertz", name: table}})
+      for name, section, table in OF_CONTACT),
+    (CASE, "contact.initial_overlap.1", contact_tables.Dents,
+        SPHERES | {"contact": {"initial_overlap": [{"overlap": 1e-7}]}}),
+    (CASE, "contact.loss.dashpot", contact_tables.DashpotRestitution,
+        SPHERES | {"contact": {"loss": {"dashpot": {"restitution": 0.9}}}}),
+    (CASE, "boundary.sides_touch", boundary.Touched,
+        SPHERES | {"boundary": {"x": "wall", "sides_touch": {"material": ["m"]}},
+                   "material": BRASS | {"name": "m"}}),
+    (CASE, "output.probes.1", run.Probe, SPHERES | {"output": {"probes": [{"sphere": 3}]}}),
+    (CASE, "figures.plane", run.CutPlane,
+        SPHERES | {"figures": {"plane": {"normal": [1.0, 0.0, 0.0]}}}),
+    (CASE, "grains.1.ring", Ring, CHAIN | FREE
+        | {"grains": [{"ring": {"n": 2, "radius": 0.02, "z": 0.01}, "diameter": 0.004}]}),
+    (CASE, "grains.1.repeat", Repeat, CHAIN | FREE
+        | {"grains": [{"at": [[0.02, 0.0, 0.0]], "diameter": 0.004,
+                       "repeat": {"times": 2, "step": [0.0, 0.0, 0.01]}}]}),
     (CASE, "replace.1", bodies.Replace, SPHERES | {"replace": [{"index": 5, "diameter": 0.009}]}),
     (CASE, "striker.1", bodies.Striker, SPHERES | {"striker": [{"touches": 6, "velocity": [0, 0, 1]}]}),
     (CASE, "hold.1", bodies.Hold, SPHERES | {"hold": [{"index": 3}]}),
@@ -92,7 +130,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
 
 MAY_BE_NEGATIVE = {
     "material.poisson_ratio", "contact.area_offset", "contact.residual_offset", "pair.1.area_offset",
-    "pair.1.residual_offset",
+    "pair.1.residual_offset", "grains.1.ring.z", "grains.1.ring.angle",
 }  # fmt: skip
 #: Read into a table: a number is its coefficient.
 MAY_BE_A_NUMBER = {
@@ -101,9 +139,15 @@ MAY_BE_A_NUMBER = {
 MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "packing.diameter_scatter", "packing.vacancies", "packing.seed", "contact.beta", "contact.friction",
     "contact.initial_overlap", "material.hardening", "material.rate_sensitivity", "run.velocity", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
+    "contact.rolling.coefficient", "contact.rolling.damping", "contact.twisting.coefficient",
+    "contact.twisting.damping", "contact.loss.time", "contact.loss.dashpot",
+    "contact.cohesion.energy",
+    "contact.initial_overlap.1.overlap", "contact.initial_overlap.1.force",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",
 }  # fmt: skip
 MAY_BE_EMPTY = {
+    "boundary.sides_touch.group",
+    "boundary.sides_touch.material",
     "figures.formats",
     "figures.only",
     "output.probes",
@@ -124,10 +168,10 @@ def keys() -> Iterator[Any]:
     """Parameters of the test, one per key of each table."""
     for file, table, section, content in TABLES:
         hints = typing.get_type_hints(section)
-        for field in dataclasses.fields(section):
+        for field in schema.key_fields(section):
             key = f"{table}.{field.name}".removeprefix(".")
-            if "parse" in field.metadata and key != "pair.1.initial_overlap":
-                kinds = kinds_of(hints[field.name], field.metadata.get("options"))
+            if key != "pair.1.initial_overlap":
+                kinds = kinds_of(hints[field.name], schema.info_of(field).type.words)
                 yield pytest.param(file, key, kinds, content, id=f"{section.__name__} {key}")
 
 
@@ -204,10 +248,8 @@ def test_key(
 
 def test_the_tables_are_all_that_there_are() -> None:
     known = {section for _, _, section, _ in TABLES}
-    for module in (bodies, boundary, contact, run):
+    for module in (added_grains, bodies, boundary, contact, contact_tables, run):
         for name, value in vars(module).items():
             if dataclasses.is_dataclass(value) and value.__module__ == module.__name__:
                 fields = dataclasses.fields(value)
-                assert value in known or not any("parse" in field.metadata for field in fields), (
-                    f"{name} is not tried"
-                )
+                assert value in known or not any(map(schema.is_key, fields)), f"{name} is not tried"

@@ -11,7 +11,7 @@ import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.lammps_inputs import make_schedule
-from granwave.lammps_inputs.case.bodies import parse_index
+from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.parse import parse_override
 from granwave.lammps_inputs.case.run import FIGURE_NAMES, FRAMES_OF_A_FILM, CutPlane, Figures
 from granwave.lammps_inputs.case.schema import ValidationError
@@ -132,15 +132,15 @@ def test_warnings(caplog: pytest.LogCaptureFixture, changes: dict[str, Any], sai
 
 
 def test_every_third_sphere() -> None:
-    assert parse_index({"first": 8, "last": 17, "step": 3}) == (8, 11, 14, 17)
-    assert parse_index({"first": 1, "last": 1_000_000_000, "step": 500_000_000}) == (1, 500_000_001)
+    assert INDEX.read({"first": 8, "last": 17, "step": 3}) == (8, 11, 14, 17)
+    assert INDEX.read({"first": 1, "last": 1_000_000_000, "step": 500_000_000}) == (1, 500_000_001)
     for wrong in (
         {"first": 8, "last": 17, "step": 0},
         {"first": 8, "step": 3},
         {"first": 8, "last": 17, "every": 3},
     ):
         with pytest.raises(ValidationError, match="step = 3 for every third"):
-            parse_index(wrong)
+            INDEX.read(wrong)
 
 
 def test_figures() -> None:

@@ -15,6 +15,7 @@ from granwave._contact_laws import ContactLaw
 from granwave.lammps_inputs import flat_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS, Contact
+from granwave.lammps_inputs.case.schema import info_of
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
@@ -45,7 +46,7 @@ def test_one_list_of_constants():
     """Header, case file and twin agree on the names and on the published values."""
     assert tuple(LAW_CONSTANTS) == CONSTANTS
     assert tuple(LAW_CONSTANTS.values()) == PRINTED
-    described = {f.name: f.metadata["description"] for f in dataclasses.fields(Contact)}
+    described = {f.name: info_of(f).description for f in dataclasses.fields(Contact)}
     for name, printed in LAW_CONSTANTS.items():
         assert described[name].endswith(f"; {printed:g} if left out"), name
 

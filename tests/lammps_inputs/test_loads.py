@@ -9,6 +9,7 @@ import pytest
 
 from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.registry import LOADS, LoadSection, load_keys
+from granwave.lammps_inputs.case.schema import info_of
 
 PAGE = Path(__file__).parents[2] / "docs" / "howto" / "case-files.md"
 every_load = pytest.mark.parametrize("load", LOADS.values(), ids=LOADS)
@@ -25,8 +26,8 @@ def test_the_section_has_the_keys_of_the_load(load: type[Load]) -> None:
     """Keys that several loads have are the same field."""
     of_section = {field.name: field for field in dataclasses.fields(LoadSection)}
     for field in dataclasses.fields(load):
-        description = field.metadata["description"]
-        assert description == of_section[field.name].metadata["description"]
+        description = info_of(field).description
+        assert description == info_of(of_section[field.name]).description
         assert field.default == of_section[field.name].default
 
 

@@ -107,9 +107,7 @@ def test_a_material_of_a_file_in_continuum_cases(places: tuple[Path, Path]) -> N
         folder / "sphere.toml", {"partner.material": MATERIAL, "material": MATERIAL}
     )
     assert [material.youngs_modulus for material in changed.materials] == [1e11, 1e11]
-    with pytest.raises(
-        InputError, match=r"^--set: partner.material.file: .*here/none.toml: no such file"
-    ):
+    with pytest.raises(InputError, match=r"^partner.material.file: .*here/none.toml: no such file"):
         SphereContactCase.load(folder / "sphere.toml", {"partner.material.file": "none.toml"})
 
 

@@ -181,7 +181,7 @@ def test_an_analysis_on_a_full_disk_can_be_resumed(run, whole, small_disk, left)
     ballast = fill_up(small_disk, left)
     with pytest.raises(RunError) as caught:
         run_case(TWO_SPHERES, there, resume=True, figures=False)
-    assert "No space left on device" in str(caught.value) and "--resume" in str(caught.value)
+    assert "No space left on device" in str(caught.value) and "resume=True" in str(caught.value)
     assert str(caught.value).startswith(str(there / ("result.h5" if left else MARKER)))
     ballast.unlink()
     assert resumed(there, whole) == "analysed"

@@ -45,8 +45,8 @@ def test_results_are_refused_resumed_or_replaced(filled):
         ask(filled)
     assert str(caught.value) == (
         f"{filled}: already holds results (case.toml, summary.json, figures/a.png, ...); "
-        "--resume goes on with them, --force moves the results to r.old first, or choose another "
-        "directory with -o"
+        "resume=True goes on with them, force=True moves the results to r.old first, or choose another "
+        "directory with directory=..."
     )
     assert ask(filled, resume=True) is True
     assert ask(filled, force=True) is False
@@ -88,7 +88,7 @@ def test_results_behind_a_link_are_kept(filled, monkeypatch):
     link.symlink_to(filled)
     assert results_directory(link) == link
     with pytest.raises(
-        InputError, match=f"is a link to {filled}, and --force moves nothing through a link"
+        InputError, match=f"is a link to {filled}, and force=True moves nothing through a link"
     ):
         ask(link, force=True)
     link.with_name("circle").symlink_to(link.with_name("circle"))

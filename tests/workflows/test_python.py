@@ -297,7 +297,6 @@ def test_wrong_input_is_refused_before_anything_runs(ask, message, tmp_path, mon
 
 
 def test_options_are_called_asin_python():
-    assert in_python("--set: load.x: unknown") == "load.x: unknown"
     assert in_python("x: --force replaces it, or choose another with -o") == (
         "x: force=True replaces it, or choose another with directory=..."
     )

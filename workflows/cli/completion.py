@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library
@@ -24,8 +25,6 @@ from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solv
 
 if TYPE_CHECKING:
     from granwave.workflows.cli.keys import Key
-
-_WORD = re.compile(r'"([^"]+)"')
 
 Names = Callable[[argparse.Namespace], Iterable[str]]
 
@@ -132,13 +131,7 @@ def _values(name: str) -> list[str]:
     if name.rpartition(".")[2] in ("material", "preset"):
         return list(presets())
     key = _keys().get(re.sub(r"\.\d+", "", name))
-    accepts = key.accepts if key else ""
-    listed = (
-        accepts.partition(";")[0].removeprefix("one of ").split(", ")
-        if accepts.startswith("one of ")
-        else []
-    )
-    return [word.strip('"') for word in listed] or _WORD.findall(accepts)
+    return [show(word).strip('"') for word in key.words] if key else []
 
 
 def _tables(_: argparse.Namespace) -> Iterable[str]:

@@ -12,7 +12,8 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave._contact_laws import ContactLaw
-from granwave.lammps_inputs.case.contact import LAWS, Cohesion, parse_cohesion
+from granwave.lammps_inputs.case.contact import LAWS
+from granwave.lammps_inputs.case.contact_tables import COHESION, Cohesion
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
 from granwave.lammps_inputs.case.schema import ValidationError
@@ -152,7 +153,7 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
         return None
     kind, energy = options.cohesion
     try:
-        found = parse_cohesion({"kind": kind, "energy": float(energy)})
+        found: Cohesion = COHESION.read({"kind": kind, "energy": float(energy)})
     except (ValueError, ValidationError):
         raise InputError(
             f"--cohesion: found {kind} {energy}, expected jkr or dmt, and the work of adhesion in J/m^2"

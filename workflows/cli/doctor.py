@@ -14,7 +14,7 @@ from pathlib import Path
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.terminal import GREEN, RED, SWITCH_ON, coloured, print_json
+from granwave.workflows.cli.terminal import GREEN, RED, SWITCH_ON, coloured, line_of, print_json
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.launchers import (
@@ -153,7 +153,10 @@ def _cluster(path: Path) -> list[Finding]:
     except InputError as error:
         return [
             Finding(
-                "profile", False, "; ".join(error.errors), "granwave keys slurm explains the keys"
+                "profile",
+                False,
+                "; ".join(map(line_of, error.items)),
+                "granwave keys slurm explains the keys",
             )
         ]
     found = [Finding("profile", True, f"{path}")]

@@ -1,9 +1,8 @@
 """JSON Schema (2020-12) of the files that a user writes, made of the records of their keys; editors
 complete from it.
 
-What a field says of its values is there: types, bounds, words. What concerns several keys is not:
-``granwave check`` says that. Where a key has a reader of its own, its schema is as wide as the
-types that this reader, its example and its description name.
+The declared types of keys are there: bounds, words, and tables in tables. What concerns several
+keys is not: ``granwave check`` says that.
 """
 
 from __future__ import annotations
@@ -16,13 +15,10 @@ from typing import Any
 
 from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
-from granwave.lammps_inputs.case.material import MATERIALS, presets
-from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, Table, tables, type_of
+from granwave.lammps_inputs.case.material import MATERIAL, MATERIALS
+from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, Table, tables
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-#: Signs in the description of the accepted values that tell a type; words do where no reader can be asked.
-_SIGNS = {"object": ("{",), "array": ("[", "list"), "string": ('"',)}
-_WORDS = {"object": ("table",), "string": ("name", "path")}
 _MAY_BE_MISSING = (*OPTIONAL, "partner", "ranks", "uncertainty", "search", "slurm")
 #: Required keys that something else may give: a preset, the first sphere, the table of grains.
 _NOT_ALWAYS = re.compile(r"(material|partner)\..*|packing\.(size|diameter)")
@@ -34,20 +30,15 @@ Schema = dict[str, Any]
 def schema_of(file: str) -> Schema:
     """Return the JSON Schema of a kind of files, one of `granwave.workflows.cli.keys.FILES`."""
     assert file in FILES
-    found = [table for table in tables() if table.file == file]
-    root = _object(next((table for table in found if not table.heading), None))
-    for table in sorted((one for one in found if one.heading), key=lambda one: one.name.count(".")):
-        _put(root, table, table.name.split("."))
+    own = {table.name: table for table in tables() if table.file == file}
+    root = _object(own.get(file))
+    for name, table in own.items():
+        if table.heading and "." not in name and name not in root["properties"]:
+            _put(root, table)
     if "material" in root["properties"]:
-        of_material = [
-            one for one in tables() if one.name == "material"
-        ]  # first that of cases, which others share
-        root["$defs"] = {
-            "material": _object(
-                next((one for one in of_material if one.file == file), of_material[0])
-            )
-        }
-        root["properties"]["material"] = _MATERIAL
+        of_case = next(table for table in tables() if table.name == "material")
+        root["$defs"] = {"material": _object(own.get("material", of_case))}
+        root["properties"]["material"] = {"description": MATERIAL.expected, **MATERIAL.json}
     if file == CASE:
         root["properties"][MATERIALS] = {
             "type": "object",
@@ -65,41 +56,14 @@ def schema_of(file: str) -> Schema:
     }
 
 
-_MATERIAL: Schema = {
-    "description": "the name of a material, or a table of its values",
-    "anyOf": [{"enum": sorted(presets())}, {"type": "string"}, {"$ref": "#/$defs/material"}],
-}
-
-
-def _put(root: Schema, table: Table, path: list[str]) -> None:
-    """Enter a table below the tables, or keys that may be tables, of its dotted name."""
-    here = root
-    for name in path[:-1]:
-        here = _table_of(here, name)
+def _put(root: Schema, table: Table) -> None:
+    """Enter a table; those in it are in the types of its keys."""
     made = _object(table)
-    name = path[-1]
     if table.heading.startswith("[["):
         made = {"type": "array", "items": made, "description": table.description}
-    elif here is root and made.get("required") and name not in _MAY_BE_MISSING:
-        root.setdefault("required", []).append(name)
-    there = here["properties"].get(name)
-    here["properties"][name] = (
-        {"anyOf": [there, made], "description": table.description} if there else made
-    )
-
-
-def _table_of(parent: Schema, name: str) -> Schema:
-    """Return the table of a name; a key that takes other values too gets one beside these, with a
-    material.
-    """
-    there = parent["properties"].setdefault(name, _object(None))
-    if "properties" in there:
-        return there  # type: ignore[no-any-return]
-    kinds = there.get("anyOf", [])
-    if not kinds or "properties" not in kinds[-1]:
-        words = {key: there.pop(key) for key in ("enum", "type") if key in there}
-        kinds = there["anyOf"] = [words, _object(None) | {"properties": {"material": _MATERIAL}}]
-    return kinds[-1]  # type: ignore[no-any-return]
+    elif made.get("required") and table.name not in _MAY_BE_MISSING:
+        root.setdefault("required", []).append(table.name)
+    root["properties"][table.name] = made
 
 
 def _object(table: Table | None) -> Schema:
@@ -117,27 +81,16 @@ def _object(table: Table | None) -> Schema:
 
 
 def _of_key(key: Key) -> Schema:
-    """Return the schema of the values of a key, with what is known of it in words."""
-    if key.name == "material" and "table" in key.accepts:
-        return dict(_MATERIAL)
+    """Return the schema of the values of a key, with its description, example and default."""
     unit = f", {key.unit}" if key.unit else ""
     found: Schema = {
         "description": f"{key.description}{unit}; {key.accepts}",
         "examples": [_value(key.example)],
+        **key.json,
     }
-    found |= key.json
-    if not isinstance(key.json.get("type"), str):
-        told = [_SIGNS, *([] if key.json else [_WORDS])]
-        wide = {
-            kind
-            for signs in told
-            for kind, words in signs.items()
-            if any(word in key.accepts for word in words)
-        }
-        wide |= {type_of(_value(key.example)), *found.pop("type", ())}
-        found |= {} if key.json.keys() - {"type"} else {"type": sorted(wide)}
-    with contextlib.suppress(tomllib.TOMLDecodeError):  # of defaults in words
-        found |= {"default": _value(f"{key.name} = {key.default}")} if key.default else {}
+    if key.default and key.default != "[]":  # an empty list stands for a key that is not given
+        with contextlib.suppress(tomllib.TOMLDecodeError):  # of defaults in words
+            found["default"] = _value(f"{key.name} = {key.default}")
     return found
 
 

@@ -14,22 +14,28 @@ import math
 import re
 import sys
 import tomllib
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
 from typing import Any
 
 from granwave.analysis.inference.case import InferCase
-from granwave.lammps_inputs.case.case import TABLES
+from granwave.lammps_inputs.case.case import TABLES, CaseHead
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
-from granwave.lammps_inputs.case.schema import REQUIRED, ValidationError, accepted, key_fields, show
+from granwave.lammps_inputs.case.schema import (
+    REQUIRED,
+    declared_fields,
+    info_of,
+    is_required,
+    show,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.arguments import FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.design.problem import DESIGN_TABLES
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
-from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactCase
+from granwave.workflows.finite_elements.sphere_contact.case import Partner, SphereContactCase
 from granwave.workflows.scanning.header import Header, RanksBySize
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
@@ -46,15 +52,6 @@ TITLES = {
     INFERENCE: "Cases of inferred forces (granwave infer --case)",
     DESIGN: "Searches for a design (granwave design)",
 }
-_MATERIAL = "the name of a material, or a table of its values as in [material]"
-_TABLE_OF_KEYS = "a table of dotted keys of the case"
-_LISTS_OF_VALUES = "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for each key"
-#: Values of all types, by which is found what a reader of its own accepts.
-_PROBES: tuple[Any, ...] = (
-    True, 1, 3, 0.5, "x", "z", "all", "auto", "centre", "mean", "none", "x.py", [], [1], [1, 2], [0.1, 1.0], [0, 0, 1],
-    [1, 1], ["x"], [[1, 0.1]], [[0, 0], [1, 1]], [[0, 0, 1]], [{"sphere": 1}], {}, {"first": 1, "last": 2},
-    {"material": "brass"},
-)  # fmt: skip
 _NOT_OF_A_PAIR = ("initial_overlap",)
 
 
@@ -72,8 +69,10 @@ class Key:
         Magnitudes outside which a warning is given; empty if there are none.
     example
         A value as in a file.
+    words
+        Words, numbers or truth values of which a value is one, if there are any.
     json
-        JSON Schema of its values, as far as the code that reads them tells it.
+        JSON Schema of its values.
     """
 
     name: str
@@ -84,6 +83,7 @@ class Key:
     required: bool = False
     usual: str = ""
     example: str = ""
+    words: tuple[Any, ...] = ()
     json: Mapping[str, Any] = dataclasses.field(default_factory=dict, compare=False)
 
 
@@ -108,41 +108,34 @@ class Table:
     keys: tuple[Key, ...]
 
 
+_HEAD = "name, material and the tables below"
+
+
 @cache
 def tables() -> tuple[Table, ...]:
     """Return all tables of all kinds of files."""
-    return (
-        _table(CASE, "", "name, material and the tables below", _TOP),
-        *(_of_section(CASE, heading, section) for heading, section in TABLES.items()),
-        _pair(),
-        _table(CONTINUUM, "", "name, material and the tables below", _TOP),
-        *(
-            _of_section(CONTINUUM, f"[{name}]", section)
-            for name, section in ContinuumCase.SECTIONS.items()
-        ),
-        _table(SPHERE_CONTACT, "", "name, material and the tables below", _TOP),
-        *(
-            _of_section(SPHERE_CONTACT, f"[{name}]", section)
-            for name, section in SphereContactCase.SECTIONS.items()
-        ),
-        _of_section(
-            SPHERE_CONTACT, "[partner]", Sphere, "the second sphere, if it differs from the first"
-        ),
-        _of_section(SCAN, "", Header, "top-level keys and the tables of what varies"),
-        _of_section(SCAN, "[ranks]", RanksBySize),
-        _of_section(SUITE, "", SuiteFile),
-        _of_section(
-            PROFILE, "[slurm]", Profile, "how the cluster is used; every key may be left out"
-        ),
-        *(
-            _of_section(INFERENCE, f"[{name}]", section)
-            for name, section in InferCase.SECTIONS.items()
-        ),
-        *(
-            _of_section(DESIGN, heading, section, what)
-            for heading, (section, what) in DESIGN_TABLES.items()
-        ),
-    )
+    elements = {CONTINUUM: ContinuumCase.SECTIONS, SPHERE_CONTACT: SphereContactCase.SECTIONS}
+    found = [_of_section(CASE, "", CaseHead, _HEAD)]
+    found += [_of_section(CASE, heading, section) for heading, section in TABLES.items()]
+    found.append(_pair())
+    for file, sections in elements.items():
+        found.append(_of_section(file, "", CaseHead, _HEAD))
+        found += _of_sections(file, sections)
+    found.append(_of_section(SPHERE_CONTACT, "[partner]", Partner))
+    found.append(_of_section(SCAN, "", Header, "top-level keys and the tables of what varies"))
+    found.append(_of_section(SCAN, "[ranks]", RanksBySize))
+    found.append(_of_section(SUITE, "", SuiteFile))
+    how = "how the cluster is used; every key may be left out"
+    found.append(_of_section(PROFILE, "[slurm]", Profile, how))
+    found += _of_sections(INFERENCE, InferCase.SECTIONS)
+    for heading, (section, what) in DESIGN_TABLES.items():
+        found.append(_of_section(DESIGN, heading, section, what))
+    return tuple(found)
+
+
+def _of_sections(file: str, sections: Mapping[str, type]) -> list[Table]:
+    """Return the tables of sections by name."""
+    return [_of_section(file, f"[{name}]", section) for name, section in sections.items()]
 
 
 def find(*words: str) -> list[Table]:
@@ -218,57 +211,37 @@ def state(key: Key) -> str:
 
 
 def _of_section(file: str, heading: str, section: type, description: str = "") -> Table:
-    """Return the table of a section, with the keys that are read by code of their own."""
-    name = heading.strip("[]") or file
-    found = []
-    for field in key_fields(section):
-        given = field.metadata
-        unit = field.metadata["unit"]
-        usual = field.metadata["usual"]
-        none = field.default in (REQUIRED, None, "")
-        default = field.default
-        default = dataclasses.asdict(default) if dataclasses.is_dataclass(default) else default  # type: ignore[arg-type]
-        json = given["json"]
-        if json is None:  # a reader of its own: the types of values that it accepts
-            types = {type_of(value) for value in _PROBES if _accepts(given["parse"], value)}
-            json = {"type": sorted(types)} if types else {}
-        found.append(
-            Key(
-                name=field.name,
-                description=given["description"],
-                accepts=accepted(field) + _ALSO.get((file, f"{name}.{field.name}"), ""),
-                unit=unit,
-                default="" if none else _written(default),
-                required=field.default is REQUIRED and field.default_factory is REQUIRED,
-                usual="" if usual is None else _usual(usual),
-                example=_written(given["example"]) if "example" in given else "",
-                json=json,
-            )
-        )
-    if any("read" in field.metadata for field in dataclasses.fields(section)):
-        found.append(
-            Key("material", "material of this body; that of the case by default", _MATERIAL)
-        )
-    return _table(
-        file,
-        heading,
-        description or _first_line(section),
-        [*found, *_FURTHER.get((file, name), ())],
+    """Return the table of a section."""
+    fields = declared_fields(section)
+    listed = [_key_of(name, field) for name, field in fields.items()]
+    return _table(file, heading, description or _first_line(section), listed)
+
+
+def _key_of(name: str, field: dataclasses.Field[Any]) -> Key:
+    """Return what is declared of a key."""
+    info = info_of(field)
+    return Key(
+        name=name,
+        description=info.description,
+        accepts=info.type.accepts,
+        unit=info.unit,
+        default=info.default_form or _default_of(field),
+        required=is_required(field),
+        usual="" if info.usual is None else _usual(info.usual),
+        example="" if info.example is None else _written(info.example),
+        words=info.type.words,
+        json=info.type.json,
     )
 
 
-def _accepts(parse: Callable[[Any], Any], value: Any) -> bool:
-    try:
-        parse(value)
-    except (ValidationError, TypeError, AttributeError, KeyError, IndexError):
-        return False
-    return True
-
-
-def type_of(value: Any) -> str:
-    """Return the name that JSON Schema has for the type of a TOML value."""
-    kinds = ((bool, "boolean"), (int | float, "number"), (str, "string"), (list | tuple, "array"))
-    return next((name for kind, name in kinds if isinstance(value, kind)), "object")
+def _default_of(field: dataclasses.Field[Any]) -> str:
+    """Return the default as in a file; empty if there is none."""
+    default = field.default
+    if default in (REQUIRED, None, ""):
+        return ""
+    if dataclasses.is_dataclass(default) and not isinstance(default, type):
+        return _written(dataclasses.asdict(default))
+    return _written(default)
 
 
 def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> Table:
@@ -284,12 +257,10 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> T
 def _pair() -> Table:
     """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
     contact = _of_section(CASE, "[contact]", TABLES["[contact]"])
-    accepts = 'two names of materials; "rigid" for a rigid wall'
-    materials = Key("materials", "materials of the two bodies", accepts, required=True)
-    made = _table(CASE, "[[pair]]", _first_line(Pair), [materials])
+    own = _of_section(CASE, "[[pair]]", Pair)
     of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
-    own = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)
-    return dataclasses.replace(made, keys=(*made.keys, *own))
+    taken = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)
+    return dataclasses.replace(own, keys=(*own.keys, *taken))
 
 
 def _written(value: Any) -> str:
@@ -348,54 +319,3 @@ def _hint(wanted: str) -> str:
         return f"did you mean {' or '.join(near)}?"
     hint = hint_for(wanted.rpartition(".")[2], names, "", list(dict.fromkeys(vocabulary)))
     return hint.replace("known here:", "known:")
-
-
-_TOP = (
-    Key("name", "name of the case, and of the directory of its results", "a plain name, as of a directory",
-        default="that of the file"),
-    Key("material", "material of all bodies that have none of their own", _MATERIAL, required=True),
-)  # fmt: skip
-#: Values that a key accepts besides those of its validator, read by code of their own.
-_ALSO = {
-    (CASE, "boundary.bottom"): (
-        "; or {material = ...} for a wall of a material; or {plate = ...}, {damper = ...}, {half_space = ...} or "
-        "{bar = ...} for one that moves: tables [boundary.bottom.plate] and so on"
-    ),
-    (CASE, "boundary.sides"): (
-        "; or {material = ...} for walls of a material, {tube = {radius = ...}} for a tube, or both"
-    ),
-}
-#: Keys that are read by code of their own, without a field.
-_FURTHER: dict[tuple[str, str], tuple[Key, ...]] = {
-    (CASE, "packing"): (
-        Key("file", "grains of a packing of kind file: a table (x, y, z, diameter ...), or what ASE reads", "a path"),
-    ),
-    (CASE, "load"): (
-        Key("file", "the table as a file: two columns, time (s) and force (N) or displacement (m)", "a path"),
-    ),
-    (CASE, "material"): (
-        Key("preset", "material whose values hold where the table gives none", "the name of a material"),
-        Key("file", "TOML file that the preset is taken from; without it, those of the package", "a path"),
-    ),
-    (SPHERE_CONTACT, "partner"): (
-        Key("material", "material of the second sphere; that of the case by default", _MATERIAL),
-    ),
-    (SCAN, "scan"): (
-        Key("set", "values that hold for all points", _TABLE_OF_KEYS),
-        Key("grid", "values of which every combination is a point", _LISTS_OF_VALUES),
-        Key("zip", "tables [[zip]] of values that vary together, beside the grid", _LISTS_OF_VALUES + ", equally long"),
-        Key("points", "tables [[points]], each a single point", _TABLE_OF_KEYS),
-    ),
-    (DESIGN, "design"): (
-        Key("set", "values that hold for all designs", _TABLE_OF_KEYS),
-        Key("variables", "what may vary: places in lists from 0, replace.ID.KEY of grains, layers",
-            "for each key a list of choices, or {low = ..., high = ...} with log, integer or step", required=True),
-        Key("limits", "what a design must keep to: mass_kg, height_m, width_m, n_spheres, smallest_diameter_m, "
-            "yielded_share, kinetic_share, overlap_over_radius, or a value of summary.json",
-            "for each value the largest allowed one, or {low = ..., high = ...}"),
-    ),
-    (DESIGN, "uncertainty"): (
-        Key("velocity", "range of load.velocity; any key of a case likewise", "[smallest, largest], or one number"),
-        Key("tolerance", "the same of packing.diameter_scatter, m", "[smallest, largest], or one number"),
-    ),
-}  # fmt: skip

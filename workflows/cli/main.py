@@ -21,7 +21,7 @@ from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.interrupts import stop_signals
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
-from granwave.workflows.cli.terminal import RED, YELLOW, coloured
+from granwave.workflows.cli.terminal import RED, YELLOW, coloured, in_shell, line_of
 from granwave.workflows.run import mpi
 from granwave.workflows.run.progress import each_warning_once, not_enough_memory
 
@@ -62,9 +62,9 @@ def main(arguments: Sequence[str] | None = None) -> int:
         sys.stdout.flush()  # here, where an error can still be reported
         return status
     except InputError as error:
-        return _report(error.errors, WRONG_INPUT)
+        return _report([line_of(item) for item in error.items], WRONG_INPUT)
     except GranwaveError as error:
-        return _report([str(error)], FAILED)
+        return _report([in_shell(str(error))], FAILED)
     except BrokenPipeError:
         os.dup2(
             os.open(os.devnull, os.O_WRONLY), 1
@@ -162,7 +162,7 @@ def _set_up_logging() -> None:
 
 class _Messages(logging.Formatter):
     def format(self, record: logging.LogRecord) -> str:
-        text = super().format(record)
+        text = in_shell(super().format(record))
         if record.levelno != logging.WARNING:
             return text
         return f"{coloured('granwave: warning:', YELLOW, sys.stderr)} {text}"

@@ -16,7 +16,7 @@ from granwave import __version__
 from granwave._contact_laws import LawParameter
 from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
-from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, parser_of
+from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, type_of
 from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.arguments import BENCH_PARTS, FILE_KINDS
@@ -90,7 +90,7 @@ def _law_parameter(parameter: LawParameter) -> Option:
     what = f"{parameter.description} (default: {parameter.default})"
     if parameter.words:
         return _option(name, choices=list(parameter.words), help=what)
-    kind = read.number_of(parser_of(parameter))
+    kind = read.number_of(type_of(parameter).read)
     return _option(name, type=kind, metavar=parameter.symbol, help=what)
 
 

@@ -15,8 +15,13 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
-from granwave.lammps_inputs.case.run import FIGURE_NAMES, Figures
-from granwave.lammps_inputs.case.schema import ValidationError, did_you_mean
+from granwave.lammps_inputs.case.run import FIGURE_NAMES, NO_NORMAL, Figures
+from granwave.lammps_inputs.case.schema import (
+    ValidationError,
+    declared_fields,
+    did_you_mean,
+    info_of,
+)
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -177,7 +182,7 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
     InputError
         A value is wrong; the message lists all faults.
     """
-    fields = {field.name: field for field in dataclasses.fields(Figures)}
+    types = {name: info_of(field).type for name, field in declared_fields(Figures).items()}
     changes = {}
     faults = []
     for name in names or FIGURE_KEYS:
@@ -186,13 +191,13 @@ def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> F
         if text is None:
             continue
         try:
-            changes[name] = fields[name].metadata["parse"](_value(name, text, through))
+            changes[name] = types[name].read(_value(name, text, through))
         except ValidationError as error:
             option = FIGURE_KEYS[name].names[0]
             if name == "plane" and through is not None:
                 option = f"{option} --through"
                 text = f"{text} and {through}"
-            faults.append(f"{option}: found {text}, expected {_in_words(name, str(error))}")
+            faults.append(f"{option}: found {text}, expected {_in_words(name, error.expected)}")
     if options.through is not None and options.plane is None:
         faults.append("--through: it is a point of the plane of --plane, which is not given")
     if faults:
@@ -225,7 +230,7 @@ def _toml(text: str) -> Any:
 
 def _in_words(name: str, expected: str) -> str:
     """Return what a key expects, as the command line writes it."""
-    if name == "plane" and expected.startswith('"x"'):
+    if name == "plane" and expected != NO_NORMAL:
         return "x, y, z, or the three numbers of a normal, as 1,1,0; --through takes three numbers in m"
     if name.endswith("limits"):
         return f"{expected}, as 0.1,100"

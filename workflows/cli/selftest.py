@@ -37,7 +37,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import DUMPS, ENERGY_FILE, RESULT_FILE
 from granwave.workflows.cli.doctor import examine
-from granwave.workflows.cli.terminal import BOLD, GREEN, RED, coloured, print_json
+from granwave.workflows.cli.terminal import BOLD, GREEN, RED, coloured, in_shell, print_json
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.driver import run_case
@@ -183,7 +183,7 @@ def _attempt(what: str, remedy: str, work: Callable[[], list[Check]]) -> list[Ch
     try:
         return work()
     except (GranwaveError, OSError) as error:
-        return [Check(what, "a run", str(error), False, remedy)]
+        return [Check(what, "a run", in_shell(str(error)), False, remedy)]
 
 
 def _run(

@@ -10,7 +10,7 @@ import sys
 from collections.abc import Callable, Container, Sequence
 from typing import Any
 
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault
 from granwave.lammps_inputs.files import plain
 from granwave.lammps_inputs.streams import is_terminal
 
@@ -68,12 +68,35 @@ def warn_of_lacks(name: str, afford: Callable[[], object]) -> list[str]:
     try:
         afford()
     except InputError as error:
-        lacks = [f"{fault} (on this machine; granwave run would refuse)" for fault in error.errors]
+        lacks = [
+            f"{line_of(fault)} (on this machine; granwave run would refuse)"
+            for fault in error.items
+        ]
     else:
         lacks = []
     for lack in lacks:
         warn(lack if lack.startswith(name) else f"{name}: {lack}")
     return lacks
+
+
+#: Options of functions in messages, and what they are called here.
+_OPTIONS = {
+    "force=True": "--force",
+    "resume=True": "--resume",
+    "with directory=...": "with -o",
+}
+
+
+def line_of(fault: InputFault) -> str:
+    """Return a fault in one line, with the option that changed its key."""
+    return in_shell(f"--set: {fault}" if fault.changed else str(fault))
+
+
+def in_shell(text: str) -> str:
+    """Call options of functions in a message as the command line has them."""
+    for words, option in _OPTIONS.items():
+        text = text.replace(words, option)
+    return text
 
 
 def print_json(values: Any) -> None:

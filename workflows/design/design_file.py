@@ -28,7 +28,7 @@ from granwave.lammps_inputs.case.schema import (
     read_table,
     show,
 )
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.planning.plan import plan
@@ -121,8 +121,8 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
             for key in twice
         )
     )
-    if errors.lines or header is None or search is None:
-        raise InputError(errors.lines)
+    if errors.items or header is None or search is None:
+        raise InputError(errors.items)
     if budget is not None:
         search = dataclasses.replace(search, evaluations=budget)
     problem = Problem(
@@ -149,7 +149,7 @@ def _base(
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the keys of ``[set]``, dotted, and the tables of the case that they are set in."""
     if not isinstance(table, Mapping):
-        errors.add("set", f"found {show(table)}, expected a table of keys and values")
+        errors.add("set", Mismatch(show(table), "a table of keys and values"))
     if header is None or not isinstance(table, Mapping):
         return {}, {}
     fixed: dict[str, Any] = {}
@@ -168,11 +168,15 @@ def _base(
         )
         GRANULAR.read(base, file)
     except InputError as error:
-        errors.lines += [
-            f"{path}: base: {fault.replace('--set: ', 'set.')}" for fault in error.errors
-        ]
+        errors.extend(_of_base(item, path) for item in error.items)
         return fixed, {}
     return fixed, base
+
+
+def _of_base(item: InputFault, path: Path) -> InputFault:
+    """Return a fault of the base case as one of the design file, with its ``[set]``."""
+    key = f"set.{item.key}" if item.changed else item.key
+    return dataclasses.replace(item, key=key).inside(f"{path}: base")
 
 
 def _refuse_twice(name: str, written: Iterable[tuple[str, Any]], errors: ErrorList) -> None:
@@ -206,7 +210,7 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
     if not isinstance(tables, Mapping) or not tables:
         errors.add(
             "variables",
-            "found none, expected a table of keys of the case, each with choices or a range",
+            Mismatch("none", "a table of keys of the case, each with choices or a range"),
         )
         return []
     keys = dict(tables)
@@ -221,8 +225,11 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
             try:
                 with_values(base, {one.key: one.value(0.0)})
             except InputError as error:
-                errors.lines += [f"{errors.source}: variables.{fault}" for fault in error.errors]
-    if not base or errors.lines:
+                errors.extend(
+                    dataclasses.replace(item, source=errors.source, key=f"variables.{item.key}")
+                    for item in error.items
+                )
+    if not base or errors.items:
         return found
     # words, and ends of ranges, that alone make the base wrong; one warning for variables of equal
     # fault
@@ -234,9 +241,8 @@ def _variables(tables: Any, base: dict[str, Any], errors: ErrorList) -> list[Var
             try:
                 GRANULAR.read(with_values(base, {one.key: value}), errors.source)
             except InputError as error:
-                refused[show(value), error.errors[0].removeprefix(f"{errors.source}: ")].append(
-                    one.key
-                )
+                fault = str(error.items[0].outside(errors.source))
+                refused[show(value), fault].append(one.key)
     for (value, fault), same in refused.items():
         more = f" and {len(same) - 1} more" * (len(same) > 1)
         _LOG.warning(
@@ -298,20 +304,50 @@ def _layers(
         next(iter(tied.items())) if isinstance(tied, Mapping) and len(tied) == 1 else ("", 0)
     )
     fits = errors.check_first(
-        ({"packing.size", "packing.diameter"} & {other.removesuffix(".2") for other in others}, key,
-         "found beside packing.size or packing.diameter, expected these in the base"),
-        (lattice is None, key, f'found with packing.kind = "{packing.kind}", expected a base with layers'),
-        (not {"materials", "diameters"} & set(table) or set(table) - {"materials", "diameters", "tied"}, key,
-         f'found {show(value)}, expected {{materials = ["steel", "ptfe"]}} or {{diameters = [0.4, 1.0]}} (over '
-         "packing.diameter), or both"),
-        (way not in ("period", "groups") or not isinstance(count, int) or count < 1, f"{key}.tied",
-         f"found {show(tied)}, expected {{period = 2}}, every other layer alike, or {{groups = 3}}, three blocks of "
-         "layers; free if left out"),
-        (ends is not None and not packing.rule.is_chain, f"{key}.diameters",
-         f'found with packing.kind = "{packing.kind}", expected "chain": smaller spheres leave gaps in a lattice'),
-        (ends is not None and not (isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))),
-         f"{key}.diameters", f"found {show(ends)}, expected [smallest, largest]"),
-    )  # fmt: skip
+        (
+            {"packing.size", "packing.diameter"} & {other.removesuffix(".2") for other in others},
+            key,
+            Mismatch("beside packing.size or packing.diameter", "these in the base"),
+        ),
+        (
+            lattice is None,
+            key,
+            Mismatch(f'with packing.kind = "{packing.kind}"', "a base with layers"),
+        ),
+        (
+            not {"materials", "diameters"} & set(table)
+            or set(table) - {"materials", "diameters", "tied"},
+            key,
+            Mismatch(
+                show(value),
+                '{materials = ["steel", "ptfe"]} or {diameters = [0.4, 1.0]} (over '
+                "packing.diameter), or both",
+            ),
+        ),
+        (
+            way not in ("period", "groups") or not isinstance(count, int) or count < 1,
+            f"{key}.tied",
+            Mismatch(
+                show(tied),
+                "{period = 2}, every other layer alike, or {groups = 3}, three "
+                "blocks of layers; free if left out",
+            ),
+        ),
+        (
+            ends is not None and not packing.rule.is_chain,
+            f"{key}.diameters",
+            Mismatch(
+                f'with packing.kind = "{packing.kind}"',
+                '"chain": smaller spheres leave gaps in a lattice',
+            ),
+        ),
+        (
+            ends is not None
+            and not (isinstance(ends, list) and len(ends) == 2 and all(map(is_number, ends))),
+            f"{key}.diameters",
+            Mismatch(show(ends), "[smallest, largest]"),
+        ),
+    )
     if not fits or lattice is None:
         return []
     alike = defaultdict(list)
@@ -337,7 +373,7 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
     if not isinstance(tables, Mapping):
         errors.add(
             "limits",
-            f"found {show(tables)}, expected a table of values and their largest allowed ones",
+            Mismatch(show(tables), "a table of values and their largest allowed ones"),
         )
         return ()
     for name, value in tables.items():
@@ -359,7 +395,7 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
             if low is not None and high is not None and high < low:
                 raise ValidationError("a high that is not below the low")
         except ValidationError as error:
-            errors.add(f"limits.{name}", f"found {show(value)}, expected {error}")
+            errors.add_wrong(f"limits.{name}", value, error)
         else:
             found.append(Limit(name, low, high))
     return tuple(found)
@@ -376,7 +412,9 @@ def _objectives(
     if not 1 <= len(found) <= 2 or len({one.name for one in found}) < len(found):
         errors.add(
             "objective",
-            f"found {len(found)} values, expected one, or two different ones, under minimise or maximise",
+            Mismatch(
+                f"{len(found)} values", "one, or two different ones, under minimise or maximise"
+            ),
         )
     bottom = base.get("boundary", {}).get("bottom", "wall") if base else "wall"
     without_target = "bar" not in base and not is_target(bottom)
@@ -394,7 +432,7 @@ def _uncertainty(
     table: Any, errors: ErrorList
 ) -> tuple[str | float, dict[str, tuple[float, float]], int]:
     if not isinstance(table, Mapping):
-        errors.add("uncertainty", f"found {show(table)}, expected a table")
+        errors.add("uncertainty", Mismatch(show(table), "a table"))
         return "mean", {}, 1
     names = {field.name for field in dataclasses.fields(UncertaintyTable)}
     own = read_table(
@@ -414,7 +452,7 @@ def _uncertainty(
             if high < low:
                 raise ValidationError(f"{expected}, the largest not below the smallest")
         except ValidationError as error:
-            errors.add(f"uncertainty.{key}", f"found {show(value)}, expected {error}")
+            errors.add_wrong(f"uncertainty.{key}", value, error)
             continue
         if _is_key("uncertainty", name, errors):
             errors.check((name in ranges, f"uncertainty.{key}", "is given twice"))
@@ -433,9 +471,9 @@ def _samples(
     try:
         random = is_random(problem.case(with_values(problem.base, middle)))
     except InputError as error:
+        path = str(problem.path)
         raise InputError(
-            f"{problem.path}: uncertainty: {fault.removeprefix(f'{problem.path}: ')}"
-            for fault in error.errors
+            item.outside(path).inside(f"{path}: uncertainty") for item in error.items
         ) from None
     random = random or any(_generic(one.key) in _RANDOM for one in problem.space.variables)
     if not random and not varied:

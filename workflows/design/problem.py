@@ -12,20 +12,21 @@ import re
 from collections.abc import Mapping, Sequence
 from fnmatch import fnmatchcase
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 import numpy as np
 
 from granwave.analysis.quantities import ENTRIES
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.bodies import parse_index
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
 from granwave.lammps_inputs.case.schema import ValidationError, show
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, fault_of
 from granwave.lammps_inputs.load_case import assembly_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.workflows.design.variables import Space, Values
+from granwave.workflows.scanning.header import TABLE_OF_KEYS
 
 _REPLACE = "replace"
 _MOST_IDS = 1_000_000  # of grains that one key changes
@@ -44,32 +45,6 @@ _NO_NUMBERS = (
 )  # values that are words, lists or tables
 
 
-@dataclasses.dataclass(frozen=True, kw_only=True)
-class Header:
-    """Top-level keys of a design file."""
-
-    name: str = schema.custom("name of the search", schema.plain_name, default="")
-    base: str = schema.text("the case that is varied: a built-in study or a case file")
-
-
-def _parse_names(value: Any) -> tuple[str, ...]:
-    names = [value] if isinstance(value, str) else value
-    if (
-        not isinstance(names, list)
-        or not 1 <= len(names) <= 2
-        or not all(isinstance(name, str) for name in names)
-    ):
-        raise ValidationError(
-            'the name of a value of summary.json, such as "target_peak_force_N", or a list of two'
-        )
-    for name in names:
-        if not is_value(name):
-            raise ValidationError(
-                f"the name of a number of summary.json{schema.did_you_mean(name, value_names())}"
-            )
-    return tuple(names)
-
-
 def value_names() -> list[str]:
     return [
         *KNOWN_BEFORE,
@@ -83,24 +58,69 @@ def is_value(name: str) -> bool:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
+class Header:
+    """Top-level keys of a design file."""
+
+    name: str = schema.typed("name of the search", schema.PLAIN_NAME, default="")
+    base: str = schema.text("the case that is varied: a built-in study or a case file")
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "set": schema.typed("values that hold for all designs", TABLE_OF_KEYS, default=None),
+        "variables": schema.typed(
+            "what may vary: places in lists from 0, replace.ID.KEY of grains, layers",
+            schema.OtherType(
+                expected="for each key a list of choices, or {low = ..., high = ...} with log, "
+                "integer or step",
+                kinds=("object",),
+            ),
+        ),
+        "limits": schema.typed(
+            "what a design must keep to: mass_kg, height_m, width_m, n_spheres, "
+            "smallest_diameter_m, yielded_share, kinetic_share, overlap_over_radius, or a value of "
+            "summary.json",
+            schema.OtherType(
+                expected="for each value the largest allowed one, or {low = ..., high = ...}",
+                kinds=("object",),
+            ),
+            default=None,
+        ),
+    }
+
+
+_NAMES_FORM = 'the name of a value of summary.json, such as "target_peak_force_N", or a list of two'
+
+
+def _value_name(name: str) -> str:
+    near = schema.did_you_mean(name, value_names())
+    schema.refuse_if(not is_value(name), f"the name of a number of summary.json{near}")
+    return name
+
+
+_NAMES = schema.ListType(
+    item=schema.TextType(expected=_NAMES_FORM, may_be_empty=True, finish=_value_name),
+    expected=_NAMES_FORM,
+    at_most=2,
+    alone=True,
+)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
 class ObjectiveTable:
     """``[objective]``: what the best design has; two values in all make a Pareto front."""
 
-    minimise: tuple[str, ...] = schema.custom(
-        "values that are to be small", _parse_names, default=()
-    )
-    maximise: tuple[str, ...] = schema.custom(
-        "values that are to be large", _parse_names, default=()
-    )
+    minimise: tuple[str, ...] = schema.typed("values that are to be small", _NAMES, default=())
+    maximise: tuple[str, ...] = schema.typed("values that are to be large", _NAMES, default=())
 
 
-def _parse_statistic(value: Any) -> str | float:
-    expected = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
-    if value in ("mean", "worst"):
-        return str(value)
-    if isinstance(value, str) or not 0 < schema.finite(value, expected) < 1:
-        raise ValidationError(expected)
-    return float(value)
+_STATISTIC_FORM = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
+_STATISTIC = schema.EitherType(
+    types=(
+        schema.ChoiceType(("mean", "worst")),
+        schema.NumberType(above=0, below=1, form=_STATISTIC_FORM),
+    ),
+    form=_STATISTIC_FORM,
+)
+_RANGE = schema.OtherType(expected="[smallest, largest], or one number", kinds=("array", "number"))
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -110,9 +130,14 @@ class UncertaintyTable:
     """
 
     replicates: int = schema.count("runs of each design", default=3, at_most=1000)
-    statistic: str | float = schema.custom(
-        "objective made of the runs", _parse_statistic, default="mean"
-    )
+    statistic: str | float = schema.typed("objective made of the runs", _STATISTIC, default="mean")
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "velocity": schema.typed(
+            "range of load.velocity; any key of a case likewise", _RANGE, default=None
+        ),
+        "tolerance": schema.typed("the same of packing.diameter_scatter, m", _RANGE, default=None),
+    }
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -122,11 +147,7 @@ class SearchTable:
     evaluations: int = schema.count(
         "designs that are run; refused ones do not count", default=60, at_most=100_000
     )
-    seed: int = schema.custom(
-        "seed of the search",
-        lambda value: schema.whole(value, "a whole number from 0 up", at_least=0),
-        default=1,
-    )
+    seed: int = schema.count("seed of the search", at_least=0, default=1)
     sampler: str = schema.choice(
         "model: a Gaussian process of the objective; random: for comparison",
         ("model", "random"),
@@ -363,7 +384,7 @@ def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[st
         try:
             _set(found, key.split("."), values[key])
         except ValidationError as error:
-            errors.append(f"{key}: {error}")
+            errors.append(fault_of(str(error), key=key))
     if errors:
         raise InputError(errors)
     return found
@@ -413,12 +434,12 @@ def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[di
     covering: dict[int, int | None] = dict.fromkeys(grains, None)
     for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
-            covering |= dict.fromkeys(covering.keys() & parse_index(entry.get("index", [])), place)
+            covering |= dict.fromkeys(covering.keys() & INDEX.read(entry.get("index", [])), place)
     found = []
     for one in dict.fromkeys(covering.values()):
         ids = [grain for grain in covering if covering[grain] == one]
         before = {} if one is None else entries[one]
-        if before and sorted(parse_index(before["index"])) == sorted(ids):
+        if before and sorted(INDEX.read(before["index"])) == sorted(ids):
             found.append(before)
             continue
         steps = {second - first for first, second in itertools.pairwise(ids)}

@@ -288,11 +288,11 @@ def read_study(problem: Problem, directory: Path) -> Study:
         exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
-            f"{path}: is damaged, so that the search cannot go on; --force begins it again, or put the file back"
+            f"{path}: is damaged, so that the search cannot go on; force=True begins it again, or put the file back"
         ) from None
     if differences := list(_differences(there, comparable(problem.record))):
         raise InputError(
-            f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to --resume, "
+            f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to resume=True, "
             f"{ResultDirectory(directory).by_force}"
         )
     return Study(problem, directory, designs, exhausted)

@@ -12,7 +12,7 @@ import numpy as np
 from numpy.random import Generator
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, finite, show, whole
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, finite, whole
 
 Values = dict[str, Any]  # of a design, by key
 _EXPECTED = "a list of choices, or a range {low = 0.004, high = 0.012}, with log = true, integer = true or step = ..."
@@ -151,7 +151,7 @@ def read_variables(tables: Mapping[str, Any], name: str, errors: ErrorList) -> l
         try:
             found.append(read_variable(key, value))
         except ValidationError as error:
-            errors.add(f"{name}.{key}", f"found {show(value)}, expected {error}")
+            errors.add_wrong(f"{name}.{key}", value, error)
     return found
 
 

@@ -5,6 +5,7 @@ Python.
 from __future__ import annotations
 
 import contextlib
+import dataclasses
 import os
 import re
 from collections.abc import Iterator, Mapping
@@ -17,7 +18,7 @@ from granwave.analysis.notebook.run import Run
 from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import show
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import read_toml, with_absolute_paths
 from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows import library
@@ -151,15 +152,14 @@ def home(path: str | Path) -> str:
 
 
 _COMMAND = re.compile(r"\bgranwave (run|scan|continuum|analyse)\b")
-# options of the command line in messages, and what they are called here
+# options of the command line in messages, and of ranks in processes of their own; and what they are
+# called here
 _WORDS = (
-    (re.compile(r"^--set: "), ""),
     (re.compile(r"--(force|resume)\b"), r"\1=True"),
-    (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r" with -o\b"), " with directory=..."),
+    (re.compile(r"--np (\d+)"), r"ranks=\1"),
     (re.compile(r"--(noise|time|case|repeat)\b"), r"\1"),
     (re.compile(r"--(frame|position)-(rate|noise)\b"), r"\1_\2"),
-    (re.compile(r"^-o "), "directory: "),
 )
 
 
@@ -171,15 +171,22 @@ def words_of_python() -> Iterator[None]:
     try:
         yield
     except InputError as error:
-        raise InputError(map(in_python, error.errors)) from error.__cause__
+        raise InputError(map(_fault_in_python, error.items)) from error.__cause__
     except RunError as error:
         raise RunError(in_python(str(error))) from error.__cause__
+
+
+def _fault_in_python(fault: InputFault) -> InputFault:
+    """Replace the options of the command line in a fault."""
+    if fault.sentence:
+        return dataclasses.replace(fault, sentence=in_python(fault.sentence))
+    return dataclasses.replace(fault, remedy=in_python(fault.remedy))
 
 
 def in_python(line: str) -> str:
     """Replace the options of the command line in a message, unless it gives a command to type."""
     if _COMMAND.search(line):
-        return line.removeprefix("--set: ")
+        return line
     for pattern, word in _WORDS:
         line = pattern.sub(word, line)
     return line

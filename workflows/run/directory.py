@@ -207,8 +207,8 @@ def _remaining_work(results: RunDirectory, processes: Processes) -> str:
     outputs = [name for name in results.output_names() if (results / name).is_file()]
     if marker.kind and files.RECORD_FILE not in marker.files and outputs:
         raise InputError(
-            f"{results}: holds a deck that LAMMPS was run on by hand, which --resume cannot go on with: "
-            f"granwave analyse {results}  makes the results, --force runs the case again"
+            f"{results}: holds a deck that LAMMPS was run on by hand, which resume=True cannot go on with: "
+            f"granwave analyse {results}  makes the results, force=True runs the case again"
         )
     there = results.read_record()
     fault = results.fault()
@@ -271,7 +271,7 @@ def start(assembly: Assembly, results: RunDirectory, *, force: bool = False) -> 
 def held(
     results: ResultDirectory,
     comm: Intracomm | None = None,
-    way: str = "; choose another with -o",
+    way: str = "; choose another with directory=...",
 ) -> Iterator[None]:
     """Lock a directory against other runs within a ``with`` block; create it if necessary.
 

@@ -271,7 +271,9 @@ class _Run:
             if saved
             else "from the start, as there is no checkpoint"
         )
-        kept = "what was computed is kept; {}, then the same command with --resume goes on " + where
+        kept = (
+            "what was computed is kept; {}, then the same command with resume=True goes on " + where
+        )
         if gone := self.gone():
             return RunError(gone)
         if isinstance(error, OSError):
@@ -293,7 +295,7 @@ class _Run:
             return ""
         return (
             f"{missing}: was removed or moved while the run was at work, which nothing can resume; "
-            "leave the directory alone, and run the case again with --force"
+            "leave the directory alone, and run the case again with force=True"
         )
 
     def analyse(self, *, take_up: bool = False) -> Outcome:
@@ -328,7 +330,7 @@ class _Run:
             cure = "make room" if error.errno in DISK_IS_FULL else "put that right"
             raise RunError(
                 f"{error.filename or self.directory}: {error.strerror or error}; what LAMMPS computed is kept; {cure}, "
-                "then the same command with --resume analyses it"
+                "then the same command with resume=True analyses it"
             ) from error
         self._note(state=self.state)  # a run counts as finished only after its analysis
         if self.comm.rank == 0 and self.state != record.INTERRUPTED:

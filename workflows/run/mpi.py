@@ -254,7 +254,7 @@ def launch(
     *,
     stdout: int | None = None,
     stderr: int | None = None,
-    remedy: str = "go on with --resume",
+    remedy: str = "go on with resume=True",
 ) -> int:
     """Run ``granwave ARGUMENTS`` on several ranks of this machine; Ctrl-C makes them stop with a
     checkpoint.

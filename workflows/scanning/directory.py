@@ -15,7 +15,7 @@ from granwave.analysis.scans.result import ScanResult
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.directories import check_disk
-from granwave.lammps_inputs.errors import InputError, raise_all
+from granwave.lammps_inputs.errors import InputError, InputFault, raise_all
 from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_WORK, is_scan
@@ -39,7 +39,7 @@ def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Poi
         try:
             found += [] if layout.is_whole(directory, name) else [point]
         except InputError as error:
-            errors += error.errors
+            errors += error.items
     if errors:
         raise InputError(errors)
     return found
@@ -66,21 +66,22 @@ def check_points(scan: Scan, results: ResultDirectory, *, force: bool) -> None:
 
     def check_files() -> None:
         """Check the files that points name; a fault of all points is reported once."""
-        found: dict[str, list[str]] = {}
+        places: dict[InputFault, list[str]] = {}
         for point in points:
             try:
                 point.kind.check(point.case)
             except InputError as error:
                 labels = ", ".join(f"{key} = {value}" for key, value in point.labels.items())
-                for fault in error.errors:
-                    found.setdefault(fault, []).append(f"point {point.number} ({labels}): {fault}")
-        errors: list[str] = []
-        for fault, lines in found.items():
-            errors += [
-                f"{scan.name}: {line}" for line in ([fault] if len(lines) == len(points) else lines)
-            ]
-        if errors:
-            raise InputError(errors)
+                for item in error.items:
+                    places.setdefault(item, []).append(f"point {point.number} ({labels})")
+        faults: list[InputFault] = []
+        for item, of_points in places.items():
+            if len(of_points) == len(points):
+                faults.append(item.inside(scan.name))
+            else:
+                faults += [item.inside(f"{scan.name}: {place}") for place in of_points]
+        if faults:
+            raise InputError(faults)
 
     raise_all(
         [
@@ -106,7 +107,7 @@ def decide(scan: Scan, results: ResultDirectory, *, resume: bool, force: bool) -
     results.check(resume=resume, force=force)
     results.refuse_other_kind(SCAN)
     if not resume and not force:
-        results.refuse_results("--resume does what is missing, ")
+        results.refuse_results("resume=True does what is missing, ")
     results.refuse_foreign([*layout.files(scan.distinct), f"{SCAN_WORK}/"])
     if resume and is_scan(results):
         there = None

@@ -7,11 +7,12 @@ import itertools
 import math
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar
 
 from granwave.analysis.studies.registry import STUDIES, find_studies, is_study_file
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, count, custom, show
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, count, show
+from granwave.lammps_inputs.errors import Mismatch
 
 _MOST_POINTS = 100_000
 _SHAPES = ("log", "linear")
@@ -30,33 +31,32 @@ class RanksBySize:
 
 
 _ONE_RANK = RanksBySize()
+_RANKS_FORM = "a whole number from 1 up, or {spheres_per_rank = 100000, most = 8}"
 
 
-def _parse_ranks(value: Any) -> RanksBySize:
-    expected = "a whole number from 1 up, or {spheres_per_rank = 100000, most = 8}"
-    if not isinstance(value, Mapping):
-        n = schema.whole(value, expected)
-        return RanksBySize(spheres_per_rank=1, most=n)
-    errors = ErrorList("")
-    read = schema.read_table(RanksBySize, value, "ranks", errors)
-    if read is None:
-        raise ValidationError(
-            f"{expected} ({'; '.join(line.removeprefix(': ranks.') for line in errors.lines)})"
-        )
-    return read
+def _ranks(n: int) -> RanksBySize:
+    return RanksBySize(spheres_per_rank=1, most=n)
 
 
-def parse_studies(value: Any) -> tuple[str, ...]:
-    """Parse the name or path of a study, or a list of them."""
-    names = [value] if isinstance(value, str) else value
-    known = isinstance(names, list) and all(
-        isinstance(n, str) and (n in STUDIES or is_study_file(n)) for n in names
-    )
-    if not names or not known:
-        raise ValidationError(
-            f"a Python file, a study, or a list of them; studies are: {', '.join(STUDIES)}"
-        )
-    return tuple(names)
+_RANKS = schema.EitherType(
+    types=(
+        schema.TableType(section=RanksBySize, expected=_RANKS_FORM),
+        schema.CountType(form=_RANKS_FORM, finish=_ranks),
+    ),
+    form=_RANKS_FORM,
+)
+_STUDIES_FORM = f"a Python file, a study, or a list of them; studies are: {', '.join(STUDIES)}"
+
+
+def _study(name: str) -> str:
+    schema.refuse_if(name not in STUDIES and not is_study_file(name), _STUDIES_FORM)
+    return name
+
+
+#: Type of the name or path of a study, or a list of them.
+STUDIES_TYPE = schema.ListType(
+    item=schema.TextType(expected=_STUDIES_FORM, finish=_study), expected=_STUDIES_FORM, alone=True
+)
 
 
 def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tuple[str, ...]:
@@ -69,20 +69,46 @@ def studies_beside(names: tuple[str, ...], path: Path, errors: ErrorList) -> tup
     return tuple(found)
 
 
+TABLE_OF_KEYS = schema.OtherType(expected="a table of dotted keys of the case", kinds=("object",))
+_LISTS = (
+    "a list of values, {linear = [first, last, how many]} or {log = [first, last, how many]} for "
+    "each key"
+)
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Header:
     """Top-level keys of a scan file."""
 
-    name: str = custom("name of the scan", schema.plain_name, default="")
+    name: str = schema.typed("name of the scan", schema.PLAIN_NAME, default="")
     case: str = schema.text("a built-in study or a case file")
-    ranks: RanksBySize = custom("MPI ranks of a point", _parse_ranks, default=_ONE_RANK)
+    ranks: RanksBySize = schema.typed("MPI ranks of a point", _RANKS, default=_ONE_RANK)
     replicates: int = count(
         "runs of each point in which something is random, with seeds 1 to n", default=1
     )
     figures: bool = schema.choice("figures of every point too", (False, True), default=False)
-    study: tuple[str, ...] = custom(
-        "study, or list of studies, that the report makes of the scan", parse_studies, default=()
+    study: tuple[str, ...] = schema.typed(
+        "study, or list of studies, that the report makes of the scan", STUDIES_TYPE, default=()
     )
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "set": schema.typed("values that hold for all points", TABLE_OF_KEYS, default=None),
+        "grid": schema.typed(
+            "values of which every combination is a point",
+            schema.OtherType(expected=_LISTS, kinds=("object",)),
+            default=None,
+        ),
+        "zip": schema.typed(
+            "tables [[zip]] of values that vary together, beside the grid",
+            schema.OtherType(expected=f"{_LISTS}, equally long", kinds=("array", "object")),
+            default=None,
+        ),
+        "points": schema.typed(
+            "tables [[points]], each a single point",
+            schema.OtherType(expected=TABLE_OF_KEYS.expected, kinds=("array", "object")),
+            default=None,
+        ),
+    }
 
 
 def _values_of(value: Any) -> list[Any]:
@@ -145,9 +171,7 @@ def variations_of(
         lengths = {key: len(values) for key, values in zipped.items()}
         if len(set(lengths.values())) > 1:
             found = ", ".join(f"{key} has {length}" for key, length in lengths.items())
-            errors.add(
-                f"zip {n}", f"found lists of different lengths ({found}), expected one length"
-            )
+            errors.add(f"zip {n}", Mismatch(f"lists of different lengths ({found})", "one length"))
         elif zipped:
             axes.append(
                 [
@@ -159,7 +183,7 @@ def variations_of(
         flat(table, f"points {n}", errors)
         for n, table in enumerate(_tables(tables.get("points", []), "points", errors), start=1)
     ]
-    if not axes and not single and not errors.lines:
+    if not axes and not single and not errors.items:
         errors.add("grid", "nothing varies: expected [grid], [[zip]] or [[points]] with values")
     keys = [key for axis in axes for key in axis[0]]
     for key in dict.fromkeys(key for key in keys if keys.count(key) > 1):
@@ -168,8 +192,8 @@ def variations_of(
         header.replicates if header else 1
     )
     if count > _MOST_POINTS:
-        errors.add("grid", f"found {count} points, expected at most {_MOST_POINTS}")
-    if errors.lines:
+        errors.add("grid", Mismatch(f"{count} points", f"at most {_MOST_POINTS}"))
+    if errors.items:
         return []
     products = itertools.product(*axes) if axes else []
     points = [
@@ -182,23 +206,23 @@ def _tables(value: Any, name: str, errors: ErrorList) -> list[Mapping[str, Any]]
     if isinstance(value, Mapping):
         value = [value]
     if not isinstance(value, list) or not all(isinstance(table, Mapping) for table in value):
-        errors.add(name, f"found {show(value)}, expected tables [[{name}]]")
+        errors.add(name, Mismatch(show(value), f"tables [[{name}]]"))
         return []
     for n, table in enumerate(value, start=1):
         if not table:
-            errors.add(f"{name} {n}", "found an empty table, expected keys and values")
+            errors.add(f"{name} {n}", Mismatch("an empty table", "keys and values"))
     return value
 
 
 def flat(table: Any, name: str, errors: ErrorList) -> dict[str, Any]:
     """Keys and values with dotted keys, whether they were written with quotes or without."""
     if not isinstance(table, Mapping):
-        errors.add(name, f"found {show(table)}, expected a table of keys and values")
+        errors.add(name, Mismatch(show(table), "a table of keys and values"))
         return {}
     flat: dict[str, Any] = {}
     for key, value in table.items():
         if not all(part.isidentifier() or part.isdigit() for part in key.split(".")):
-            errors.add(name, f"found the key {show(key)}, expected one such as load.velocity")
+            errors.add(name, Mismatch(f"the key {show(key)}", "one such as load.velocity"))
             continue
         whole_table = "." in key or (
             key == "material" and isinstance(value, Mapping) and "preset" in value
@@ -216,5 +240,5 @@ def _lists(table: Any, name: str, errors: ErrorList) -> dict[str, list[Any]]:
         try:
             lists[key] = _values_of(value)
         except ValidationError as error:
-            errors.add(f"{name}: {key}", f"found {show(value)}, expected {error}")
+            errors.add_wrong(f"{name}: {key}", value, error)
     return lists

@@ -120,7 +120,7 @@ def _move(place: Path, target: Path) -> None:
             target.rmdir()
     if os.path.lexists(target):
         raise InputError(
-            f"{target}: holds files that granwave did not write; move them away, then --resume"
+            f"{target}: holds files that granwave did not write; move them away, then resume=True"
         )
     target.parent.mkdir(exist_ok=True)
     os.replace(place, target)

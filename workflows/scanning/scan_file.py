@@ -23,7 +23,7 @@ from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.case import Case, case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, InputFault, fault_of
 from granwave.lammps_inputs.files import read_toml, with_short_paths
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import library
@@ -229,8 +229,8 @@ def scan_from_dict(
     variations = variations_of(tables, header, errors)
     if header is not None:
         header = dataclasses.replace(header, study=studies_beside(header.study, path, errors))
-    if errors.lines or header is None:
-        raise InputError(errors.lines)
+    if errors.items or header is None:
+        raise InputError(errors.items)
     return _build(path, header, fixed, changes, variations, here, text, template, most)
 
 
@@ -274,8 +274,14 @@ def _build(
         varied = (*varied, SEED)
     twice = [key for key in fixed if key in varied]
     if twice:
+        fault = "varies in the scan, expected a key that does not"
         raise InputError(
-            f"{'--set' if key in changes else f'{path}: set'}: {key}: varies in the scan, expected a key that does not"
+            fault_of(
+                fault,
+                source="" if key in changes else f"{path}: set",
+                key=key,
+                changed=key in changes,
+            )
             for key in twice
         )
     if template is None:
@@ -284,14 +290,14 @@ def _build(
                 header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent
             )
         except InputError as error:
-            raise InputError(f"{path}: case: {fault}" for fault in error.errors) from None
+            raise InputError(item.inside(f"{path}: case") for item in error.items) from None
         except OSError as error:
             fault = f"found {show(header.case)}, which cannot be read: {error.strerror}"
             raise InputError(f"{path}: case: {fault}") from None
         template = {"name": base.stem, **read_toml(base)}
     kind = solver_of(template)
     points: list[Point] = []
-    errors: list[tuple[int, Mapping[str, Any], list[str]]] = []
+    errors: list[tuple[int, Mapping[str, Any], list[InputFault]]] = []
 
     def read(values: Mapping[str, Any]) -> AnyCase:
         data = _with(template, {**fixed, **values}, path, changes)
@@ -314,14 +320,14 @@ def _build(
                     if here:
                         kind.afford(case, points[-1].plan, None)
             except InputError as error:
-                errors.append((n, values, error.errors))
+                errors.append((n, values, error.items))
             progress.update(n, "checked")
     if header.replicates > 1 and len(points) == len(variations):
         _LOG.warning(
             "%s: replicates: nothing is random in these packings, so that each is run once", path
         )
     if errors:
-        raise InputError(_error_lines(path, errors, len(variations)))
+        raise InputError(_faults_of(path, errors, len(variations)))
     return Scan(
         name=header.name,
         case_name=str(template["name"]),
@@ -344,10 +350,8 @@ def _with(
     try:
         return apply_overrides(template, ordered)
     except InputError as error:
-        places = [fault.removeprefix("--set: ") for fault in error.errors]
         raise InputError(
-            f"{'--set' if place.partition(':')[0] in changes else path}: {place}"
-            for place in places
+            item if item.key in changes else item.inside(str(path)) for item in error.items
         ) from None
 
 
@@ -402,26 +406,26 @@ def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> l
     ]
 
 
-def _error_lines(
-    path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[str]]], count: int
-) -> list[str]:
-    """Return errors common to all points once; otherwise a line for each invalid point."""
+def _faults_of(
+    path: Path, errors: Sequence[tuple[int, Mapping[str, Any], list[InputFault]]], count: int
+) -> list[InputFault]:
+    """Return faults common to all points once; otherwise a fault for each invalid point."""
     shared = [
-        fault
-        for fault in errors[0][2]
-        if len(errors) == count and all(fault in f for _, _, f in errors)
+        item
+        for item in errors[0][2]
+        if len(errors) == count and all(item in items for _, _, items in errors)
     ]
-    lines = [
-        fault if fault.startswith((f"{path}: ", "--set: ")) else f"{path}: {fault}"
-        for fault in shared
+    faults = [
+        item if item.changed or item.source == str(path) else item.inside(str(path))
+        for item in shared
     ]
-    for n, values, found in errors:
-        own = [fault for fault in found if fault not in shared]
+    for n, values, items in errors:
+        own = [item for item in items if item not in shared]
         if own:
             labels = ", ".join(
                 f"{key} = {show(with_short_paths(value, path.parent, key))}"
                 for key, value in values.items()
             )
-            message = "; ".join(fault.removeprefix(f"{path}: ") for fault in own)
-            lines.append(f"{path}: point {n} ({labels}): {message}")
-    return lines
+            message = "; ".join(str(item.outside(str(path))) for item in own)
+            faults.append(fault_of(f"point {n} ({labels}): {message}", source=str(path)))
+    return faults

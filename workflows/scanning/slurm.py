@@ -17,22 +17,25 @@ from pathlib import Path
 from typing import Any, Literal
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, custom, text
-from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, text
+from granwave.lammps_inputs.errors import InputError, Mismatch, RunError
 from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.workflows.scanning import layout
 
-
-def _positive(value: Any) -> int:
-    return schema.whole(value, "a whole number from 1 up")
+_LINES_FORM = "shell commands, a string or a list of strings"
 
 
-def _lines(value: Any) -> str:
-    if isinstance(value, str):
-        return value
-    if isinstance(value, list) and all(isinstance(line, str) for line in value):
-        return "\n".join(value)
-    raise ValidationError("shell commands, a string or a list of strings")
+def _lines(lines: tuple[str, ...]) -> str:
+    return "\n".join(lines)
+
+
+_LINES = schema.ListType(
+    item=schema.TextType(expected=_LINES_FORM, may_be_empty=True),
+    expected=_LINES_FORM,
+    at_least=0,
+    alone=True,
+    finish=_lines,
+)
 
 
 #: Options that are keys of the profile, and options that granwave sets.
@@ -46,10 +49,8 @@ _OURS = (
 )  # fmt: skip
 
 
-def _options(value: Any) -> str:
-    """Parse options of sbatch; refuse those of `_KEYS` and `_OURS`."""
-    if not isinstance(value, str):
-        raise ValidationError("options of sbatch, a string")
+def _options(value: str) -> str:
+    """Check options of sbatch; refuse those of `_KEYS` and `_OURS`."""
     try:
         words = shlex.split(value)
     except ValueError:  # unbalanced quotation mark
@@ -62,26 +63,31 @@ def _options(value: Any) -> str:
     return value
 
 
+_OPTIONS = schema.TextType(
+    expected="options of sbatch, a string", may_be_empty=True, finish=_options
+)
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Profile:
     """``[slurm]`` of a profile file."""
 
     partition: str | None = text("partition to submit to", default=None)
     account: str | None = text("account to charge", default=None)
-    time: int | None = custom(
-        "time limit of a job, minutes; default: thrice the expected time", _positive, default=None
+    time: int | None = schema.count(
+        "time limit of a job, minutes; default: thrice the expected time", default=None
     )
-    memory: int | None = custom(
-        "memory of a job, MB; default: what its points need", _positive, default=None
+    memory: int | None = schema.count(
+        "memory of a job, MB; default: what its points need", default=None
     )
-    jobs: int = custom("jobs at once, where --jobs is not given", _positive, default=100)
-    nodes: int = custom("nodes that the ranks of a point are spread over", _positive, default=1)
+    jobs: int = schema.count("jobs at once, where --jobs is not given", default=100)
+    nodes: int = schema.count("nodes that the ranks of a point are spread over", default=1)
     launcher: str = text("starts the ranks of a point", default="srun --mpi=pmi2")
-    before: str = custom(
-        "shell commands before each job, such as module load ...", _lines, default=""
+    before: str = schema.typed(
+        "shell commands before each job, such as module load ...", _LINES, default=""
     )
-    options: str = custom(
-        "further options for sbatch, such as --constraint=...", _options, default=""
+    options: str = schema.typed(
+        "further options for sbatch, such as --constraint=...", _OPTIONS, default=""
     )
     job_start: float = schema.number("time that it takes to start a job, s", above=0, default=15.0)
     status: Literal["squeue", "sacct"] = schema.choice(
@@ -102,11 +108,11 @@ def load_profile(path: str | Path) -> Profile:
     data = read_toml(path)
     errors = ErrorList(str(path))
     if set(data) != {"slurm"}:
-        errors.add("slurm", f"found {', '.join(data) or 'nothing'}, expected one table [slurm]")
-        raise InputError(errors.lines)
+        errors.add("slurm", Mismatch(f"{', '.join(data) or 'nothing'}", "one table [slurm]"))
+        raise InputError(errors.items)
     profile = schema.read_table(Profile, data["slurm"], "slurm", errors)
     if profile is None:
-        raise InputError(errors.lines)
+        raise InputError(errors.items)
     return profile
 
 

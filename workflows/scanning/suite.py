@@ -15,15 +15,10 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.versions import versions_of
-from granwave.lammps_inputs.case.schema import (
-    ErrorList,
-    ValidationError,
-    custom,
-    plain_name,
-    read_table,
-)
+from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.directories import results_directory
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, Mismatch, fault_of
 from granwave.lammps_inputs.files import read_toml, replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
@@ -36,36 +31,30 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.workflows.run.directory import held
 from granwave.workflows.scanning.directory import decide
 from granwave.workflows.scanning.driver import ScanOutcome, publish, run_scan
-from granwave.workflows.scanning.header import parse_studies, studies_beside
+from granwave.workflows.scanning.header import STUDIES_TYPE, studies_beside
 from granwave.workflows.scanning.scan_file import Scan, find_scan, load_scan, scan_of_case
 
 _SCANS = "scans"
 _FILES = (SCAN_FILE, SUITE_INDEX, SCAN_REPORT, STUDY_ROWS)
 
 
-def _parse_scans(value: Any) -> tuple[str, ...]:
-    if (
-        not isinstance(value, list)
-        or not value
-        or not all(isinstance(name, str) and name for name in value)
-    ):
-        raise ValidationError("a list of names of built-in studies and of files")
-    return tuple(value)
+_STUDIES_FORM = "a list of names of built-in studies and of files"
+_STUDIES = schema.ListType(item=schema.TextType(expected=_STUDIES_FORM), expected=_STUDIES_FORM)
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SuiteFile:
     """Keys of a suite file."""
 
-    name: str = custom("name of the suite", plain_name, default="")
-    scans: tuple[str, ...] = custom(
-        "built-in scans, or scan files as seen from this file", _parse_scans
+    name: str = schema.typed("name of the suite", schema.PLAIN_NAME, default="")
+    scans: tuple[str, ...] = schema.typed(
+        "built-in scans, or scan files as seen from this file", _STUDIES
     )
-    cases: tuple[str, ...] = custom(
-        "built-in studies, or case files as seen from this file", _parse_scans, default=()
+    cases: tuple[str, ...] = schema.typed(
+        "built-in studies, or case files as seen from this file", _STUDIES, default=()
     )
-    study: tuple[str, ...] = custom(
-        "study, or list of studies, of all its runs", parse_studies, default=()
+    study: tuple[str, ...] = schema.typed(
+        "study, or list of studies, of all its runs", STUDIES_TYPE, default=()
     )
 
 
@@ -120,8 +109,8 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
     errors = ErrorList(str(path))
     header = read_table(SuiteFile, {"name": path.stem, **data}, "", errors)
     studies = studies_beside(header.study, path, errors) if header else ()
-    if header is None or errors.lines:
-        raise InputError(errors.lines)
+    if header is None or errors.items:
+        raise InputError(errors.items)
     scans: list[Scan] = []
     for key, entry in [(_SCANS, entry) for entry in header.scans] + [
         ("cases", entry) for entry in header.cases
@@ -133,17 +122,18 @@ def load_suite(file: str | Path, *, here: bool = True) -> Suite:
                 scans.append(scan_of_case(entry, path, here=here))
         except InputError as error:
             known = f"{entry}: " if key == _SCANS else f"{path}: case: {entry}: "
-            errors.lines += [
-                f"{path}: {key}: {entry}: {fault.removeprefix(known)}" for fault in error.errors
-            ]
+            errors.extend(
+                fault_of(f"{key}: {entry}: {str(item).removeprefix(known)}", source=str(path))
+                for item in error.items
+            )
     names = [scan.name for scan in scans]
     for twice in sorted({name for name in names if names.count(name) > 1}):
         errors.add(
             _SCANS,
-            f"found two scans of the name {twice}, expected different names: each has its directory",
+            Mismatch(f"two scans of the name {twice}", "different names: each has its directory"),
         )
-    if errors.lines:
-        raise InputError(errors.lines)
+    if errors.items:
+        raise InputError(errors.items)
     return Suite(header.name, tuple(scans), path.read_text(encoding="utf-8"), studies)
 
 

@@ -20,7 +20,7 @@ from granwave._contact_laws import load_at
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.loads.load import DOWN, LoadLimit, Vector, Wording
 from granwave.lammps_inputs.case.loads.on_spheres import LoadOnSpheres
-from granwave.lammps_inputs.case.loads.shapes import SHAPE_KEYS, SHAPES, Points, parse_points
+from granwave.lammps_inputs.case.loads.shapes import POINTS, SHAPE_KEYS, SHAPES, Points
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 from granwave.lammps_inputs.script_words import joined, num
@@ -57,9 +57,9 @@ class DrivenLoad(LoadOnSpheres):
     shapes: ClassVar[tuple[str, ...]]
     holds_last: ClassVar[bool]
 
-    direction: Vector | None = schema.custom(
+    direction: Vector | None = schema.typed(
         "direction of a force or displacement; [0, 0, 1], straight down, by default",
-        schema.numbers(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
+        schema.vector_type(3, "[x, y, z], a vector of any length but 0", lambda *way: any(way)),
         default=None,
     )
     shape: str | None = schema.choice(
@@ -95,8 +95,8 @@ class DrivenLoad(LoadOnSpheres):
         **_TIME,
     )
     seed: int | None = schema.count("seed of the phases of noise; default 1", default=None)
-    table: Points | None = schema.custom(
-        "points of force (N) or displacement (m) against time (s)", parse_points, default=None
+    table: Points | None = schema.typed(
+        "points of force (N) or displacement (m) against time (s)", POINTS, default=None
     )
 
     @property

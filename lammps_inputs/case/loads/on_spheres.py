@@ -7,7 +7,7 @@ from collections.abc import Callable, Sequence
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.bodies import parse_index
+from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.loads.load import Load, LoadedPacking
 from granwave.lammps_inputs.case.schema import ErrorList, show
 
@@ -19,9 +19,9 @@ class LoadOnSpheres(Load):
     hits_spheres: ClassVar[bool] = True
 
     spheres: int = schema.choice("how many spheres are struck", (1, 3, 7), default=1)
-    index: tuple[int, ...] | None = schema.custom(
+    index: tuple[int, ...] | None = schema.typed(
         "ids of the struck spheres, instead of those at the centre of the top layer",
-        parse_index,
+        INDEX,
         default=None,
     )
 

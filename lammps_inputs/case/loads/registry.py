@@ -16,6 +16,7 @@ from granwave.lammps_inputs.case.loads.plate import PlateLoad
 from granwave.lammps_inputs.case.loads.shapes import read_points
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
+from granwave.lammps_inputs.case.schema.tables import FURTHER_KEYS
 
 #: All kinds of loads by name; the first one is the default.
 LOADS: dict[str, type[Load]] = {
@@ -49,6 +50,11 @@ def _own_fields_first(load: type) -> list[Field]:
     return [*own, *_own_fields_first(base)]
 
 
+_FILE = schema.path(
+    "the table as a file: two columns, time (s) and force (N) or displacement (m)", default=None
+)
+
+
 def _make_section() -> type:
     """Make the section of the keys of all kinds, those of the kind with the fewest first."""
     *earlier, last = (load.means for load in LOADS.values())
@@ -64,7 +70,7 @@ def _make_section() -> type:
     return dataclasses.make_dataclass(
         "LoadSection",
         [("kind", str, kind), *keys.values()],
-        namespace={"__doc__": "``[load]``: the load on a packing."},
+        namespace={"__doc__": "``[load]``: the load on a packing.", FURTHER_KEYS: {"file": _FILE}},
         frozen=True,
         kw_only=True,
     )
@@ -90,7 +96,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     The points of ``load.file`` become ``load.table``, so that the case is complete without the
     file.
     """
-    before = len(errors.lines)
+    before = len(errors.items)
     names = list(table) if isinstance(table, Mapping) else []
     if "file" in names:
         table = _with_points(table, errors)
@@ -103,7 +109,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     made = load(**{name: getattr(values, name) for name in fields})
     _check_keys(load, names, errors)
     made.check(names, errors)
-    return made if len(errors.lines) == before else None
+    return made if len(errors.items) == before else None
 
 
 def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> None:

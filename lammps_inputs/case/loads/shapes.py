@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from itertools import pairwise
 from pathlib import Path
-from typing import Any
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.schema import ValidationError, show
@@ -51,16 +50,23 @@ SHAPE_KEYS = (
 _POINTS_FORM = "rows [time in s, value], at least two, times rising from 0 on"
 
 
-def parse_points(value: Any) -> Points:
-    """Convert the value of ``load.table`` to points; raise `ValidationError` if it is none."""
-    schema.refuse_if(not isinstance(value, list | tuple) or len(value) < 2, _POINTS_FORM)
-    points: Points = tuple(map(schema.numbers(2, _POINTS_FORM), value))
+def _checked_points(points: Points) -> Points:
+    """Return points whose times rise; raise `ValidationError` if they do not."""
     rising = all(earlier[0] < later[0] for earlier, later in pairwise(points))
     schema.refuse_if(points[0][0] < 0 or not rising, _POINTS_FORM)
     if expected := hints.impossible([time for time, _ in points], "s"):
         raise ValidationError(f"times of {expected}")
     schema.refuse_if(not any(size for _, size in points), "a value other than zero")
     return points
+
+
+#: Type of the value of ``load.table``.
+POINTS = schema.ListType(
+    item=schema.vector_type(2, _POINTS_FORM),
+    expected=_POINTS_FORM,
+    at_least=2,
+    finish=_checked_points,
+)
 
 
 def read_points(path: Path) -> Points:
@@ -82,6 +88,6 @@ def read_points(path: Path) -> Points:
             found = show(" ".join(words))
             raise ValueError(f"found {found} in line {number}; expected {form}") from None
     try:
-        return parse_points(rows)
+        return POINTS.read(rows)  # type: ignore[no-any-return]
     except ValidationError as error:
         raise ValueError(f"found {show(rows)}, expected {error}") from None

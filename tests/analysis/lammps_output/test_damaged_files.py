@@ -138,7 +138,7 @@ def refused(source: Path, tmp_path: Path, file: str, damage: Damage, message: st
     assert re.search(rf"{re.escape(str(directory / file))}.*({message})", str(error.value)), (
         error.value
     )
-    assert "--force" in str(error.value) or "delete it" in str(error.value)
+    assert "force=True" in str(error.value) or "delete it" in str(error.value)
     after = {path: path.stat().st_mtime_ns for path in directory.rglob("*")}
     assert {path for path in before if path.is_file()} == {path for path in after if path.is_file()}
 
@@ -372,7 +372,8 @@ def test_index_of_a_scan(tmp_path, content):
         lambda: write_report([tmp_path / "scan"], tmp_path / "r.md"),
     ):
         with pytest.raises(
-            InputError, match=r"scan\.json (lacks|cannot be read).*run the scan again with --resume"
+            InputError,
+            match=r"scan\.json (lacks|cannot be read).*run the scan again with resume=True",
         ):
             refuses()
 

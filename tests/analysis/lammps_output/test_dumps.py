@@ -283,7 +283,7 @@ def test_damage(binary, name):
     path.write_bytes(content)
     with pytest.raises(OutputFormatError) as error:
         analyse(binary, figures=False)
-    assert "\n" not in str(error.value) and "--force" in str(error.value)
+    assert "\n" not in str(error.value) and "force=True" in str(error.value)
     assert re.search(rf"{re.escape(str(path))}.*{message}", str(error.value)), error.value
 
 

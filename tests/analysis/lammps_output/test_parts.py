@@ -32,6 +32,7 @@ from granwave.lammps_inputs.packing.motion import written_in_parts
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.workflows import run_case
 from granwave.workflows.cli.check import plan_table
+from granwave.workflows.cli.terminal import in_shell
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
 from tests.helpers import synthetic
@@ -193,7 +194,7 @@ def test_missing_part(run, name, message):
     (run / "dumps" / name).unlink()
     with pytest.raises(MissingOutputError, match=message) as error:
         analyse(run, figures=False)
-    assert "\n" not in str(error.value) and "--force" in str(error.value)
+    assert "\n" not in str(error.value) and "force=True" in str(error.value)
     assert (run / "result.h5").read_bytes() == before
 
 
@@ -216,7 +217,7 @@ def test_part_that_was_cut(run, name, kept):
     os.truncate(path, int(kept * path.stat().st_size))
     with pytest.raises(OutputFormatError, match=r"cut|contacts, contacts\.txt says") as error:
         analyse(run, figures=False)
-    assert str(path.parent) in str(error.value) and "--force" in str(error.value)
+    assert str(path.parent) in str(error.value) and "force=True" in str(error.value)
 
 
 def test_contacts_cut_at_the_end_of_a_row(run):
@@ -344,7 +345,7 @@ def test_damage_is_told_once_as_by_one_process(run, name):
         analyse(run, figures=False, at_once=20)
     done = on_ranks(run, 2)
     assert done.returncode == 2
-    assert done.stderr == f"granwave: {alone.value}\n"
+    assert done.stderr == f"granwave: {in_shell(str(alone.value))}\n"
     assert (run / "result.h5").read_bytes() == before and not list(run.glob(".result.h5.*"))
 
 

@@ -193,7 +193,7 @@ def test_only_data_is_loaded(run, tmp_path):
 @pytest.mark.parametrize(
     ("name", "message"),
     [
-        ("a.txt", r"-o .*a\.txt: expected a name that ends in \.html"),
+        ("a.txt", r"a\.txt: expected a name that ends in \.html"),
         ("nowhere/a.html", "there is no directory"),
         ("mine.html", "granwave did not write it"),
     ],

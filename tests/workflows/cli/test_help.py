@@ -16,6 +16,7 @@ from argcomplete.finders import CompletionFinder
 from argcomplete.lexers import split_line
 
 from granwave.analysis.inference.case import InferCase
+from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.case import TABLES, case_keys
 from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
@@ -302,11 +303,11 @@ def test_examples_are_valid(file, name):
     for key in table.keys:
         if key.name not in fields or (name, key.name) in ELSEWHERE:
             continue
-        parse = fields[key.name].metadata.get("parse")
-        if parse is not None:
-            value = parse(example(key))
+        info = schema.info_of(fields[key.name])
+        if info.reader is None:
+            value = info.type.read(example(key))
             assert value is not None
-            assert parse(example(key)) == value
+            assert info.type.read(example(key)) == value
 
 
 def test_no_example_of_a_key_that_does_not_exist():

@@ -306,7 +306,7 @@ def test_missing_or_cut(copied: Path, name: str) -> None:
         analyse(copied, figures=False)
     path.unlink()
     with pytest.raises(
-        MissingOutputError, match=rf"{name} is missing; run the case again with --force"
+        MissingOutputError, match=rf"{name} is missing; run the case again with force=True"
     ):
         analyse(copied, figures=False)
 

@@ -10,6 +10,7 @@ from typing import Any, ClassVar, Literal
 from granwave.lammps_inputs.case.hints import DIAMETER, INTERVAL, MASS, TIME, VELOCITY, Usual
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, positive_or_auto
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.workflows.finite_elements.frame import ElementCase
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
@@ -153,7 +154,7 @@ class ContinuumCase(ElementCase):
                 if value := getattr(material, key):
                     errors.add(
                         f"material.{key}",
-                        f"found {value:g}, expected none; a block does not {what}",
+                        Mismatch(f"{value:g}", f"none; a block does not {what}"),
                     )
         if punch is not None:
             radius = punch.diameter / 2
@@ -161,21 +162,27 @@ class ContinuumCase(ElementCase):
             if not 0 < punch.energy < math.inf:
                 errors.add(
                     "punch",
-                    f"found {punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as a number; "
-                    "are they in SI units?",
+                    Mismatch(
+                        f"{punch.mass:g} kg at {punch.velocity:g} m/s, an energy of "
+                        f"{punch.energy:g} J as a number",
+                        remedy="are they in SI units?",
+                    ),
                 )
             if punch.taper > radius:
-                errors.add("punch.taper", f"found {punch.taper:g} m, {wide}, {radius:g} m")
+                errors.add("punch.taper", Mismatch(f"{punch.taper:g} m, {wide}, {radius:g} m"))
             if block is not None and punch.diameter >= block.diameter:
                 errors.add(
                     "punch.diameter",
-                    f"found {punch.diameter:g} m, expected less than block.diameter, {block.diameter:g} m; "
-                    "make the punch narrower or the block wider",
+                    Mismatch(
+                        f"{punch.diameter:g} m",
+                        f"less than block.diameter, {block.diameter:g} m",
+                        "make the punch narrower or the block wider",
+                    ),
                 )
             if run is not None and not isinstance(run.edge_size, str) and run.edge_size > radius:
-                errors.add("run.edge_size", f"found {run.edge_size:g} m, {wide}, {radius:g} m")
+                errors.add("run.edge_size", Mismatch(f"{run.edge_size:g} m, {wide}, {radius:g} m"))
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
             errors.add(
                 "run.timestep",
-                f"found {run.timestep:g} s, expected at most run.end_time, {run.longest:g} s",
+                Mismatch(f"{run.timestep:g} s", f"at most run.end_time, {run.longest:g} s"),
             )

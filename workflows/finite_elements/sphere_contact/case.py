@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.hints import DIAMETER
-from granwave.lammps_inputs.case.material import Material, read_material
+from granwave.lammps_inputs.case.material import Material, material_field
 from granwave.lammps_inputs.case.schema import ErrorList, count, number, read_table
 from granwave.workflows.finite_elements.frame import ElementCase
 
@@ -36,8 +36,10 @@ class Sphere:
 class Partner:
     """``[partner]``: the second sphere, if it differs from the first."""
 
-    radius: float
-    material: Material
+    radius: float = number("radius of the sphere", DIAMETER, above=0)
+    material: Material = material_field(
+        "material of the second sphere; that of the case by default"
+    )
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -160,18 +162,11 @@ class SphereContactCase(ElementCase):
 
 def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Partner | None:
     """Read the partner; values that it does not give are those of the first sphere."""
-    own = (
-        {key: value for key, value in table.items() if key != "material"}
-        if isinstance(table, Mapping)
-        else table
-    )
     sphere: Sphere | None = parts.get("sphere")
-    if isinstance(own, Mapping) and "radius" not in own and sphere is not None:
-        own = {**own, "radius": sphere.radius}
-    body = read_table(Sphere, own, "partner", errors)
+    if isinstance(table, Mapping) and "radius" not in table and sphere is not None:
+        table = {**table, "radius": sphere.radius}
+    partner = read_table(Partner, table, "partner", errors)
+    if partner is None or "material" in table:
+        return partner
     material: Material | None = parts.get("material")
-    if isinstance(table, Mapping) and "material" in table:
-        material = read_material(table["material"], errors, "partner.material")
-    return (
-        None if body is None or material is None else Partner(radius=body.radius, material=material)
-    )
+    return None if material is None else dataclasses.replace(partner, material=material)
