@@ -101,6 +101,15 @@ class StaticLoad:
              "such a bar gives way to a load that lasts"),
         )  # fmt: skip
 
+    def size_of(self, stage: Precompression) -> tuple[str, str]:
+        """Return the key of the size of a load, and its unit."""
+        name = "pressure" if stage.force is None else "force"
+        return name, _SIZES[name]
+
+    def words(self, stage: Precompression) -> list[str]:
+        """Return phrases on what acts, in the plan of a case, besides walls, pressure and force."""
+        return []
+
     def _check_bottom(self, packing: PackingSection, boundary: Boundary, errors: ErrorList) -> None:
         unborne = packing.rule.is_lattice and not boundary.bottom_rule.bears
         found = f'found "free" under a {self.name} precompression, which something must bear'
@@ -111,15 +120,6 @@ class StaticLoad:
 
     def _refusal_of_size(self) -> str:
         return f"does not belong to {_KIND}{show(self.name)}; give {self.instead}"
-
-    def size_of(self, stage: Precompression) -> tuple[str, str]:
-        """Return the key of the size of a load, and its unit."""
-        name = "pressure" if stage.force is None else "force"
-        return name, _SIZES[name]
-
-    def words(self, stage: Precompression) -> list[str]:
-        """Return phrases on what acts, in the plan of a case, besides walls, pressure and force."""
-        return []
 
 
 class LoadOnFaces(StaticLoad):

@@ -11,7 +11,7 @@ import pytest
 from granwave.lammps_inputs import build_packing, make_schedule, walls
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.script import input_script
-from granwave.lammps_inputs.lattices import KINDS, Lattice
+from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.motion import left_out, line_ids, struck_of
@@ -123,6 +123,39 @@ def test_contacts(kind: str, size: tuple[int, ...], periodic: bool) -> None:
 def test_coordination_inside(kind: str) -> None:
     packing = make(kind, (7, 7, 7)[: len(KINDS[kind].axes)])
     assert packing.coordination.max() == INSIDE[kind] == KINDS[kind].coordination
+
+
+@pytest.mark.parametrize(
+    ("flag", "kinds"),
+    [
+        ("is_chain", {"chain"}),
+        ("is_layer", {"square"}),
+        ("is_plane_crystal", {"hexagonal", "centred-square"}),
+        ("is_close_packed", {"fcc", "hcp"}),
+        ("has_faces", {"fcc", "hcp", "bcc", "sc", "square"}),
+    ],
+)
+def test_flags_of_kinds(flag: str, kinds: set[str]) -> None:
+    assert {name for name, kind in KINDS.items() if getattr(kind, flag)} == kinds
+
+
+def test_grains_of_a_file_are_no_lattice() -> None:
+    rule = kind_of(FILE)
+    assert not (rule.is_lattice or rule.is_chain or rule.has_faces or rule.is_close_packed)
+
+
+@pytest.mark.parametrize(
+    ("kind", "size", "title", "axis"),
+    [
+        ("fcc", "[nx, ny, nz]", "FCC packing", (0.0, 0.0, 1.0)),
+        ("square", "[nx, ny]", "Square packing", (0.0, 0.0, 1.0)),
+        ("hexagonal", "[nx, nz]", "Hexagonal packing", (0.0, 1.0, 0.0)),
+        ("chain", "n", "Chain", (0.0, 1.0, 0.0)),
+    ],
+)
+def test_words_of_kinds(kind: str, size: str, title: str, axis: tuple[float, float, float]) -> None:
+    rule = KINDS[kind]
+    assert (rule.size_form, rule.title, rule.cylinder_axis) == (size, title, axis)
 
 
 def test_moved_spheres_are_found_out() -> None:

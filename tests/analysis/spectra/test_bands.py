@@ -127,6 +127,17 @@ def test_speed_along_the_stacking(kind):
         assert speed[-1] == pytest.approx(run, rel=2e-4)
 
 
+@pytest.mark.parametrize("kind", ["bcc", "sc"])
+def test_layers_of_other_lattices_are_a_line(kind):
+    """The line of layers has a speed of long waves along z, to 1e-6."""
+    load = {"kind": "uniaxial", "pressure": 1e5}
+    case = endless(kind, [4, 4, 12], load, boundary={"sides": "periodic"})
+    along = np.array([[0.0, 0.0, 1.0]])
+    speeds = long_wave_speeds(stiffness_of(cell_state(case).network), along)[0]
+    line = line_of(case, sphere_contact(case))
+    assert np.nanmin(np.abs(speeds / line.speed - 1)) < 1e-6
+
+
 def _rows(found):
     if isinstance(found, dict):
         if "quantity" in found:
