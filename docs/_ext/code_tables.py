@@ -19,6 +19,7 @@ from bibtex import bibtex
 from pygments.lexers.special import TextLexer
 from sphinx.application import Sphinx
 
+from granwave._contact_laws import LAWS, LawParameter
 from granwave.analysis.formatting.values import printed_unit
 from granwave.analysis.inference.tables import ENTRIES as OF_INFERENCE
 from granwave.analysis.quantities import ENTRIES, Quantity
@@ -171,6 +172,31 @@ def lattices() -> str:
     return "\n".join([head, "|---|---|---|---|", *rows])
 
 
+def law_parameters() -> str:
+    """Return the table of the parameters of the contact laws."""
+    head = "| law | key | values | default | what |"
+    rows = []
+    for law, entry in LAWS.items():
+        for parameter in entry.parameters.values():
+            table = "material" if parameter.of_material else "contact"
+            key = f"`{table}.{parameter.name}`"
+            values = _escape(values_of(parameter))
+            default = "required" if parameter.required else f"`{parameter.default}`"
+            what = _escape(parameter.description)
+            rows.append(f"| `{law}` | {key} | {values} | {default} | {what} |")
+    return "\n".join([head, "|---|---|---|---|---|", *rows])
+
+
+def values_of(parameter: LawParameter) -> str:
+    """Return the words of a parameter, or the range of its numbers and their unit."""
+    if parameter.words:
+        return " or ".join(parameter.words)
+    signs = {"above": ">", "at_least": "≥", "below": "<", "at_most": "≤"}
+    bounds = [f"{signs[name]} {bound:g}" for name, bound in parameter.case_range.items()]
+    unit = f" {printed_unit(parameter.unit)}" if parameter.unit else ""
+    return (", ".join(bounds) or "any number") + unit
+
+
 def interface(package: str) -> str:
     """Return the public names of a package as autodoc directives, functions first."""
     module = importlib.import_module(package)
@@ -206,6 +232,7 @@ _PARTS: dict[str, Callable[..., str]] = {
     "studies": report_studies,
     "materials": materials,
     "lattices": lattices,
+    "law_parameters": law_parameters,
     "interface": interface,
     "other_commands": lambda: other_commands(MANUAL),
     "bibtex": bibtex_entries,

@@ -11,6 +11,8 @@
 
 #include <iterator>
 #include <map>
+#include <memory>
+#include <sstream>
 
 namespace py = pybind11;
 using namespace granwave;
@@ -207,6 +209,15 @@ class Contact {
     } else {
       require(!entry.yields() || std::isfinite(scaled.yield_overlap()), "law '" + name + "' needs a yield strength");
     }
+    extra.assign(law.n_extra(), 0.0);
+  }
+  /* Contact from the words of an input script. */
+  Contact(const std::vector<std::string> &words, Two radius)
+  {
+    require(radius.first > 0.0 && radius.second > 0.0, "radii must be positive");
+    const LawArguments args = parse_law(words);
+    law = args.contact(args.first, args.second.value_or(args.first));
+    scaled = ScaledLaw(law, granwave::effective_radius(radius.first, radius.second), radius.first, radius.second);
     extra.assign(law.n_extra(), 0.0);
   }
   Contact(const Contact &) = delete;    // `scaled` points to `law`
@@ -538,6 +549,16 @@ PYBIND11_MODULE(_contact_laws, module)
            py::arg("yield_strength"), py::arg("radius"), py::arg("fit") = std::map<std::string, double>(),
            py::arg("checked") = true, py::arg("effective_radius") = py::none(), py::arg("line") = py::none(),
            py::arg("cohesion") = py::none())
+      .def_static(
+          "from_words",
+          [](const std::string &words, Two radius) {
+            std::istringstream text(words);
+            using Word = std::istream_iterator<std::string>;
+            return std::make_unique<Contact>(std::vector<std::string>(Word(text), Word()), radius);
+          },
+          py::arg("words"), py::kw_only(), py::arg("radius"),
+          "Contact of two spheres from a law and its arguments in an input script, after pair_coeff I J.\n\n"
+          "Friction, losses and resistances in them are checked, and have no part in it.")
       .def_property_readonly("name", [](const Contact &b) { return std::string(b.law.entry().name); })
       .def_property_readonly(
           "entry", [](const Contact &b) { return b.law.entry(); }, "of the table LAWS")

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 from scipy.optimize import brentq
 
-from granwave._contact_laws import LAWS
+from granwave._contact_laws import LAWS, PARAMETERS
 from granwave.plugins import lammps_release
 from tests.helpers.force_styles import FOLDER, StyleTester, differ, files, load, stored
 from tests.helpers.twins.twin import LawTwin
@@ -306,11 +306,11 @@ def test_pairs_that_exert_no_force(tester, how):
     assert differ(one.atoms("f"), stored(hybrid.config, "run_forces")) > 1e-3
 
 
-WORDS = "friction tangential rolling twisting loss cohesion variant yield_factor beta hardening rate constant exponent"
+WORDS = "friction tangential rolling twisting loss cohesion"
 
 
 def test_every_style_law_and_option_has_a_file():
-    """As LAMMPS's own check_tests.py: styles by their manual pages, laws and constants by their
+    """As LAMMPS's own check_tests.py: styles by their manual pages, laws and parameters by their
     table.
     """
     texts = {
@@ -322,7 +322,9 @@ def test_every_style_law_and_option_has_a_file():
         if kind in texts:
             assert f"  {kind} {name.removesuffix(' command')}\n" in texts[kind], page.name
     words = set(texts["pair"].split())
-    assert set(LAWS) | set(WORDS.split()) <= words
+    parameters = PARAMETERS.values()
+    keywords = {one.keyword for one in parameters if one.of_material or not one.optional}
+    assert set(LAWS) | keywords | set(WORDS.split()) <= words
     assert {
         "mindlin",
         "partial_slip",
