@@ -79,7 +79,7 @@ test: $(READY)
 validate: $(READY)
 	$(BIN)/python -m pytest -m validation
 
-# the first case of each validation
+# the first case of each validation, in CI
 validate-one: $(READY)
 	$(BIN)/python -m pytest -m validation --one-of-each
 

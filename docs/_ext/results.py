@@ -133,6 +133,12 @@ def _study_files(suite: Suite) -> list[Path]:
     return [path for folder in folders for path in sorted(folder.glob("*.py"))]
 
 
+def _solver_tables(suite: Suite) -> list[Path]:
+    """Return the tables of second solvers beside the scripts of a suite."""
+    folders = sorted({path.parent for path in _study_files(suite)})
+    return [table for folder in folders for table in sorted(folder.glob("*.csv"))]
+
+
 def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
     """Results of a suite as they are stored; None if nothing of it was run."""
     folders = [runs / folder for folder in _folders(suite)]
@@ -195,6 +201,7 @@ def digests(suite: Suite) -> dict[str, str]:
         )
     }
     code = sorted(part for file in {*files, *_study_files(suite)} for part in _code(file))
+    code += [table.read_text(encoding="utf-8") for table in _solver_tables(suite)]
     return {"runs": _digest(tables), "studies": _digest(code)}
 
 

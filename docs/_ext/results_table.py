@@ -51,7 +51,7 @@ _LEAD = (
     "Leonard, Fraternali, Daraio, Exp. Mech.; lateral constraints is J. Appl. Mech. 2020, doi 10.1115/1.4047004. "
     "Rows are of four kinds. A source is printed in the literature. Theory follows "
     "from equations. A verification tests the code and not a source: a second solver, a check value, a formula "
-    "or what similarity forces on any correct code; our second solver and our second program share no code with "
+    "or what similarity forces on any correct code; our second solvers, which stand in tests/helpers, share no code with "
     "granwave. The rest is granwave alone. Where ours is missing, only source and theory speak. A bound is all that a "
     "source tells there: the end of an axis, or at most; no difference is given."
 )

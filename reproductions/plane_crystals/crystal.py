@@ -12,7 +12,7 @@ from granwave.measures import lines_of, two_region_decay
 
 NAMES = {"centred-square": "BCC", "hexagonal": "HCP"}
 SOURCE = "lateral constraints"
-CHECK = "our second program"
+OURS = "ours"
 
 
 class Crystal:
@@ -35,6 +35,11 @@ class Crystal:
         )  # with the grains that the floor holds
         self.border = self.decay.border / packing.diameter
         self.walls = self.case.boundary.sides == "wall"
+
+
+def not_kept(value, remark=""):
+    """Remark with the value of a program that is not kept, and is no evidence."""
+    return f"{remark} A program that is not kept: {value:g}.".strip()
 
 
 def by_name(crystals):

@@ -10,14 +10,14 @@ at the same depth.
 """
 
 import numpy as np
-from crystal import CHECK, NAMES, SOURCE, Crystal
+from crystal import NAMES, OURS, SOURCE, Crystal, not_kept
 from matplotlib.figure import Figure
 
 import granwave as gw
 from granwave.measures import parted_at
 
-# depth where crystals part with walls and without by number of grains a row, D, by our second
-# program
+# depth where crystals part with walls and without by number of grains a row, D, by a program that
+# is not kept
 TRIAL = {
     "BCC": {
         4: (2.8, 2.8),
@@ -98,7 +98,7 @@ def rows(group):
         for one in group.pairs[which]:
             if np.isfinite(one.parted) and np.isfinite(trial := TRIAL[crystal][one.count][which]):
                 yield gw.Row(f"Depth where {one.count} a row part from 40, {word}, {crystal}", "D", ours=one.parted,
-                             where=CHECK, theory=trial, verification=True, digits=2)
+                             where=OURS, remark=not_kept(trial), digits=2)
     away = np.abs(np.array(group.parted) - group.width * group.law) / np.diff(group.wide.depth).mean()
     yield gw.Row(f"Depth where crystals part less that of the law, at most, {crystal}", "grains",
                  ours=np.nanmax(away), where=SOURCE, digits=2,

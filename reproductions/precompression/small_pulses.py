@@ -1,7 +1,7 @@
 """Precompressed chain: small pulses.
 
 The first bead of a precompressed chain is struck so that F_m/F0 stays below 1.05, at six static
-forces. Such a pulse spreads, and its crest is slower than long waves (by 0.8 % here): c0 is found
+forces. Such a pulse spreads, and its crest is slower than long waves: c0 is found
 by the times of the crests from bead 10 on, which are known for a linear chain. The source prints
 the formula.
 """

@@ -2,7 +2,7 @@
 
 A chain under a static force of 20 N is struck at 1 mm/s to 100 m/s. F_m, with F0 in it, and the
 speed of its crest are taken three quarters of the way that the wave goes before the far end feels
-it. Theory: the travelling wave of the lattice, up to 1.2 % faster than that of equation 3, a
+it. Theory: the travelling wave of the lattice, a little faster than that of equation 3, a
 continuum's. In the limits the equation is right: its last factors go to 1 for f_r = F_m/F0 to 1,
 and 0.9314 sqrt(8/15) = 0.6802 makes it equation 4 for large f_r.
 """

@@ -19,6 +19,7 @@ ENERGIES = {
     "in-plane": {"central chains": 71.5, "edge chains": 24.5},
     "out-of-plane": {"central chains": 44.3, "strikers": 8.0, "struck spheres": 47.7},
 }  # % of the input
+SETTLED = 0.02  # of its last length: what a settled pulse may differ by
 REBOUND = "The source: the remaining energy, which is 4.0 % of its numbers."
 ASYMPTOTIC = (
     "The source's 13 % are those of Chatterjee's asymptotic wave against Nesterenko's; it calls the decrease of its "
@@ -89,11 +90,11 @@ def rows(one):
                          theory=theory, remark=remark, **pulse)
         half = found[MEASURES[3]]
         theory = solitary_lengths()[MEASURES[3]]
-        unsettled = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > 0.02)
+        unsettled = np.flatnonzero(np.abs(half[1 : last + 1] / half[last] - 1) > SETTLED)
         yield gw.Row(f"Half-maximum length below Nesterenko's, {of}", "%", 13.0, 100 * (1 - half[last] / theory),
                      theory=100 * (1 - discrete_width() / theory), remark=ASYMPTOTIC, **pulse)
         yield gw.Row(f"Sphere from which on the pulse is settled, {of}", source=5.0, ours=unsettled[-1] + 3, **pulse,
-                     remark="Printed: roughly five or six. Ours is within 2 % of its last length from there on.")
+                     remark=f"Printed: roughly five or six. Ours is within {100 * SETTLED:g} % of its last length from there on.")
     # fmt: on
 
 

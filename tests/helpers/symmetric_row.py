@@ -2,10 +2,10 @@
 between two walls.
 
 The two cylinders of a gap move alike, so one of them is followed: its place along the row and its
-distance from the axis. Spheres move along the row alone. Contacts are elastic, and act along the
-present line of centres:
+distance from the axis. Spheres move along the row alone; the first and the last are held, or the
+last rests on a block. Contacts are elastic, and act along the present line of centres:
 
-    sphere - sphere, sphere - cylinder   F = K alpha^1.5
+    sphere - sphere, cylinder or block   F = K alpha^1.5
     cylinder - wall                      F = alpha L / (V |W(-alpha d/(2 e L^2))|), W: lower branch of Lambert's W
 
 (Puttock & Thwaite, National Standards Laboratory Technical Paper 25, 1969, case 9). A wall rubs
@@ -25,6 +25,7 @@ from scipy.optimize import brentq
 from scipy.special import ellipe, ellipk
 
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.material import Material
 
 Array = NDArray[np.float64]
 
@@ -45,7 +46,7 @@ def elliptic_stiffness(modulus: float, small: float, large: float) -> float:
     return 2 * math.pi * modulus / 3 * k**-1.5 * math.sqrt((k - e) / (m * small / 2))
 
 
-@njit
+@njit(cache=True)
 def line_force(overlap: float, compliance: float, length: float, diameter: float) -> float:
     """Force of a cylinder on a wall, N; compliance V is the sum over both bodies of (1 - nu^2)/(pi
     E), 1/Pa.
@@ -86,6 +87,9 @@ class SymmetricRow:
         Distance of a wall from the axis, after it moved in, m.
     friction
         f of the walls.
+    block_stiffness
+        K of the last sphere and the block that it rests on, N/m^1.5; 0 without a block: then the
+        first and the last sphere are held.
     """
 
     place: Array
@@ -102,37 +106,39 @@ class SymmetricRow:
     compliance: float
     wall: float
     friction: float
+    block_stiffness: float = 0.0
 
     @classmethod
     def of(cls, case: Case) -> SymmetricRow:
         """Equations of a case like the built-in ``filter-row``, whose first and last sphere are
-        held, from its values.
+        held, or ``gap-switch``, on a block of the material of the plates, from its values.
         """
-        grains = case.packing.grains
-        assert grains is not None
-        shape = grains.shape[-1]
-        assert shape is not None
-        steel = case.material
-        light = case.materials[0]
-        spheres = np.array([one != "cylinders" for one in grains.group])
-        place = grains.position[spheres, 2]
-        beside = np.flatnonzero(~spheres)[::2]
         radius = case.packing.diameter / 2
-        small = float(grains.diameter[-1]) / 2
-        own = [one.youngs_modulus / (1 - one.poisson_ratio**2) for one in (steel, light)]
-        across = np.abs(grains.position[beside, 0])
+        place, along, across, small, length = _grains_of(case)
+        steel = case.material
+        light = soft_material(case)
+        hard = steel.youngs_modulus / (1 - steel.poisson_ratio**2)
+        soft = light.youngs_modulus / (1 - light.poisson_ratio**2)
+        mixed = hard * soft / (hard + soft)
+        on_block = not case.hold
+        moved = case.precompression.moves["x"] if case.precompression else 0.0
         return cls(
-            place=place, along=grains.position[beside, 2], across=across,
-            gap=np.searchsorted(place, grains.position[beside, 2]) - 1,
-            radius=radius, small=small, length=shape.length,
+            place=place,
+            along=along,
+            across=across,
+            gap=np.searchsorted(place, along) - 1,
+            radius=radius,
+            small=small,
+            length=length,
             mass=steel.density * math.pi / 6 * (2 * radius) ** 3,
-            small_mass=light.density * math.pi * small**2 * shape.length,
-            sphere_stiffness=4 / 3 * own[0] / 2 * math.sqrt(radius / 2),
-            side_stiffness=elliptic_stiffness(1 / (1 / own[0] + 1 / own[1]), 1 / radius, 1 / radius + 1 / small),
-            compliance=1 / (math.pi * own[1]),
-            wall=float(across.max()) + small - (case.precompression.moves["x"] if case.precompression else 0.0),
+            small_mass=light.density * math.pi * small**2 * length,
+            sphere_stiffness=4 / 3 * hard / 2 * math.sqrt(radius / 2),
+            side_stiffness=_side_stiffness(mixed, radius, small),
+            compliance=(2 if on_block else 1) / (math.pi * soft),
+            wall=float(across.max(initial=0.0)) + small - moved,
             friction=case.boundary.friction or 0.0,
-        )  # fmt: skip
+            block_stiffness=4 / 3 * mixed * math.sqrt(radius) if on_block else 0.0,
+        )
 
     def at_rest(self) -> Array:
         """Distances of the cylinders from the axis in balance between wall and spheres: (m,), m."""
@@ -174,28 +180,70 @@ class SymmetricRow:
     def struck(
         self, sphere: int, velocity: float, end: float, step: float = 5e-8
     ) -> tuple[Array, Array]:
-        """Largest force of each contact, N, and its time, s, after a sphere, from 0, got a velocity
-        (velocity Verlet).
+        """Largest force of each contact, N, and its time, s, after a sphere, from 0, got a velocity."""
+        time, force, _ = self.motion(sphere, velocity, end, step)
+        return force.max(axis=0), time[force.argmax(axis=0)]
+
+    def motion(
+        self, sphere: int, velocity: float, end: float, step: float = 5e-8
+    ) -> tuple[Array, Array, Array]:
+        """Instants, s, and forces of the contacts of spheres, N: (n_times,), (n_times, n - 1), after
+        a sphere, from 0, got a velocity (velocity Verlet); displacements at the end, m: (n,).
         """
         n_steps = math.ceil(end / step)
+        step = end / n_steps
         moving = np.ones(len(self.place))
-        moving[[0, -1]] = 0.0
-        force = _integrate(
-            self.place, self.along, self.at_rest(), self.gap, moving, sphere, velocity, n_steps, end / n_steps,
-            np.array([self.radius, self.small, self.length, self.mass, self.small_mass, self.sphere_stiffness,
-                      self.side_stiffness, self.compliance, self.wall, self.friction]),
+        if not self.block_stiffness:
+            moving[[0, -1]] = 0.0
+        constants = np.array(
+            [self.radius, self.small, self.length, self.mass, self.small_mass, self.sphere_stiffness,
+             self.side_stiffness, self.compliance, self.wall, self.friction, self.block_stiffness]
         )  # fmt: skip
-        return force.max(axis=0), force.argmax(axis=0) * _EVERY * end / n_steps
+        force, moved = _integrate(
+            self.place, self.along, self.at_rest(), self.gap, moving, sphere, velocity, n_steps, step, constants
+        )  # fmt: skip
+        return np.arange(len(force)) * _EVERY * step, force, moved
 
 
 _EVERY = 4  # steps between instants that are kept
 
 
-@njit
+def soft_material(case: Case) -> Material:
+    """Material of the cylinders, and of plates and block if there are any."""
+    grains = case.packing.grains
+    return case.materials[0] if grains is None else case.named_material(grains.material[-1])
+
+
+def _grains_of(case: Case) -> tuple[Array, Array, Array, float, float]:
+    """Places of the spheres along the row; of one cylinder of each pair its place along the row and
+    its distance from the axis; radius and length of the cylinders (0 without any).
+    """
+    grains = case.packing.grains
+    if grains is None:
+        none = np.empty(0)
+        return case.packing.diameter * np.arange(case.packing.size[0]), none, none, 0.0, 0.0
+    shape = grains.shape[-1]
+    assert shape is not None
+    spheres = np.array([one != "cylinders" for one in grains.group])
+    beside = np.flatnonzero(~spheres)[::2]
+    along = grains.position[beside, 2]
+    across = np.abs(grains.position[beside, 0])
+    return grains.position[spheres, 2], along, across, float(grains.diameter[-1]) / 2, shape.length
+
+
+def _side_stiffness(modulus: float, radius: float, small: float) -> float:
+    """K of a sphere and a cylinder, N/m^1.5; 0 without cylinders."""
+    if not small:
+        return 0.0
+    return elliptic_stiffness(modulus, 1 / radius, 1 / radius + 1 / small)
+
+
+@njit(cache=True)
 def _integrate(  # type: ignore[no-untyped-def]
     place, along, across, gap, moving, sphere, velocity, n_steps, step, constants
 ):
-    radius, small, length, mass, small_mass, k_big, k_side, compliance, wall, friction = constants
+    radius, small, length, mass, small_mass, k_big, k_side, compliance = constants[:8]
+    wall, friction, k_block = constants[8:]
     n = len(place)
     m = len(along)
     reach = radius + small
@@ -234,6 +282,9 @@ def _integrate(  # type: ignore[no-untyped-def]
             present[i] = push
             az[i] -= push
             az[i + 1] += push
+        sunk = z[n - 1] - place[n - 1]
+        if sunk > 0.0:
+            az[n - 1] -= k_block * sunk * math.sqrt(sunk)
         for b in range(m):
             along_row = 0.0
             outward = 0.0
@@ -262,4 +313,4 @@ def _integrate(  # type: ignore[no-untyped-def]
                 vy[b] += 0.5 * step * ay[b]
         if count % _EVERY == 0:
             kept[count // _EVERY] = present
-    return kept
+    return kept, z - place

@@ -29,7 +29,7 @@ def run_of(case: str, directory: Path, beads: int, **changes: Any) -> gw.Run:
 
 
 def test_sizes_constants_and_balance() -> None:
-    """Check values of an independent program; legends follow from a balance without rings, but for
+    """Check values of the same formulas; legends follow from a balance without rings, but for
     12.5 and 18.4.
     """
     study = study_of("thesis/chapter_6/confined_sizes.py", [None])  # type: ignore[list-item]
@@ -46,8 +46,10 @@ def test_small_spheres_in_balance() -> None:
     assert np.abs(row.outward(row.inward)) == pytest.approx(0, abs=1e-9)
 
 
-def test_waves_of_an_independent_program() -> None:
-    """Forces at contacts 21 and 51, and a decay that similarity of the wave makes uniform."""
+def test_waves_of_the_equations() -> None:
+    """Forces at contacts 21 and 51 as a program had them that is not kept, and a decay that
+    similarity of the wave makes uniform.
+    """
     row = waves.Rows.fitting([8, 8, 9], [0.0, 1.9e-3, 1.2e-3])
     force, time = waves.leading_wave(row, 1.0, struck=10, last=51)
     scaled = 1e4 * force / waves.FORCE
@@ -82,7 +84,7 @@ def test_a_run_beside_the_equations(tmp_path: Path) -> None:
 
 
 def test_asymptotic_theory() -> None:
-    """Values of an independent program, and tails that vanish with precompression."""
+    """Values as a program had them that is not kept, and tails that vanish with precompression."""
     limit = theory.LightSpheres(waves.Rows.fitting(8))
     assert limit.eta_hat == pytest.approx(0.5286, abs=1e-4)
     low, high = (theory.Travelling(limit, one) for one in (0.2, 0.4))

@@ -16,7 +16,7 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import power_law
 
-EDGE = "An edge is shorter than any element: it ripples, and overshoots by up to 27 %."
+EDGE = "An edge is shorter than any element: it ripples, and overshoots."
 
 
 def measured(runs):

@@ -2,7 +2,7 @@
 
 Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite
 elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The
-contact grows element by element, so that single values have steps of half a per cent.
+contact grows element by element, so that single values have steps.
 """
 
 import math

@@ -20,13 +20,9 @@ from matplotlib.figure import Figure
 import granwave as gw
 from granwave.measures import first_peak, width
 
-PROGRAM = {  # by delta_hat: C1, C3, C5 and c; axial and radial velocities of the tail
-    0.2: ((2.0988, 0.1587, -0.0037), 1.0217, (1.91, 0.154)),
-    0.4: ((1.9451, 0.1188, -0.0028), 1.0660, (1.15, 0.042)),
-    1.32: (None, None, (0.20, 0.001)),
-}
+SERIES = (0.2, 0.4)  # delta_hat of figure 6.9, where the series of three terms is compared
+SMALLEST_TAIL = 1.32
 LEGENDS = {4.8e-4: 0.09, 1.2e-3: 0.22, 1.9e-3: 0.36}  # of figure 6.10, by a
-AMPLITUDE = 1.22  # displacement of a bead over D, times 1e3, at a = 1.2e-3
 ZERO = (-3, 3)  # beads around the crest that are shown
 
 
@@ -51,7 +47,8 @@ class Theory:
     @cached_property
     def shown(self):
         """Waves of figure 6.9 and of the smallest tail, by delta_hat."""
-        return dict(zip(PROGRAM, self.waves(*PROGRAM), strict=True))
+        chosen = (*SERIES, SMALLEST_TAIL)
+        return dict(zip(chosen, self.waves(*chosen), strict=True))
 
     @cached_property
     def curve(self):
@@ -77,36 +74,31 @@ def select(runs):
 
 
 def rows(theory):
-    by_program = {"where": "our second program", "verification": True}
+    of_theory = {"where": "asymptotic theory"}
     # fmt: off
-    yield gw.Row("eta_hat of (6.13), n = 8", ours=theory.limit.eta_hat, theory=0.5286, digits=4, **by_program)
-    for delta_hat, (coefficients, speed, tails) in PROGRAM.items():
-        wave = theory.shown[delta_hat]
+    yield gw.Row("eta_hat of (6.13), n = 8", ours=theory.limit.eta_hat, digits=4, **of_theory)
+    for delta_hat, wave in theory.shown.items():
         at = f"delta_hat = {delta_hat:g}"
-        if coefficients:
+        if delta_hat in SERIES:
             found, c = wave.series()
-            for k, (ours, value) in enumerate(zip(found, coefficients, strict=True)):
-                yield gw.Row(f"C{2 * k + 1} of the series, {at}", ours=ours, theory=value, digits=3, **by_program)
-            yield gw.Row(f"c of the series, {at}", ours=c, theory=wave.speed, where="lattice", verification=True,
-                         remark=f"Our second program: {speed}.")
+            for k, ours in enumerate(found):
+                yield gw.Row(f"C{2 * k + 1} of the series, {at}", ours=ours, digits=3, **of_theory)
+            yield gw.Row(f"c of the series, {at}", ours=c, theory=wave.speed, where="lattice", verification=True)
             z = np.linspace(*ZERO, 241)
             yield gw.Row(f"Largest difference of the series from the lattice's profile, {at}", digits=2,
-                         ours=np.abs(series_at(z, found) - wave.displacement(z)).max(), where="thesis figure 6.9",
-                         remark="Our second program: within 0.004.")
-        for way, ours, value in zip(("Axial", "Radial"), wave.tails, tails, strict=True):
-            yield gw.Row(f"{way} first-order velocity behind the wave, {at}", ours=ours, theory=value, digits=2,
-                         remark="The program gives a digit or two." if ours < 0.2 else "", **by_program)
+                         ours=np.abs(series_at(z, found) - wave.displacement(z)).max(), where="thesis figure 6.9")
+        for way, ours in zip(("Axial", "Radial"), wave.tails, strict=True):
+            yield gw.Row(f"{way} first-order velocity behind the wave, {at}", ours=ours, digits=2, **of_theory)
     for run, moved, delta_hat in zip(theory.runs, theory.moved, theory.delta_hat, strict=True):
-        known = f"The source's model in our second program: {AMPLITUDE:g}." if round(run.a, 7) == 1.2e-3 else ""
         yield gw.Row(f"Displacement of a bead by the wave over D, times 1e3, {run.label}", ours=1e3 * moved / BEAD,
-                     where="our second program", remark=known, digits=3)
+                     where="ours", digits=3)
         yield gw.Row(f"delta_hat of the legend, {run.label}", source=LEGENDS[round(run.a, 7)], ours=delta_hat, digits=3,
                      where="thesis figure 6.10", remark="Its scale cannot be found: some four times, in the ratio of "
                      "a.")
     yield gw.Row("Slope of ln(decay of the force) with delta_hat", ours=slope(theory.delta_hat, theory.decay), digits=3,
                  where="thesis figure 6.11", theory=slope(*theory.curve),
                  remark="Theory: decay of the energy by (6.18), with the source's wall and without the rings. The "
-                 "source calls the slopes equal; its own model has -3.16 in our second program.")
+                 "source calls the slopes equal.")
     # fmt: on
 
 
@@ -119,7 +111,7 @@ def pictures(theory):
     data = {}
     figure = Figure((7, 2.7), layout="constrained")
     left, right = figure.subplots(1, 2)
-    for k, one in enumerate((0.2, 0.4)):
+    for k, one in enumerate(SERIES):
         wave = theory.shown[one]
         series = series_at(z, wave.series()[0])
         lattice = wave.displacement(z)

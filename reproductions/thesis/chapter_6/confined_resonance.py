@@ -48,7 +48,7 @@ def remark(ratio):
     """Say what the source's model has at this density."""
     words = FORGETS if ratio > SETTLED else ""
     if round(ratio, 6) in RESONANCES:
-        words += f" A resonance of the source's model in our second program: {RESONANCES[round(ratio, 6)]:g}."
+        words += f" A resonance of the source's model in a program that is not kept: {RESONANCES[round(ratio, 6)]:g}."
     elif round(ratio, 6) in ANTI_RESONANCES:
         words += " An anti-resonance of the source's model."
     return words.strip()

@@ -3,7 +3,7 @@
 Forces of Hertz have no length of their own: with velocities v, displacements v^(4/5), and so the
 precompression a, forces v^(6/5) and speeds v^(1/5) the motion is the same (6.11). The source
 strikes at 2 m/s with the same a and with one that goes along. The moving geometry has a length, and
-breaks the similarity by some 1e-3.
+breaks the similarity a little.
 """
 
 import math

@@ -46,7 +46,7 @@ def rows(runs):
         values = zip(names, (1e5 * largest, when), PROGRAM[round(run.a, 6)][bead], strict=True)
         for name, ours, known in values:
             yield gw.Row(f"{name}, {run.label}", ours=ours, where=WHERE,
-                         remark=f"The source's model in our second program: {known:g}.")
+                         remark=f"The source's model in a program that is not kept: {known:g}.")
         behind = (time > when + BEHIND[0]) & (time < when + BEHIND[1])
         yield gw.Row(f"Largest velocity times 1e5, {BEHIND[0]} to {BEHIND[1]} units behind the crest, bead {bead}, "
                      f"{run.label}", ours=1e5 * np.abs(velocity[behind]).max(), where=WHERE, digits=3)

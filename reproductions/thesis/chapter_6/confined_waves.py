@@ -4,9 +4,7 @@ Beads of 15 mm in a row, n small spheres around each contact, in a rigid tube wh
 shrinks by delta, a = 2 delta/D; bead 10 is struck at 1 m/s. Forces over E* R*^2. Theory: the
 equations of symmetric motion, solved apart from LAMMPS with the true geometry. The source's model
 differs: a wall softer than any of Hertz's (factor 1.2; inside the tube 1.44 to 1.48), no contacts
-in the rings and directions that do not turn. For n = 8 and a = 1.9e-3 its force at contact 201 is
-1.343e-4; the moving geometry makes it 1.342, the ring 1.293, the factor of a flat wall 1.267 and
-that of the tube 1.247. The curves of the source are pictures without numbers: its axes end at 3e-4,
+in the rings and directions that do not turn. The curves of the source are pictures without numbers: its axes end at 3e-4,
 and all four of its statements hold, in either model: rapid decay for n = 7 and 8 that
 precompression takes away, hardly any for n = 6 and 9, less force and more speed with a. Contacts
 count from 1.
@@ -82,7 +80,7 @@ def rows(waves):
                      "has meaning in the equations only.")
     for n, found in waves.by_n.items():
         for run in (found[0], found[-1]):
-            known = "" if run.a else f" The source's model in our second program: {SLOWEST[n]:g}."
+            known = "" if run.a else f" The source's model in a program that is not kept: {SLOWEST[n]:g}."
             yield gw.Row(f"Speed in the source's unit, {run.label}", ours=run.speed / VELOCITY,
                          where="thesis figure 6.4", remark=f"The axis is 0.04 to 0.085.{known}", digits=3)
     for run, force, time in zip(waves.runs, waves.force, waves.time, strict=True):
@@ -116,8 +114,8 @@ def tables(waves):
     columns |= {f"speed, {who} (m/s)": table[:, 4] for who, table in values.items()}
     columns |= {f"decay, {who}": table[:, 5] for who, table in values.items()}
     yield (
-        "Peak forces times 1e4, speed and decay beside our second program, for the same rows and for the source's "
-        "model. Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact "
+        "Peak forces times 1e4, speed and decay beside a program that is not kept, for the same rows and for the "
+        "source's model. Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact "
         "where the wave was then (129, 142, 154, and 185).",
         columns,
     )

@@ -8,25 +8,15 @@ walls over it. The decay is that of ln(peak force) per contact, by a line throug
 """
 
 import numpy as np
-from filter_row import KILO, SOLVER, FilterRow, column
+from filter_row import DENSITY, KILO, SOLVER, FilterRow, column, second_solver
 from matplotlib.figure import Figure
 
 import granwave as gw
 
 GAMMAS = (0.26, 0.34, 0.38, 0.42, 0.46, 0.50, 0.54, 0.58, 0.62, 0.66, 0.70, 0.74, 0.78, 0.82, 0.90)
-#: Decay per contact, 1e-3, of the second solver: of Fig. 7.5a by a, for all gamma; of Fig. 7.5b by gamma and a.
-OVER_GAMMA = {
-    0.0: (1.8, 0.13, 0.67, 4.2, 5.9, 2.1, 0.04, 0.92, 2.5, 0.25, 0.20, 1.0, 0.04, 0.23, 1.1),
-    4e-4: (0.31, 0.49, 0.10, 2.0, 5.1, 7.9, 9.0, 3.4, 0.09, 0.61, 2.0, 2.1, 0.48, 0.02, 0.57),
-    8e-4: (0.05, 0.55, 0.02, 0.68, 2.8, 5.1, 7.2, 8.2, 4.1, 0.32, 0.22, 1.2, 1.8, 1.1, 0.07),
-    12e-4: (0.01, 0.44, 0.15, 0.16, 1.5, 3.5, 5.4, 7.1, 7.3, 3.1, 0.24, 0.18, 0.98, 1.5, 0.21),
-}
-OVER_A = {
-    0.45: {0.0: 6.2, 3e-3: 0.0},
-    0.54: {5e-4: 8.9, 3e-3: 2.0},
-    0.67: {0.0: 0.05, 2.5e-4: 2.1, 7.5e-4: 0.02, 2.4e-3: 6.3},
-}
-FASTEST = {0.0: 0.46, 4e-4: 0.53, 8e-4: 0.57, 12e-4: 0.60}  # gamma of the fastest decay, by a
+#: Approaches of the walls of Fig. 7.5a, and those of Fig. 7.5b by gamma.
+OVER_GAMMA = (0.0, 4e-4, 8e-4, 12e-4)
+OVER_A = {0.45: (0.0, 3e-3), 0.54: (5e-4, 3e-3), 0.67: (0.0, 2.5e-4, 7.5e-4, 2.4e-3)}
 COLOURS_END = {0.0: 7.0, 8e-4: 9.0}  # 1e-3 a contact, of Fig. 7.2, by a
 
 
@@ -47,27 +37,39 @@ def curve(decays, a):
     return np.array([(gamma, decay) for (gamma, at), (decay, _) in decays.items() if at == a]).T
 
 
-def rows(decays):
-    known = {
-        (gamma, a): (decay, "a")
-        for a, of in OVER_GAMMA.items()
-        for gamma, decay in zip(GAMMAS, of, strict=True)
+def fastest(decays, a):
+    """Gamma of the fastest decay at one a, by a parabola, and the largest decay."""
+    gamma, decay = curve(decays, a)
+    k = decay.argmax()
+    second, first, _ = np.polyfit(gamma[k - 1 : k + 2], decay[k - 1 : k + 2], 2)
+    return -first / (2 * second), decay[k]
+
+
+def solved_decays():
+    """Decay, 1e-3, of the second solver, as `select` has those of runs."""
+    return {
+        (gamma, a): (KILO * row["decay_per_contact"], "")
+        for (density, gamma, a), row in sorted(second_solver().items())
+        if density == DENSITY
     }
-    known |= {(gamma, a): (decay, "b") for gamma, of in OVER_A.items() for a, decay in of.items()}
+
+
+def rows(decays):
+    parts = {(gamma, a): "a" for a in OVER_GAMMA for gamma in GAMMAS}
+    parts |= {(gamma, a): "b" for gamma, moved in OVER_A.items() for a in moved}
+    solved = solved_decays()
     # fmt: off
-    for key, (theory, part) in known.items():
+    for key, part in parts.items():
         decay, name = decays[key]
-        yield gw.Row(f"Decay per contact, {name}", "1e-3", ours=decay, theory=theory, verification=True, digits=3,
-                     where=f"thesis Fig. 7.5{part}", remark=f"{SOLVER} Printed there with two digits.")
-    for a, theory in FASTEST.items():
-        gamma, decay = curve(decays, a)
-        k = decay.argmax()
-        second, first, _ = np.polyfit(gamma[k - 1 : k + 2], decay[k - 1 : k + 2], 2)
-        yield gw.Row(f"gamma of the fastest decay, a = {a:g}", ours=-first / (2 * second), theory=theory, digits=2,
+        yield gw.Row(f"Decay per contact, {name}", "1e-3", ours=decay, theory=solved[key][0], verification=True,
+                     digits=3, where=f"thesis Fig. 7.5{part}", remark=SOLVER)
+    for a in OVER_GAMMA:
+        gamma, largest = fastest(decays, a)
+        yield gw.Row(f"gamma of the fastest decay, a = {a:g}", ours=gamma, theory=fastest(solved, a)[0], digits=2,
                      verification=True, where="thesis Fig. 7.5a",
                      remark="It moves to larger cylinders as the walls press, as the source says.")
         end = COLOURS_END.get(a)
-        yield gw.Row(f"Decay there, a = {a:g}{', at most' if end else ''}", "1e-3", end, decay[k], "thesis Fig. 7.2",
+        yield gw.Row(f"Decay there, a = {a:g}{', at most' if end else ''}", "1e-3", end, largest, "thesis Fig. 7.2",
                      "By the end of the colours." if end else "", digits=3, bound=bool(end))
     # fmt: on
 

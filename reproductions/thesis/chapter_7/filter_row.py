@@ -6,6 +6,9 @@ is the approach of the walls over it. Contact n is that of spheres n and n + 1. 
 ln(peak force) per contact.
 """
 
+import csv
+from pathlib import Path
+
 import numpy as np
 
 from granwave.measures import GrainRow, decay_rate
@@ -14,8 +17,20 @@ from granwave.measures import GrainRow, decay_rate
 DENSITY = 2700.0
 PRINTED_DENSITY = 2100.0
 SOLVER = "Against a second solver (symmetric motion)."
+TABLE = Path(__file__).with_name("second_solver.csv")
 WHERE = "thesis 7.1"
 KILO = 1e3
+
+
+def second_solver():
+    """Values of the second solver by density, gamma and a; written by ``python -m
+    tests.helpers.second_solver``.
+    """
+    with TABLE.open(encoding="utf-8", newline="") as stream:
+        rows = [
+            {name: float(value) for name, value in row.items()} for row in csv.DictReader(stream)
+        ]
+    return {(row["density_kg_m3"], row["gamma"], row["a"]): row for row in rows}
 
 
 class FilterRow(GrainRow):
@@ -32,6 +47,7 @@ class FilterRow(GrainRow):
         )
         self.a = round(2 * moved / diameter, 12)
         self.density = case.named_material(grains.material[-1]).density
+        self.key = (self.density, self.gamma, self.a)
         self.speed = case.load.velocity
         self.yields = case.contact.law != "hertz"
         self.peaks = self.of_contacts("peak_force")

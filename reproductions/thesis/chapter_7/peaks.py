@@ -7,43 +7,33 @@ second solver, one of symmetric motion, counts them from 0.
 """
 
 import numpy as np
-from filter_row import DENSITY, KILO, PRINTED_DENSITY, SOLVER, WHERE, FilterRow, column
+from filter_row import (
+    DENSITY,
+    KILO,
+    PRINTED_DENSITY,
+    SOLVER,
+    WHERE,
+    FilterRow,
+    column,
+    second_solver,
+)
 from matplotlib.figure import Figure
 
 import granwave as gw
 
 CONTACTS = (21, 31, 61, 101, 151, 201)
-#: What the source says of the curve, and the second solver's peak forces, N; by density, gamma and a.
-PEAKS = {
-    (DENSITY, 0.56, 0.0): ("near solitary", 158.9, 91.9, 89.5, 89.2, 88.7, 88.3),
-    (DENSITY, 0.56, 8e-4): ("decays rapidly", 140.6, 93.3, 70.0, 49.1, 32.5, 22.9),
-    (DENSITY, 0.90, 0.0): ("oscillating, decreasing", 168.6, 120.7, 88.9, 75.6, 64.9, 63.9),
-    (DENSITY, 0.90, 8e-4): ("almost constant", 129.0, 66.5, 56.7, 56.6, 56.4, 56.2),
-    (PRINTED_DENSITY, 0.56, 0.0): (
-        "near solitary: not with this density",
-        164.4,
-        100.9,
-        96.0,
-        90.4,
-        83.7,
-        77.6,
-    ),
-    (PRINTED_DENSITY, 0.56, 8e-4): ("decays rapidly", 149.5, 115.4, 90.6, 68.9, 52.1, 41.5),
-    (PRINTED_DENSITY, 0.90, 0.0): ("oscillating, decreasing", 169.2, 115.5, 66.7, 66.9, 65.3, 64.5),
-    (PRINTED_DENSITY, 0.90, 8e-4): (
-        "almost constant: not with this density",
-        132.0,
-        62.4,
-        61.1,
-        58.2,
-        54.4,
-        50.7,
-    ),
+#: What the source says of the curve, by density, gamma and a.
+SAID = {
+    (DENSITY, 0.56, 0.0): "near solitary",
+    (DENSITY, 0.56, 8e-4): "decays rapidly",
+    (DENSITY, 0.90, 0.0): "oscillating, decreasing",
+    (DENSITY, 0.90, 8e-4): "almost constant",
+    (PRINTED_DENSITY, 0.56, 0.0): "near solitary: not with this density",
+    (PRINTED_DENSITY, 0.56, 8e-4): "decays rapidly",
+    (PRINTED_DENSITY, 0.90, 0.0): "oscillating, decreasing",
+    (PRINTED_DENSITY, 0.90, 8e-4): "almost constant: not with this density",
 }
-# N: of the second solver at gamma 0.56, a = 0; end of the figure's axis
-LARGEST = 207.0
-AXIS = 300.0
-DECAY = 8.0  # 1e-3 a contact: of the second solver at gamma 0.56, a = 8e-4
+AXIS = 300.0  # N: end of the figure's axis
 # contact; contacts on either side for the speed; of the peak
 PROBED = 121
 NEAR = 60
@@ -52,8 +42,8 @@ FOOT = 0.01
 
 def select(runs):
     """All rows of the figure by density, gamma and a; none of a scan alone, which has some of them."""
-    found = {(row.density, row.gamma, row.a): row for row in map(FilterRow, runs)}
-    return [{key: found[key] for key in PEAKS}] if found.keys() >= PEAKS.keys() else []
+    found = {row.key: row for row in map(FilterRow, runs)}
+    return [{key: found[key] for key in SAID}] if found.keys() >= SAID.keys() else []
 
 
 def span(row):
@@ -69,19 +59,22 @@ def span(row):
 
 def rows(found):
     figure = {"where": "thesis Fig. 7.4"}
+    solved = second_solver()
     # fmt: off
-    for key, (said, *known) in PEAKS.items():
-        for contact, theory in zip(CONTACTS, known, strict=True):
+    for key, said in SAID.items():
+        for contact in CONTACTS:
             yield gw.Row(f"Peak force at contact {contact}, {found[key].name}", "N", ours=found[key].peaks[contact - 1],
-                         theory=theory, verification=True, remark=f"{SOLVER} The source says: {said}.", **figure)
+                         theory=solved[key][f"contact_{contact}_N"], verification=True,
+                         remark=f"{SOLVER} The source says: {said}.", **figure)
     solitary, decaying, spread, _ = own = [row for key, row in found.items() if key[0] == DENSITY]
-    yield gw.Row(f"Largest force of two spheres, {solitary.name}", "N", ours=solitary.peaks.max(), theory=LARGEST,
-                 verification=True, remark=SOLVER, **figure)
+    yield gw.Row(f"Largest force of two spheres, {solitary.name}", "N", ours=solitary.peaks.max(),
+                 theory=solved[solitary.key]["largest_N"], verification=True, remark=SOLVER, **figure)
     for row in own:
         yield gw.Row(f"Largest force of two spheres, {row.name}, at most", "N", AXIS, row.peaks.max(), bound=True,
                      remark="By the end of the axis.", **figure)
-    yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(), theory=DECAY,
-                 verification=True, digits=3, remark=f"{SOLVER} Printed there with two digits.", **figure)
+    yield gw.Row(f"Decay per contact, {decaying.name}", "1e-3", ours=KILO * decaying.decay(),
+                 theory=KILO * solved[decaying.key]["decay_per_contact"], verification=True, digits=3, remark=SOLVER,
+                 **figure)
     yield gw.Row(f"Beads that the leading wave spans at contact {PROBED}, {spread.name}", source=10.0,
                  ours=span(spread), where=WHERE, remark="Where its force is above 1 % of its peak.", digits=3)
     # fmt: on

@@ -7,15 +7,12 @@ Hertz's.
 
 import math
 
-from filter_row import WHERE, FilterRow
+from filter_row import DENSITY, SOLVER, WHERE, FilterRow, second_solver
 
 import granwave as gw
 
-#: K, N/m^1.5, force of a wall on a cylinder, N, overlap there and lateral shift, um, at a = 8e-4, by gamma.
-STATIC = {
-    0.56: (4.198584e9, 29.668, 0.20347, 3.60653),
-    0.90: (4.455122e9, 39.736, 0.25928, 3.55072),
-}
+A = 8e-4
+GAMMAS = (0.56, 0.90)
 ERRATA = (
     ("7.2", "2 kcs (beta - beta)",
      "a factor cos theta is missing (7.3 has it); the mass on the left is that of a sphere"),
@@ -37,24 +34,28 @@ ERRATA = (
 
 def rows(runs):
     found = {row.gamma: row for row in map(FilterRow, runs)}
-    for gamma, known in STATIC.items():
+    solved = second_solver()
+    # fmt: off
+    for gamma in GAMMAS:
         row = found[gamma]
+        theory = solved[DENSITY, gamma, A]
         law = row.law_between(row.ids[0], row.beside[0])
-        diameter = row.case.packing.diameter
-        for name, unit, ours, theory in zip(
-            ("K of sphere and cylinder", "Force of a wall on a cylinder", "Overlap of wall and cylinder",
-             "Lateral shift of a cylinder"),
-            ("N/m^1.5", "N", "um", "um"),
-            (4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius), row.wall_force,
-             1e6 * (row.a * diameter / 2 - row.inward), 1e6 * row.inward),
-            known, strict=True,
-        ):  # fmt: skip
-            yield gw.Row(
-                f"{name} before the wave, {row.name}", unit, ours=ours, theory=theory, where=WHERE, verification=True,
-                remark="Check value of the equations of the static state.",
-            )  # fmt: skip
+        approach = row.a * row.case.packing.diameter / 2
+        for name, unit, ours, value in (
+            ("K of sphere and cylinder", "N/m^1.5", 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius),
+             theory["side_stiffness"]),
+            ("Force of a wall on a cylinder", "N", row.wall_force, theory["wall_force_N"]),
+            ("Overlap of wall and cylinder", "um", 1e6 * (approach - row.inward), 1e6 * (approach - theory["shift_m"])),
+            ("Lateral shift of a cylinder", "um", 1e6 * row.inward, 1e6 * theory["shift_m"]),
+        ):
+            yield gw.Row(f"{name} before the wave, {row.name}", unit, ours=ours, theory=value, where=WHERE,
+                         verification=True, remark=SOLVER)
+    # fmt: on
     yield gw.Row(
-        "Smallest gamma whose cylinders reach the walls", source=0.25, theory=0.25, where=WHERE,
+        "Smallest gamma whose cylinders reach the walls",
+        source=0.25,
+        theory=0.25,
+        where=WHERE,
         remark="Theory: sqrt(gamma^2 + 2 gamma) + gamma = 1.",
     )  # fmt: skip
 

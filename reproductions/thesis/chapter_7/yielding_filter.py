@@ -12,7 +12,7 @@ import granwave as gw
 # m/s: rows that yield and are struck no faster; peaks over the force of the walls
 RATTLES = 1.0
 LITTLE = 0.25
-RATTLING = "Grains that rattle behind the front decide: with other timesteps half to twice as much."
+RATTLING = "Grains that rattle behind the front decide: it changes much with the timestep."
 
 
 def rows(runs):

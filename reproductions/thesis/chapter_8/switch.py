@@ -5,32 +5,21 @@ between two aluminium plates. Plates 15.975 mm apart: the cylinders open gaps be
 18, and carry the wave across. Plates 16.5 mm apart: the gaps are closed, and the cylinders lie
 loose on the sphere before (upstream) or behind them. A sensor in a sphere reads the mean of its two
 contact forces. Plates rub with 0.185, the source's fit; here by Mindlin's spring and Coulomb's
-limit, in the second solver by the sign of the velocity: that is the difference of up to 0.5 % in
-these rows. Cylinders do not turn.
+limit, in the second solver by the sign of the velocity: that is the difference in rows with
+friction. Cylinders do not turn.
 """
 
 import numpy as np
 from matplotlib.figure import Figure
-from switch_row import FRICTION, SENSORS, SOLVER, STATES, SwitchRow
+from switch_row import FRICTION, SENSORS, SOLVER, STATES, SwitchRow, second_solver
 
 import granwave as gw
 
 NUMBERS = (2, 4, 6, 8, 10)
 NONE, OPEN, UPSTREAM, DOWNSTREAM = STATES
-#: First peak at sphere 21, N, of the second solver, by state and friction, for the numbers of cylinders.
-FIRST = {
-    (OPEN, 0.0): (85.73, 79.56, 75.30, 76.22, 74.33),
-    (OPEN, FRICTION): (66.72, 47.04, 34.29, 26.46, 19.81),
-    (UPSTREAM, 0.0): (87.77, 74.19, 62.58, 52.69, 44.29),
-    (UPSTREAM, FRICTION): (86.40, 71.93, 59.73, 49.50, 40.95),
-    (DOWNSTREAM, 0.0): (103.69,) * 5,
-    (DOWNSTREAM, FRICTION): (103.69,) * 5,
-}
-TIMES = {
-    0.0: (323.4, 347.2, 371.0, 394.6, 418.2),
-    FRICTION: (327.8, 356.2, 383.2, 414.6, 444.2),
-}  # us, open gaps
-LARGEST = (67.57, 59.34, 42.54, 37.01, 26.92)  # N, until 0.8 ms, open gaps with friction
+KEYS = [(state, friction) for state in STATES[1:] for friction in (0.0, FRICTION)]
+SPHERES = 27
+SPEED = 0.8  # m/s
 AXES = {
     2: (70.0, "8.7a"),
     4: (60.0, "8.7b"),
@@ -45,29 +34,31 @@ def select(runs):
     scan alone.
     """
     found = {(row.state, row.friction, row.n): row for row in map(SwitchRow, runs)
-             if len(row.ids) == 27 and row.speed == 0.8}  # fmt: skip
-    if not found.keys() >= {(NONE, 0.0, 0), *((*key, n) for key in FIRST for n in NUMBERS)}:
+             if len(row.ids) == SPHERES and row.speed == SPEED}  # fmt: skip
+    if not found.keys() >= {(NONE, 0.0, 0), *((*key, n) for key in KEYS for n in NUMBERS)}:
         return []
-    return [({key: [found[*key, n] for n in NUMBERS] for key in FIRST}, found[NONE, 0.0, 0])]
+    return [({key: [found[*key, n] for n in NUMBERS] for key in KEYS}, found[NONE, 0.0, 0])]
 
 
 def rows(measured):
     found, _ = measured
     checked = {"where": "thesis 8", "verification": True}
     # fmt: off
-    for (state, friction), peaks in FIRST.items():
+    solved = second_solver()
+    for state, friction in KEYS:
         remark = f"{SOLVER} {SHEARED}" if friction else SOLVER
-        for k, (row, theory) in enumerate(zip(found[state, friction], peaks, strict=True)):
+        for row in found[state, friction]:
+            theory = solved[state, friction, row.n, SPHERES, SPEED]
             time, force = row.first
-            yield gw.Row(f"First peak at sphere 21, {row.name}", "N", ours=force, theory=theory, remark=remark,
-                         **checked)
+            yield gw.Row(f"First peak at sphere 21, {row.name}", "N", ours=force, theory=theory["sphere_21_first_N"],
+                         remark=remark, **checked)
             if state != OPEN:
                 continue
-            yield gw.Row(f"Its time, {row.name}", "us", ours=1e6 * time, theory=TIMES[friction][k], remark=SOLVER,
-                         **checked)
+            yield gw.Row(f"Its time, {row.name}", "us", ours=1e6 * time, theory=1e6 * theory["sphere_21_first_s"],
+                         remark=SOLVER, **checked)
             if friction:
                 yield gw.Row(f"Largest force at sphere 21, {row.name}", "N", ours=row.sensor(SENSORS[1])[1].max(),
-                             theory=LARGEST[k], remark=remark, **checked)
+                             theory=theory["sphere_21_largest_N"], remark=remark, **checked)
             if friction and row.n in AXES:
                 end, figure = AXES[row.n]
                 yield gw.Row(f"First peak at sphere 21, {row.name}, at most", "N", end, force, bound=True,

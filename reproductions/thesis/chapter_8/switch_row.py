@@ -2,6 +2,9 @@
 loose (thesis 8).
 """
 
+import csv
+from pathlib import Path
+
 import numpy as np
 
 from granwave.measures import GrainRow, first_peak
@@ -13,6 +16,22 @@ FRICTION = 0.185
 SENSORS = (6, 21)  # spheres
 STATES = ("no cylinders", "open gaps", "loose, upstream", "loose, downstream")
 SOLVER = "Against a second solver (symmetric motion)."
+TABLE = Path(__file__).with_name("second_solver.csv")
+
+
+def second_solver():
+    """Values of the second solver by state, friction, number of cylinders and of spheres, and
+    velocity; written by ``python -m tests.helpers.second_solver``.
+    """
+    with TABLE.open(encoding="utf-8", newline="") as stream:
+        rows = list(csv.DictReader(stream))
+    numbers = [
+        {name: float(value) for name, value in row.items() if name != "state"} for row in rows
+    ]
+    return {
+        (row["state"], of["friction"], of["cylinders"], of["spheres"], of["velocity_m_s"]): of
+        for row, of in zip(rows, numbers, strict=True)
+    }
 
 
 class SwitchRow(GrainRow):

@@ -7,7 +7,9 @@ from __future__ import annotations
 from itertools import pairwise
 
 import numpy as np
+from numba import njit
 from scipy.integrate import quad
+from scipy.spatial import cKDTree
 
 CONSTANTS = (
     "pressure_limit", "pressure_rate", "area_switch", "area_slope", "area_offset",
@@ -101,6 +103,42 @@ def scales(
     return overlap, 4 / 3 * e_star * np.sqrt(r_star) * overlap**1.5
 
 
+def fcc(size: tuple[int, int, int], diameter: float) -> tuple[np.ndarray, np.ndarray]:
+    """Centres (n, 3), m, and pairs that touch (n_pairs, 2), from 0, of a packing whose top layer is
+    at z = 0: close-packed layers, depth along z.
+    """
+    nx, ny, nz = size
+    k, j, i = np.meshgrid(np.arange(nz), np.arange(ny), np.arange(nx), indexing="ij")
+    shift = k % 3
+    x = i + (j % 2) / 2 + shift / 2
+    y = j * np.sqrt(3) / 2 + shift * np.sqrt(3) / 6
+    z = k * np.sqrt(2 / 3)
+    place = diameter * np.stack([x.ravel(), y.ravel(), z.ravel()], axis=1)
+    pairs = cKDTree(place).query_pairs(diameter * (1 + 1e-6), output_type="ndarray")
+    return place, pairs
+
+
+def middle_of_top(place: np.ndarray) -> int:
+    """Number of the sphere of the top layer nearest its centroid; of equally near ones the first."""
+    top = np.flatnonzero(place[:, 2] == 0)
+    away = np.linalg.norm(place[top, :2] - place[top, :2].mean(axis=0), axis=1)
+    return int(top[np.flatnonzero(away < away.min() + 1e-8)[0]])
+
+
+@njit(cache=True)
+def _approach(moved, first, second, normals):
+    """How far the spheres of each pair have come nearer along its normal."""
+    nearer = np.empty(len(first))
+    for k in range(len(first)):
+        i = first[k]
+        j = second[k]
+        total = 0.0
+        for axis in range(3):
+            total -= (moved[i, axis] - moved[j, axis]) * normals[k, axis]
+        nearer[k] = total
+    return nearer
+
+
 class Network:
     """Point masses with true geometry and a fixed set of contacts; velocity Verlet in numpy.
 
@@ -110,6 +148,10 @@ class Network:
         (n, 3), m.
     pairs
         (n_pairs, 2), indices from 0.
+    fixed_normals
+        True: contacts keep the normals of the start.
+    held
+        Indices of spheres that do not move.
     """
 
     def __init__(
@@ -118,48 +160,53 @@ class Network:
         pairs,
         radius,
         density=8500.0,
-        floor=None,
         fixed_normals=False,
+        held=(),
         law=None,
         **material,
     ):
         self.x = np.array(positions, float)
-        self.pairs = np.asarray(pairs)
+        self.first, self.second = np.asarray(pairs).T.copy()
         self.radius = radius
         self.v = np.zeros_like(self.x)
         self.mass = density * 4 / 3 * np.pi * radius**3
         self.law = law or LawTwin()
         self.alpha_y, self.force_y = scales(radius, **material)
-        self.peak = np.zeros(len(self.pairs))
+        self.peak = np.zeros(len(self.first))
         self.start = self.x.copy()
         self.fixed = fixed_normals
-        gap = self.x[self.pairs[:, 0]] - self.x[self.pairs[:, 1]]
+        self.held = np.array(held, dtype=np.int64)
+        gap = self.x[self.first] - self.x[self.second]
         self.normals = gap / np.linalg.norm(gap, axis=1)[:, None]
         self._cache: dict[int, tuple[float, float, float, float]] = {}
 
     def overlaps(self):
         """Overlap and unit normal (second to first) of every pair."""
-        first, second = self.pairs.T
         if self.fixed:
             moved = self.x - self.start
-            return -np.einsum("ij,ij->i", moved[first] - moved[second], self.normals), self.normals
-        gap = self.x[first] - self.x[second]
+            return _approach(moved, self.first, self.second, self.normals), self.normals
+        gap = self.x[self.first] - self.x[self.second]
         distance = np.linalg.norm(gap, axis=1)
         return 2 * self.radius - distance, gap / distance[:, None]
 
     def forces(self):
         """(n, 3) force on every sphere; updates the peaks."""
         overlap, normal = self.overlaps()
-        a = overlap / self.alpha_y
-        self.peak = np.maximum(self.peak, a)
-        force = np.where(a > 0, np.maximum(a, 0) ** 1.5, 0.0)
-        for k in np.nonzero((self.peak > 1) & (a > 0))[0]:
-            force[k] = self._yielded(k, a[k])
-        push = (self.force_y * force)[:, None] * normal
-        total = np.zeros_like(self.x)
-        np.add.at(total, self.pairs[:, 0], push)
-        np.add.at(total, self.pairs[:, 1], -push)
+        closed = np.flatnonzero(overlap > 0)
+        a = overlap[closed] / self.alpha_y
+        self.peak[closed] = np.maximum(self.peak[closed], a)
+        force = a**1.5
+        for n in np.flatnonzero(self.peak[closed] > 1):
+            force[n] = self._yielded(closed[n], a[n])
+        push = (self.force_y * force)[:, None] * normal[closed]
+        total = self._sum(self.first[closed], push) - self._sum(self.second[closed], push)
+        total[self.held] = 0.0
         return total
+
+    def _sum(self, spheres, push):
+        """Sum vectors by sphere: (n, 3)."""
+        n = len(self.x)
+        return np.stack([np.bincount(spheres, push[:, axis], n) for axis in range(3)], axis=1)
 
     def _yielded(self, k: int, a: float) -> float:
         peak = self.peak[k]
@@ -184,4 +231,9 @@ class Network:
 
     def dissipated(self) -> float:
         """Dissipated energy, J."""
-        return self.force_y * self.alpha_y * sum(self.law.dissipated(p) for p in self.peak)
+        yielded = self.peak[self.peak > 1]
+        return self.force_y * self.alpha_y * sum(self.law.dissipated(p) for p in yielded)
+
+    def largest_force(self) -> float:
+        """Largest force that a contact ever had, N: that of its largest overlap."""
+        return self.force_y * self.law.loading(float(self.peak.max()))

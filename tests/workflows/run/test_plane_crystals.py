@@ -184,7 +184,7 @@ def test_long_waves_slide_in_both_crystals(tmp_path: Path, friction: float) -> N
 def test_front_speeds_of_both_crystals(
     tmp_path: Path, name: str, kind: str, size: tuple[int, int], speed: float
 ) -> None:
-    """Within 1 % of an independent program, and of the solver here with either tangential spring."""
+    """Within 1 % of a program that is not kept, and of the solver here with either tangential spring."""
     case = load_case(name, {"run.end_time": 2.4e-3, "line": LINES[:1]})
     run_case(case, tmp_path / name, figures=False)
     with Result(tmp_path / name) as result:
