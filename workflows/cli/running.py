@@ -8,6 +8,7 @@ import argparse
 import logging
 import sys
 from collections.abc import Mapping, Sequence
+from functools import partial
 from pathlib import Path
 from typing import Any
 
@@ -17,7 +18,7 @@ from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_re
 from granwave.lammps_inputs.deck.deck import read_deck, write_deck
 from granwave.lammps_inputs.directories import check_disk, results_directory
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
 from granwave.lammps_inputs.processes import ALONE, Processes
@@ -171,7 +172,7 @@ def analyse(options: argparse.Namespace) -> int:
     comm = mpi.world() if mpi.launched() else None
     results = ResultDirectory(directory)
 
-    def work(processes: Processes = ALONE) -> Mapping[str, Any]:
+    def work(processes: Processes = ALONE, assembly: Assembly | None = None) -> Mapping[str, Any]:
         from granwave.analysis.pipeline import analyse as analyse_directory
 
         results.refuse_foreign([RESULT_FILE, SUMMARY_FILE])
@@ -182,7 +183,11 @@ def analyse(options: argparse.Namespace) -> int:
             )
         with as_wrong_input():
             return analyse_directory(
-                results, progress=True, figures=options.figures, processes=processes
+                results,
+                progress=True,
+                figures=options.figures,
+                processes=processes,
+                assembly=assembly,
             )
 
     with held(results, comm, way=""):
@@ -192,18 +197,19 @@ def analyse(options: argparse.Namespace) -> int:
             from granwave.workflows.run.ranks import shared
 
             with mpi.StopRequest(comm) as stop:
-                most = mpi.on_first(comm, lambda: _analysing_ranks(directory, comm.size))
-                summary = shared(comm, work, stop.noticed, most)
+                assembly = mpi.on_first(comm, lambda: _assembly_of(directory))
+                most = analysing_ranks(assembly, comm.size)
+                summary = shared(comm, partial(work, assembly=assembly), stop.noticed, most)
     if mpi.is_first():
         print_json(summary) if options.json else print(summary_table(summary))
         _warn_of_zone(summary)
     return 0
 
 
-def _analysing_ranks(directory: Path, n_ranks: int) -> int:
-    """Return the number of ranks that share the analysis of a directory."""
+def _assembly_of(directory: Path) -> Assembly:
+    """Return all bodies of the case of a run."""
     with as_wrong_input():
-        return analysing_ranks(assemble(read_deck(directory).case), n_ranks)
+        return assemble(read_deck(directory).case)
 
 
 def _warn_of_zone(summary: Mapping[str, Any]) -> None:

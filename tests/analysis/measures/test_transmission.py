@@ -176,7 +176,9 @@ def test_power_and_losses_of_small_motions(tmp_path):
     case = load_case("driven-row", changes | {"contact.loss": {"time": 2e-6}})
     summary = run_case(case, tmp_path / "run", figures=False).summary
     lossy, lossless = (
-        steady(one, None, drive=1, sensors=[5], frequencies=frequency)[0].found.amplitude[0, 0]
+        steady(assemble(one), None, drive=1, sensors=[5], frequencies=frequency)[0].found.amplitude[
+            0, 0
+        ]
         for one in (case, load_case("driven-row", changes))
     )
     with Result(tmp_path / "run") as result:
@@ -318,7 +320,9 @@ def test_a_run_transmits_what_the_linear_response_says(tmp_path, frequency):
     with Result(tmp_path / "run") as result:
         found = transmission_of(result)
     sensors = (4, 7, 12)
-    linear, _ = steady(case, None, drive=1, sensors=sensors, frequencies=np.array([frequency]))
+    linear, _ = steady(
+        assemble(case), None, drive=1, sensors=sensors, frequencies=np.array([frequency])
+    )
     measured = np.abs(found.velocity[np.array(sensors) - 1] / found.velocity[0])
     assert measured == pytest.approx(linear.found.amplitude[0], rel=0.02)
 
@@ -396,7 +400,9 @@ def test_a_driven_packing_transmits_what_the_linear_response_says(tmp_path):
     with Result(tmp_path / "run") as result:
         found = transmission_of(result)
     assert (found.first, found.last) == (1, 37) and outcome.summary["transmission"] == found.ratio
-    linear, _ = steady(case, None, drive=top, sensors=down[1:4], frequencies=np.array([9e3]))
+    linear, _ = steady(
+        assemble(case), None, drive=top, sensors=down[1:4], frequencies=np.array([9e3])
+    )
     assert np.abs(found.velocity[1:4]) / found.driven == pytest.approx(
         linear.found.amplitude[0], rel=0.02
     )
