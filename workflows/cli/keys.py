@@ -228,6 +228,7 @@ def _key_of(name: str, field: dataclasses.Field[Any]) -> Key:
         default=info.default_form or _default_of(field),
         required=is_required(field),
         usual="" if info.usual is None else _usual(info.usual),
+        example="" if info.example is None else _written(info.example),
         words=info.type.words,
         json=info.type.json,
     )
@@ -247,9 +248,8 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> T
     """Return a table with an example of each key; where none is given it is the default."""
     name = heading.strip("[]") or file
     given = _examples()[file].get(name, {})
-    shown = {
-        key.name: _written(given[key.name]) if key.name in given else key.default for key in found
-    }
+    shown = {key.name: key.example or key.default for key in found}
+    shown |= {key.name: _written(given[key.name]) for key in found if key.name in given}
     keys = (dataclasses.replace(key, example=f"{key.name} = {shown[key.name]}") for key in found)
     return Table(file, name, heading, description, tuple(keys))
 

@@ -49,6 +49,9 @@ class KeyInfo:
         values that may have many faults; it returns None with any.
     default_form
         Default in words, of a key whose default is none of its values.
+    example
+        A value, for the reference of the keys; None: there is one in `key_examples.toml`, or the
+        default is one.
     """
 
     description: str
@@ -58,6 +61,7 @@ class KeyInfo:
     varies: bool = False
     reader: Callable[[Any, ErrorList, str], Any] | None = None
     default_form: str = ""
+    example: Any = None
 
     @property
     def magnitudes(self) -> str | Usual | None:
