@@ -205,7 +205,7 @@ def completed(line: str) -> list[str]:
         ("granwave run fcc-small --set contact.cohesion.kind=d", ["contact.cohesion.kind=dmt"]),
         ("granwave run fcc-small --set grains.1.ring.g", ["grains.1.ring.gap="]),
         ("granwave run fcc-small --set output.probes.1.s", ["output.probes.1.sphere="]),
-        ("granwave run fcc-small --set output.parts=", ["output.parts=auto", "output.parts=true", "output.parts=false"]),
+        ("granwave run fcc-small --set figures.view=", ["figures.view=true", "figures.view=false"]),
         ("granwave continuum half-space --set punch.v", ["punch.velocity="]),
         ("granwave continuum sphere-contact --set run.max", ["run.max_overlap="]),
         ("granwave law --material steel", ["steel"]),
