@@ -10,7 +10,7 @@ from __future__ import annotations
 import argparse
 import importlib
 import re
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.studies.registry import STUDIES
@@ -101,14 +101,23 @@ def _keys(*files: str, first: str = "") -> dict[str, Key]:
     """Return the keys of kinds of files by dotted name; entries of lists have the number ``first``."""
     from granwave.workflows.cli.keys import tables
 
-    return {
-        f"{table.name}{first if table.heading.startswith('[[') else ''}.{key.name}"
-        if table.heading
-        else key.name: key
-        for table in reversed(tables())  # the first of several counts
-        for key in table.keys
-        if table.file in (files or (table.file,))
-    }
+    lists = {table.name for table in tables() if table.heading.startswith("[[")}
+    keys: dict[str, Key] = {}
+    for table in reversed(tables()):  # the first of several counts
+        if table.file in (files or (table.file,)):
+            prefix = f"{_numbered(table.name, lists, first)}." if table.heading else ""
+            keys |= {f"{prefix}{key.name}": key for key in table.keys}
+    return keys
+
+
+def _numbered(name: str, lists: Collection[str], first: str) -> str:
+    """Return the dotted name of a table with the number ``first`` behind each array of tables."""
+    numbered = ""
+    parts = name.split(".")
+    for n, part in enumerate(parts, start=1):
+        number = first if ".".join(parts[:n]) in lists else ""
+        numbered += f".{part}{number}"
+    return numbered.removeprefix(".")
 
 
 def _kind_of_file(options: argparse.Namespace) -> str:

@@ -48,7 +48,8 @@ def run(options: argparse.Namespace) -> int:
     how = _how(options)
     if starts_ranks:
         decide(assembly, RunDirectory(directory), n_ranks=options.ranks, **how)
-        return mpi.launch(options.ranks, _without_ranks(options.given))
+        words = _without_ranks(options.given)
+        return mpi.launch(options.ranks, words, remedy="go on with --resume")
 
     from granwave.workflows.run.driver import (
         run_assembly,

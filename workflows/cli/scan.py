@@ -21,7 +21,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.check import expected_cut, static_stage_note, table
-from granwave.workflows.cli.terminal import columns, print_json
+from granwave.workflows.cli.terminal import columns, in_shell, print_json
 from granwave.workflows.scanning.batches import Machine, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
@@ -163,7 +163,9 @@ def _status(stopped: str | None, outcomes: Sequence[ScanOutcome]) -> int:
                 for p in ScanResult(outcome.directory).points
                 if p.status == "failed"
             }
-            shared = f" ({' '.join(reasons.pop().split())})" if len(reasons) == 1 else ""
+            shared = ""
+            if len(reasons) == 1:
+                shared = f" ({in_shell(' '.join(reasons.pop().split()))})"
             print(f"granwave: {left} of the points{shared}; the reasons are in "
                   f"{outcome.directory / 'scan.csv'}; the same command with --resume tries them again",
                   file=sys.stderr)  # fmt: skip
@@ -289,7 +291,9 @@ def outcome_text(outcome: ScanOutcome) -> str:
             f"{value:.5g}" if isinstance(value, float) else str(value)
             for value in point.labels.values()
         ]
-        ending = "" if point.status == "done" else f"{point.status}: {point.reason}".rstrip(": ")
+        ending = ""
+        if point.status != "done":
+            ending = in_shell(f"{point.status}: {point.reason}".rstrip(": "))
         rows.append([str(point.number), *labels, *values, ending])
     text = columns(rows, left=(len(head) - 1,))
     if len(points) > _MOST_ROWS:

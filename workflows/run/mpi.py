@@ -140,8 +140,10 @@ def leave(status: int) -> NoReturn:
 
 
 def abort(comm: Intracomm, message: str, status: int = 1) -> NoReturn:
-    """Abort all ranks with an exit status."""
-    print(f"granwave: {message}", file=sys.stderr, flush=True)
+    """Abort all ranks with an exit status; the message goes through `logging`, which has the words
+    of the command line there.
+    """
+    logger.error("granwave: %s", message)
     comm.Abort(status)
     raise SystemExit(status)
 

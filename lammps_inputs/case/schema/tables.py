@@ -50,7 +50,8 @@ class KeyInfo:
     default_form
         Default in words, of a key whose default is none of its values.
     example
-        Value for tables of keys; None: made from the type.
+        A value, for the reference of the keys; None: there is one in `key_examples.toml`, or the
+        default is one.
     """
 
     description: str

@@ -295,7 +295,7 @@ def test_python_says_what_is_wrong(tmp_path):
         (
             (tmp_path,),
             {"directory": tmp_path / "not" / "there"},
-            "directory: .*there is no directory",
+            "there: there is no directory",
         ),
     ]:
         with pytest.raises(gw.InputError, match=said):
