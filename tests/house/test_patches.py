@@ -1,5 +1,5 @@
 """What is easy to add: each patch in `patches` adds one thing, in few files, to a copy of the
-sources, and its tests pass there.
+sources, and its tests pass there; contact laws that it changes are compiled there first.
 
 The text above the changes says what the patch shows, and names its tests in lines ``Tests: FILE
 FILE``. A patch that fits no longer is made anew: make the change by hand, ``git add -N .``, and put
@@ -13,12 +13,15 @@ import re
 import shutil
 import subprocess
 import sys
+import sysconfig
 from collections.abc import Iterable
 from pathlib import Path
 
+import pybind11
 import pytest
 
 import granwave
+from granwave import _contact_laws
 
 ROOT = Path(__file__).parents[2]
 PATCHES = Path(__file__).parent / "patches"
@@ -28,7 +31,11 @@ FILES = ("pyproject.toml", "CONTRIBUTING.md", "CHANGELOG.md", "README.md")
 #: Most files that a patch may touch.
 MOST_FILES = {
     "new_load": 6,
+    "new_law_parameter": 8,
 }
+#: Sources of the contact laws for Python.
+BINDING = ("bindings/python_bindings.cpp", "laws/law_arguments.cpp")
+FLAGS = ("-std=c++17", "-O1", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
 
 
 @pytest.fixture
@@ -66,6 +73,18 @@ def link_built(package: Path) -> None:
                 link.symlink_to(file.resolve())
 
 
+def compile_laws(copy: Path) -> None:
+    """Compile the contact laws for Python from the sources of a copy, into its package."""
+    target = copy / "site" / "granwave" / Path(_contact_laws.__file__).name
+    target.unlink()
+    headers = (pybind11.get_include(), sysconfig.get_path("include"))
+    includes = [f"-I{header}" for header in headers]
+    release = f'-DGRANWAVE_LAMMPS_RELEASE="{_contact_laws.LAMMPS_RELEASE}"'
+    sources = [str(copy / "plugins" / name) for name in BINDING]
+    made = run(copy, "c++", *FLAGS, "-shared", *includes, release, *sources, "-o", str(target))
+    assert made.returncode == 0, made.stderr[-5000:]
+
+
 def patched_files(text: str) -> list[str]:
     """Files that a patch changes or adds."""
     return re.findall(r"^diff --git a/\S+ b/(\S+)$", text, re.MULTILINE)
@@ -91,6 +110,8 @@ def test_a_patch_adds_one_thing(path: Path, copy: Path) -> None:
     assert applied.returncode == 0, f"{path.name} fits no longer, see above: {applied.stderr}"
     where = run(copy, sys.executable, "-c", "import granwave.analysis as a; print(a.__path__)")
     assert str(copy) in where.stdout
+    if any(name.startswith("plugins/") for name in files):
+        compile_laws(copy)
     tests = " ".join(re.findall(r"^Tests: (.+)$", text, re.MULTILINE)).split()
     assert set(tests) & set(files), "a patch brings a test of its own"
     options = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist")

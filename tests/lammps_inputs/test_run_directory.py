@@ -259,7 +259,7 @@ def test_results_are_moved_and_files_of_others_stay(tmp_path):
     assert results.set_aside() == ""
     results.claim(["run.json"], kind=RUN)
     fill(place, "run.json")
-    assert results.by_force.startswith("--force moves the results to r.old2 first")
+    assert results.by_force.startswith("force=True moves the results to r.old2 first")
     assert results.set_aside() == str(tmp_path / "r.old2")
     assert tree(tmp_path / "r.old") == [MARKER, "dumps/a.txt", "figures/a.png", "run.json"]
 
@@ -309,7 +309,7 @@ def test_results_that_cannot_be_moved(tmp_path, monkeypatch):
     fill(place, "run.json")
     link = tmp_path / "link"
     link.symlink_to(place)
-    with pytest.raises(InputError, match=f"is a link to {place}, and --force moves nothing"):
+    with pytest.raises(InputError, match=f"is a link to {place}, and force=True moves nothing"):
         ResultDirectory(link).check(force=True)
     monkeypatch.setattr(type(place), "is_mount", lambda self: self == place)
     with pytest.raises(
