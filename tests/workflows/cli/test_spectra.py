@@ -114,12 +114,12 @@ def test_a_finished_run_serves_as_a_case(row, capsys):
 
 
 def test_each_value_has_its_entry(row):
-    case = load_case("row.toml")
+    packing = assemble(load_case("row.toml"))
     tables = (OF_BANDS, OF_MODES, OF_TRANSMISSION)
     found = (
-        commands.bands(case, None, points=3),
-        commands.modes(case, None),
-        commands.steady(case, None, drive=[1, 2], sensors=[5], frequencies=np.array([1e3])),
+        commands.bands(packing, None, points=3),
+        commands.modes(packing, None),
+        commands.steady(packing, None, drive=[1, 2], sensors=[5], frequencies=np.array([1e3])),
     )
     for table, (waves, _) in zip(tables, found, strict=True):
         assert {one.name for one in table} == set(waves.summary)
