@@ -195,7 +195,9 @@ def test_a_killed_search_goes_on_to_the_same_designs(searched, folder):
 
 
 def test_ctrl_c_stops_a_search_that_goes_on_later(folder):
-    command = [sys.executable, "-m", "granwave.workflows", "design", "beads.toml", "-o", "stopped"]
+    search = {"evaluations": 4, "seed": 2, "guards": False}
+    (folder / "few.toml").write_text(tomli_w.dumps(TABLES | {"search": search}))
+    command = [sys.executable, "-m", "granwave.workflows", "design", "few.toml", "-o", "stopped"]
     stopped = subprocess.Popen(
         command, cwd=folder, stdout=subprocess.DEVNULL, stderr=subprocess.PIPE, text=True, env=PLAIN
     )
@@ -207,7 +209,7 @@ def test_ctrl_c_stops_a_search_that_goes_on_later(folder):
     assert stopped.returncode == 130
     assert "--resume goes on" in text
     found = gw.design(
-        folder / "beads.toml", directory=folder / "stopped", resume=True, budget=4, progress=False
+        folder / "few.toml", directory=folder / "stopped", resume=True, progress=False
     )
     assert len(found.table) >= 4
 
