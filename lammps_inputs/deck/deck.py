@@ -289,15 +289,6 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-_NEW = {
-    "history_every": 0,
-    "first_step": 1,
-    "longest_step": 1,
-    "energy_tolerance": 0.0,
-    "line_every": 0,
-}  # since 0.1
-
-
 def read_deck(directory: str | Path) -> Deck:
     """Read the deck that `write_deck` wrote into a directory.
 
@@ -311,7 +302,6 @@ def read_deck(directory: str | Path) -> Deck:
     case = read_stored_case(path)
     table = read_toml(path).get("resolved", {})
     try:
-        table = _NEW | table
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))
