@@ -302,6 +302,7 @@ def read_deck(directory: str | Path) -> Deck:
     case = read_stored_case(path)
     table = read_toml(path).get("resolved", {})
     try:
+        table = {"line_every": 0} | table  # which `resolved` leaves out where it is 0
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))
