@@ -330,9 +330,7 @@ def _pictures(
     there = [one for one in there if isinstance(item, Run) and (item.directory / one[0]).is_file()]
     pages = [Note(text, links=(inputs.link(item.directory / name, name),)) for name, text in there]
     gallery = [Gallery(tuple(figures))] if figures else []
-    failed = [
-        Note(f"The {one}.", "bad") for one in FigureFolder(item.results).not_drawn().values()
-    ]
+    failed = [Note(f"The {one}.", "bad") for one in FigureFolder(item.results).not_drawn().values()]
     return (*pages, *gallery, *damaged, *failed)
 
 

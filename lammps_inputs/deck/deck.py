@@ -288,15 +288,6 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     return tables
 
 
-_NEW = {
-    "history_every": 0,
-    "first_step": 1,
-    "longest_step": 1,
-    "energy_tolerance": 0.0,
-    "line_every": 0,
-}  # since 0.1
-
-
 def read_deck(directory: str | Path, case: Case | None = None) -> Deck:
     """Read the deck that `write_deck` wrote into a directory.
 
@@ -317,7 +308,7 @@ def read_deck(directory: str | Path, case: Case | None = None) -> Deck:
         case = stored_case(tables, path)
     table = tables.get("resolved", {})
     try:
-        table = _NEW | table
+        table = {"line_every": 0} | table  # which `resolved` leaves out where it is 0
         values = {field.name: table[field.name] for field in dataclasses.fields(Schedule)}
         schedule = Schedule(**values | {"frame_steps": tuple(values["frame_steps"])})
         return Deck(directory, case, schedule, tuple(table["struck"]))

@@ -138,14 +138,14 @@ def test_run(tiny, directory):
 
 
 def test_results_are_kept_continued_or_replaced(tiny, directory, tmp_path):
-    words = r"already holds results.*; resume=True goes on.*, force=True replaces them"
+    words = r"already holds results.*; resume=True goes on.*, force=True moves the results to"
     with pytest.raises(gw.InputError, match=words):
         gw.run("fcc-small", TINY, directory=directory)
     before = (directory / "result.h5").stat().st_mtime_ns
     assert gw.run("fcc-small", TINY, directory=directory, resume=True) == tiny
     assert (directory / "result.h5").stat().st_mtime_ns == before
     with pytest.raises(
-        gw.InputError, match=r"holds another case .different: load.; force=True replaces it"
+        gw.InputError, match=r"holds another case .different: load.; force=True moves the results"
     ):
         gw.run("fcc-small", TINY, directory=directory, resume=True, load__velocity=7)
     first = gw.run(PAIR, directory=tmp_path / "pair")
@@ -320,7 +320,7 @@ def test_scan(tmp_path):
     text = (tmp_path / "pairs" / "scan.toml").read_text()
     assert tomllib.loads(text)["case"] == "pair" and '# kind = "chain"' in text
     with pytest.raises(
-        gw.InputError, match=r"resume=True does what is missing, force=True replaces them"
+        gw.InputError, match=r"resume=True does what is missing, force=True moves the results to"
     ):
         gw.scan(asked, directory=tmp_path / "pairs")
 

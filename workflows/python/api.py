@@ -140,7 +140,7 @@ def run(
     figures
         Draw all figures into the directory. `Run.figure` draws one at any time.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
     resume
         Continue existing results of the same case; a finished run is loaded, and without results
         the run begins.
@@ -247,7 +247,7 @@ def scan(
         Number of cores of this machine to use, by default all; or of simultaneous jobs on a
         cluster.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
     resume
         Run missing points only; points that failed are tried again.
     progress

@@ -40,7 +40,7 @@ def design(
     budget
         Number of designs to run, in place of that of the file.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
     resume
         Go on with an earlier start of the same search.
     progress

@@ -54,7 +54,7 @@ def infer(
     figures
         Draw the figures into the directory.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
 
     Returns
     -------

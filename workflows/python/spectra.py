@@ -60,7 +60,7 @@ def bands(
     directory
         Directory of the results, as of ``granwave bands``; by default nothing is written.
     force
-        Replace existing results.
+        Move existing results into NAME.old.
 
     Returns
     -------

@@ -20,6 +20,7 @@ import tomli_w
 import granwave as gw
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import _Search
 from granwave.workflows.design.guards import (
@@ -268,7 +269,9 @@ def test_far_worse_designs_are_not_run_further(folder):
         "1-1": {"value": {"target_peak_force_N": 90.0}},
         "1-2": {"value": {"target_peak_force_N": 10.0}},
     }
-    search = _Search(Study(problem, folder, [best]), 1, 1, Interrupts(), show=False)
+    search = _Search(
+        Study(problem, folder, [best]), ResultDirectory(folder), 1, 1, Interrupts(), show=False
+    )
     for force, lost in ((95.0, False), (200.0, True)):
         design = Design(2, {}, runs={"2-1": {"value": {"target_peak_force_N": force}}})
         assert search._is_lost(design) == lost
