@@ -260,14 +260,14 @@ def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
     make a passive law.
     """
     before = len(errors.lines)
-    required = [one.name for one in contact.entry.parameters.values() if one.required]
+    required = [p.name for p in contact.entry.parameters.values() if p.required]
     for name in required:
         expected = f'missing; law = "{contact.law}" requires {" and ".join(required)}'
         errors.check((name not in contact.parameters, f"{key}.{name}", expected))
     for name, value in contact.foreign.items():
         laws = " or ".join(f'law = "{law}"' for law in laws_with(PARAMETERS[name]))
-        found = f'found {value:g} with law = "{contact.law}"; it belongs to {laws}'
-        errors.add(f"{key}.{name}", found)
+        fault = f'found {value:g} with law = "{contact.law}"; it belongs to {laws}'
+        errors.add(f"{key}.{name}", fault)
     if len(errors.lines) > before or not (fault := error_in_parameters(contact)):
         return
     names = list(contact.constants)

@@ -1,5 +1,5 @@
-"""A parameter of a law is easy to add: the patch `new_law_parameter` does so in few files, in a copy
-of the sources whose binding is compiled there, and its tests pass.
+"""A parameter of a law is easy to add: a patch does so in few files, in a copy of the sources
+whose binding is compiled there, and its tests pass.
 
 A patch that fits no longer is made anew: make the change by hand, ``git add -N .``, and put
 ``git diff`` below the text at its top.
