@@ -172,7 +172,7 @@ class Contact:
         """Values of the parameters that the law has for a contact, by name; without those that are
         left out.
         """
-        own = [name for name, one in self.entry.parameters.items() if not one.of_material]
+        own = [name for name, p in self.entry.parameters.items() if not p.of_material]
         values = {name: getattr(self, name) for name in own}
         return {name: value for name, value in values.items() if value is not None}
 
@@ -185,7 +185,7 @@ class Contact:
     @property
     def foreign(self) -> dict[str, float]:
         """Parameters of other laws, without a default, that the case gives, by name."""
-        others = [one.name for one in OF_CONTACT if one.optional or one.required]
+        others = [p.name for p in OF_CONTACT if p.optional or p.required]
         values = {name: getattr(self, name) for name in others if not self.takes(name)}
         return {name: value for name, value in values.items() if value is not None}
 
@@ -227,7 +227,7 @@ class Contact:
         parameters: dict[str, Any] = self.parameters
         for name, parameter in self.entry.parameters.items():
             if parameter.of_material:
-                parameters[name] = tuple(value_of(one, parameter) for one in materials)
+                parameters[name] = tuple(value_of(material, parameter) for material in materials)
         if self.cohesion is not None and self.coheres:
             parameters["cohesion"] = (self.cohesion.kind, self.cohesion.energy)
         return _contact_laws.ContactLaw(

@@ -17,8 +17,8 @@ Section = TypeVar("Section")
 
 #: Parameters of all contact laws, by name.
 PARAMETERS: dict[str, _contact_laws.LawParameter] = _contact_laws.PARAMETERS
-OF_CONTACT = tuple(one for one in PARAMETERS.values() if not one.of_material)
-OF_MATERIAL = tuple(one for one in PARAMETERS.values() if one.of_material)
+OF_CONTACT = tuple(p for p in PARAMETERS.values() if not p.of_material)
+OF_MATERIAL = tuple(p for p in PARAMETERS.values() if p.of_material)
 RATE = "rate"  # keyword of the parameters of a yield strength that follows the rate
 
 
@@ -33,8 +33,8 @@ def with_parameters(
         Fields in the order that files of earlier versions have; then come the other fields of the
         section, then the other parameters.
     """
-    fields = {one.name: _field(one) for one in parameters}
-    annotations = {one.name: _annotation(one) for one in parameters}
+    fields = {parameter.name: _field(parameter) for parameter in parameters}
+    annotations = {parameter.name: _annotation(parameter) for parameter in parameters}
 
     def add(section: type[Section]) -> type[Section]:
         every = section.__annotations__ | annotations

@@ -563,7 +563,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     for parameter in OF_MATERIAL:
         if law.takes(parameter.name) or parameter.keyword == RATE:  # of rates see `check_rates`
             continue
-        if any(is_set(one, parameter) for one in materials):
+        if any(is_set(material, parameter) for material in materials):
             laws = " or ".join(laws_with(parameter))
             text = (
                 f"expected law {laws} for a material with {parameter.name}, which others leave out"

@@ -329,7 +329,7 @@ def _check_parameters(contact: Contact, key: str, errors: ErrorList) -> None:
     make a passive law.
     """
     before = len(errors.items)
-    required = [one.name for one in contact.entry.parameters.values() if one.required]
+    required = [p.name for p in contact.entry.parameters.values() if p.required]
     for name in required:
         expected = f'missing; law = "{contact.law}" requires {" and ".join(required)}'
         errors.check((name not in contact.parameters, f"{key}.{name}", expected))

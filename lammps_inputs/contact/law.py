@@ -187,7 +187,7 @@ def contact_of(
                 f"material {material.name}: yield_strength: missing; law {law} needs it"
             )
     values: dict[str, Any] = dict(constants or {})
-    own = [one.name for one in LAWS[law].parameters.values() if not one.of_material]
+    own = [p.name for p in LAWS[law].parameters.values() if not p.of_material]
     if unknown := sorted(values.keys() - set(own)):
         raise ValueError(f"found the constant {unknown[0]}, expected some of {', '.join(own)}")
     bodies = (materials[0], materials[-1])

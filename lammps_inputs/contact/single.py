@@ -126,7 +126,7 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         errors.add("law", Mismatch(show(law), f"{expected}{did_you_mean(law, LAW_NAMES)}"))
         return None
     entry = ALL_LAWS["hertz" if law == LINE else law]
-    known = [one.name for one in entry.parameters.values() if not one.of_material]
+    known = [p.name for p in entry.parameters.values() if not p.of_material]
     known += [] if entry.is_power or law == LINE else ["cohesion"]
     before = len(errors.items)
     if known:
@@ -140,7 +140,7 @@ def _read_law(law: Any, options: Mapping[str, Any], errors: ErrorList) -> Contac
         "",
         errors,
     )
-    required = [one.name for one in entry.parameters.values() if one.required]
+    required = [p.name for p in entry.parameters.values() if p.required]
     missing = f"missing; law {law} requires {' and '.join(required)}"
     if contact is not None and contact.cohesion is not None:
         neck = contact.cohesion.kind == "jkr" and contact.yields

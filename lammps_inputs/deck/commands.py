@@ -180,7 +180,7 @@ def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str
         of_material = parameters[0].of_material
         if of_material:
             holders: Sequence[Contact | Material] = materials
-            is_given = any(is_set(one, parameters[0]) for one in materials)
+            is_given = any(is_set(material, parameters[0]) for material in materials)
         else:
             holders = [contact]
             is_given = parameters[0].name in contact.parameters

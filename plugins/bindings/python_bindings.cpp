@@ -39,16 +39,16 @@ py::object as_python(const LawParameter &parameter, double value)
   return py::float_(value);
 }
 
-double from_python(const LawParameter &parameter, py::handle given)
+double from_python(const LawParameter &parameter, py::handle object)
 {
   const std::string name(parameter.name);
   if (!parameter.is_word()) {
-    const double value = given.cast<double>();
+    const double value = object.cast<double>();
     require(std::isfinite(value), name + " must be a finite number");
     require(parameter.range.holds(value), name + " must " + must(parameter.range));
     return value;
   }
-  const std::string word = given.cast<std::string>();
+  const std::string word = object.cast<std::string>();
   const int value = parameter.number_of(word);
   require(value >= 0, name + " must be " + parameter.all_words(" or ") + ", found '" + word + "'");
   return value;
@@ -60,20 +60,20 @@ py::dict bounds(const Range &range)
   const auto plain = [](double bound) {    // 1, not 1.0
     return bound == std::floor(bound) ? py::object(py::int_(static_cast<long>(bound))) : py::object(py::float_(bound));
   };
-  py::dict found;
-  if (std::isfinite(range.low)) found[range.with_low ? "at_least" : "above"] = plain(range.low);
-  if (std::isfinite(range.high)) found[range.with_high ? "at_most" : "below"] = plain(range.high);
-  return found;
+  py::dict keywords;
+  if (std::isfinite(range.low)) keywords[range.with_low ? "at_least" : "above"] = plain(range.low);
+  if (std::isfinite(range.high)) keywords[range.with_high ? "at_most" : "below"] = plain(range.high);
+  return keywords;
 }
 
 /* Constants of the curve of a law, by name. */
 py::dict constants_of(const LawEntry &entry, const LawValues &values)
 {
-  py::dict found;
+  py::dict constants;
   for (const LawParameter *parameter : entry.parameters)
     if (parameter->is_optional() && !parameter->is_of_material())
-      found[parameter->name] = as_python(*parameter, values[*parameter]);
-  return found;
+      constants[parameter->name] = as_python(*parameter, values[*parameter]);
+  return constants;
 }
 
 const LawParameter *find_parameter(const std::string &name)
@@ -380,9 +380,9 @@ class Contact {
     const LawParameter *const parameter = find_parameter(name);
     require(parameter, "'" + name + "' is no parameter of a law");
     if (parameter->is_of_material()) {
-      const auto [one, other] = value.cast<std::pair<py::object, py::object>>();
-      first.values.set(*parameter, from_python(*parameter, one));
-      second.values.set(*parameter, from_python(*parameter, other));
+      const auto [value1, value2] = value.cast<std::pair<py::object, py::object>>();
+      first.values.set(*parameter, from_python(*parameter, value1));
+      second.values.set(*parameter, from_python(*parameter, value2));
       return;
     }
     values.set(*parameter, from_python(*parameter, value));
@@ -396,7 +396,7 @@ class Contact {
     require(fit.empty() || entry.takes(HARDENING), "fit holds constants of law elastoplastic-fe");
     for (const auto &[key, value] : fit) {
       const auto *const constant = std::find_if(std::begin(FE_CONSTANTS), std::end(FE_CONSTANTS),
-                                                [&name = key](const auto &one) { return name == one.first; });
+                                                [&name = key](const auto &row) { return name == row.first; });
       require(constant != std::end(FE_CONSTANTS), "fit: '" + key + "' is no constant of the law");
       require(std::isfinite(value), "fit: constants must be finite numbers, found " + key);
       constants.*constant->second = value;
@@ -517,10 +517,10 @@ PYBIND11_MODULE(_contact_laws, module)
       .def_property_readonly(
           "parameters",
           [](const LawEntry &entry) {
-            py::dict found;
+            py::dict table;
             for (const LawParameter *parameter : entry.parameters)
-              found[parameter->name] = py::cast(parameter, py::return_value_policy::reference);
-            return found;
+              table[parameter->name] = py::cast(parameter, py::return_value_policy::reference);
+            return table;
           },
           "its parameters, by name, in the order of input scripts");
   using Fe = ElastoplasticFe;

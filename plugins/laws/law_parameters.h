@@ -176,34 +176,34 @@ class LawValues {
  public:
   double operator[](const LawParameter &parameter) const
   {
-    for (const auto &[known, value] : given_)
-      if (*known == parameter) return value;
+    for (const auto &[own, value] : set_)
+      if (*own == parameter) return value;
     return parameter.fallback;
   }
   bool has(const LawParameter &parameter) const
   {
-    for (const auto &[known, value] : given_)
-      if (*known == parameter) return true;
+    for (const auto &[own, value] : set_)
+      if (*own == parameter) return true;
     return false;
   }
   /* Set the value of a parameter, which must outlive this. */
   void set(const LawParameter &parameter, double value)
   {
-    for (auto &[known, old] : given_)
-      if (*known == parameter) {
+    for (auto &[own, old] : set_)
+      if (*own == parameter) {
         old = value;
         return;
       }
-    given_.emplace_back(&parameter, value);
+    set_.emplace_back(&parameter, value);
   }
   bool operator==(const LawValues &other) const { return agrees(other) && other.agrees(*this); }
 
  private:
-  std::vector<std::pair<const LawParameter *, double>> given_;
+  std::vector<std::pair<const LawParameter *, double>> set_;
 
   bool agrees(const LawValues &other) const
   {
-    for (const auto &[parameter, value] : given_)
+    for (const auto &[parameter, value] : set_)
       if (other[*parameter] != value) return false;
     return true;
   }

@@ -323,7 +323,7 @@ def test_every_style_law_and_option_has_a_file():
             assert f"  {kind} {name.removesuffix(' command')}\n" in texts[kind], page.name
     words = set(texts["pair"].split())
     parameters = PARAMETERS.values()
-    keywords = {one.keyword for one in parameters if one.of_material or not one.optional}
+    keywords = {p.keyword for p in parameters if p.of_material or not p.optional}
     assert set(LAWS) | keywords | set(WORDS.split()) <= words
     assert {
         "mindlin",

@@ -308,7 +308,7 @@ COMMANDS = (
         _materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
         _radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
         _option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
-        *(_law_parameter(one) for one in PARAMETERS.values() if set(laws_with(one)) & set(LAWS)),
+        *(_law_parameter(p) for p in PARAMETERS.values() if set(laws_with(p)) & set(LAWS)),
         _option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
         _option("--max-overlap", type=read.overlap, default=200.0, metavar="A",
                 help="largest overlap, in units of that at first yield (default: 200)"),

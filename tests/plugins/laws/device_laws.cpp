@@ -1,9 +1,14 @@
 // Laws and batches of contacts as code of a graphics card: compiled by test_device_code.py, for one contact or batch a thread.
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <string>
+#include <string_view>
 #include <tuple>
 #include <utility>
+#include <vector>
 
 #pragma omp begin declare target    // with the constants that these refer to
 #include "laws/elastoplastic_fe.h"

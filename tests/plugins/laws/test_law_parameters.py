@@ -24,7 +24,9 @@ from granwave.workflows.cli.main import main
 R = 0.005
 MANUAL = Path(__file__).parents[3] / "plugins" / "doc" / "pair_gran_hysteretic.md"
 BOUNDS = {"above": "> {:g}", "at_least": ">= {:g}", "below": "< {:g}", "at_most": "<= {:g}"}
-NAMES = [(law, name) for law, entry in LAWS.items() for name in entry.parameters]
+NAMES: list[tuple[str, str]] = []
+for LAW, ENTRY in LAWS.items():
+    NAMES += [(LAW, name) for name in ENTRY.parameters]
 NUMBERS = [(law, name) for law, name in NAMES if not PARAMETERS[name].words]
 
 
@@ -76,8 +78,8 @@ def test_the_table_agrees_with_itself(parameter: LawParameter) -> None:
 def test_a_parameter_reaches_the_law_by_all_ways(law: str, name: str) -> None:
     """The forces of a case, by the binding, are those of the words of its deck."""
     keyword = PARAMETERS[name].keyword
-    group = [one for one in LAWS[law].parameters.values() if one.keyword == keyword]
-    case = case_of(law, needed(law) | {one.name: example_of(one) for one in group})
+    group = [p for p in LAWS[law].parameters.values() if p.keyword == keyword]
+    case = case_of(law, needed(law) | {p.name: example_of(p) for p in group})
     words = law_coefficients(case.contact, case.material)
     assert keyword in words.split()
     contact = sphere_contact(case)
@@ -101,10 +103,10 @@ def test_values_outside_the_range_are_refused_by_all(law: str, name: str) -> Non
                 with pytest.raises(InputError, match=rf"\.{name}: found .*expected a number"):
                     case_of(law, needed(law) | {name: wrong})
                 continue
-            one = needed(law) | {name: (wrong, wrong) if parameter.of_material else wrong}
+            values = needed(law) | {name: (wrong, wrong) if parameter.of_material else wrong}
             bodies = {"youngs_modulus": (1e9, 1e9), "poisson_ratio": (0.3, 0.3)}
             with pytest.raises(ValueError, match=rf"{name} must"):
-                ContactLaw(law, **bodies, yield_strength=(1e6, 1e6), radius=(R, R), **one)
+                ContactLaw(law, **bodies, yield_strength=(1e6, 1e6), radius=(R, R), **values)
             strength = "1e6" if LAWS[law].yields else ""
             words = f"{law} 1e9 0.3 {strength} {parameter.keyword}{f' {wrong}' * 2}"
             with pytest.raises(ValueError, match=f"must .*, found '{wrong}'"):
