@@ -27,6 +27,7 @@ from granwave.lammps_inputs.case.schema import (
     read_table,
     refuse_unknown,
 )
+from granwave.lammps_inputs.errors import Mismatch
 
 _SPRING = 4.0  # K (1 - nu) / (G r) of a rigid disc on a half-space, exact in statics
 _DAMPER = 3.4  # C (1 - nu) / (r^2 sqrt(rho G)) (Lysmer and Richart, 1966)
@@ -456,9 +457,9 @@ def _read_wall(
         (
             not table,
             key,
-            f'found {{}}, expected a word, {{material = "..."}}, or {", ".join(sections)} = {{...}}',
+            Mismatch("{}", f'a word, {{material = "..."}}, or {", ".join(sections)} = {{...}}'),
         ),
-        (len(chosen) > 1, key, f"found {' and '.join(chosen)}, expected one of them"),
+        (len(chosen) > 1, key, Mismatch(f"{' and '.join(chosen)}", "one of them")),
     )
     if "material" in table:
         found[f"{name}_material"] = read_material(table["material"], errors, f"{key}.material")

@@ -36,6 +36,7 @@ from granwave.lammps_inputs.case.schema import (
     refuse_unknown,
     show,
 )
+from granwave.lammps_inputs.errors import Mismatch
 
 FITTED_POISSON_RATIO = 0.30
 _DEEPEST = 3.0  # in contact radii; the largest stress lies above 0.7 for every Poisson's ratio
@@ -295,7 +296,7 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
         constants of another law.
     """
     if not isinstance(tables, list | tuple):
-        errors.add("pair", f"found {show(tables)}, expected one or more [[pair]] tables")
+        errors.add("pair", Mismatch(show(tables), "one or more [[pair]] tables"))
         return ()
     common = (
         {name: value for name, value in contact.items() if name in _KEYS}
@@ -305,9 +306,7 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
     found: list[Pair] = []
     for key, table in schema.numbered("pair", tables).items():
         if not isinstance(table, Mapping):
-            errors.add(
-                key, f"found {show(table)}, expected a table of materials and keys of [contact]"
-            )
+            errors.add(key, Mismatch(show(table), "a table of materials and keys of [contact]"))
             continue
         before = len(errors.items)
         names = table.get("materials", "nothing")
@@ -321,12 +320,19 @@ def read_pairs(tables: Any, contact: Any, errors: ErrorList) -> tuple[Pair, ...]
         same_law = own.get("law", common.get("law")) == common.get("law")
         shared = {name: value for name, value in common.items() if same_law or name in _OF_ANY_LAW}
         errors.check(
-            (not two, f"{key}.materials", (f"found {show(names)}, " if "materials" in table else "missing; ")
-             + 'expected the names of two, such as ["steel", "brass"]'),
+            (
+                not two,
+                f"{key}.materials",
+                (f"found {show(names)}, " if "materials" in table else "missing; ")
+                + 'expected the names of two, such as ["steel", "brass"]',
+            ),
             (not own, key, "changes nothing; give keys of [contact], such as friction"),
-            (two and any(other.fits(*names) for other in found), f"{key}.materials",
-             f"found {show(names)} twice, expected each pair once"),
-        )  # fmt: skip
+            (
+                two and any(other.fits(*names) for other in found),
+                f"{key}.materials",
+                Mismatch(f"{show(names)} twice", "each pair once"),
+            ),
+        )
         law = read_table(Contact, shared | own, key, errors)
         if law is not None and len(errors.items) == before:
             found.append(Pair(materials=(names[0], names[1]), contact=law))

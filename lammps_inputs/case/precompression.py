@@ -14,6 +14,7 @@ from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.errors import Mismatch
 
 PRECOMPRESSION = "precompression"
 _KIND = f"{PRECOMPRESSION}.kind = "
@@ -96,10 +97,15 @@ class StaticLoad:
         support = boundary.bottom_support
         self._check_bottom(packing, boundary, errors)
         errors.check(
-            (support is not None and not support.bears, "boundary.bottom.bar.end",
-             f'found {show(getattr(support, "end", ""))} under a precompression, expected "fixed": '
-             "such a bar gives way to a load that lasts"),
-        )  # fmt: skip
+            (
+                support is not None and not support.bears,
+                "boundary.bottom.bar.end",
+                Mismatch(
+                    f"{show(getattr(support, 'end', ''))} under a precompression",
+                    '"fixed": such a bar gives way to a load that lasts',
+                ),
+            ),
+        )
 
     def size_of(self, stage: Precompression) -> tuple[str, str]:
         """Return the key of the size of a load, and its unit."""
@@ -135,9 +141,12 @@ class LoadOnFaces(StaticLoad):
         count = "found both pressure and force" if given else "found neither pressure nor force"
         errors.check(
             (not single, PRECOMPRESSION, f"{count}, expected one of them"),
-            (given == ["pressure"] and not has_faces, f"{PRECOMPRESSION}.pressure",
-             f"found for {packing.rule.noun}, which has no face; expected a force"),
-        )  # fmt: skip
+            (
+                given == ["pressure"] and not has_faces,
+                f"{PRECOMPRESSION}.pressure",
+                Mismatch(f"for {packing.rule.noun}, which has no face", "a force"),
+            ),
+        )
 
     def _refusal_of_size(self) -> str:
         return f"found with {_KIND}{show(self.name)}, expected a pressure"
@@ -173,12 +182,20 @@ class Uniform(LoadOnFaces):
         repeats = boundary.bottom_rule.repeats
         beside = rule.has_faces and not repeats and not boundary.sides_rule.is_free
         errors.check(
-            (rule.is_lattice and not rule.has_faces, f"{PRECOMPRESSION}.kind",
-             f'found "uniform" for {called}, expected "uniaxial" with a force'),
-            (beside, "boundary.sides",
-             f'found {show(boundary.sides)} with precompression.kind = "uniform", '
-             'expected "free": the pressure is on the sides too'),
-        )  # fmt: skip
+            (
+                rule.is_lattice and not rule.has_faces,
+                f"{PRECOMPRESSION}.kind",
+                Mismatch(f'"uniform" for {called}', '"uniaxial" with a force'),
+            ),
+            (
+                beside,
+                "boundary.sides",
+                Mismatch(
+                    f'{show(boundary.sides)} with precompression.kind = "uniform"',
+                    '"free": the pressure is on the sides too',
+                ),
+            ),
+        )
 
 
 class Gravity(StaticLoad):

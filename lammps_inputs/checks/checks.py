@@ -216,7 +216,8 @@ def _check_boundary(case: Case, errors: ErrorList) -> None:
             endless and not periodic,
             "boundary.sides",
             Mismatch(
-                f'{show(case.boundary.sides)} with boundary.bottom = "periodic"', '"periodic": both or none'
+                f'{show(case.boundary.sides)} with boundary.bottom = "periodic"',
+                '"periodic": both or none',
             ),
         ),
         (

@@ -21,6 +21,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_of_contact, rise_of
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row, row_of
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import chain_history, line_history, struck_of
 
@@ -48,10 +49,17 @@ def check_side_gap(case: Case, errors: ErrorList) -> None:
     most = LARGEST * case.packing.diameter / 2
     key = "boundary.side_gap"
     errors.check_first(
-        (gap and not any(map(case.boundary.has_planes, "xy")), key,
-         f'found {gap:g} m, but there are no side walls; expected boundary.sides = "wall"'),
-        (gap < -most, key, f"found {gap:g} m, expected {-most:g} m or more: the walls press at most {LARGEST} radii"),
-    )  # fmt: skip
+        (
+            gap and not any(map(case.boundary.has_planes, "xy")),
+            key,
+            Mismatch(f"{gap:g} m, but there are no side walls", 'boundary.sides = "wall"'),
+        ),
+        (
+            gap < -most,
+            key,
+            Mismatch(f"{gap:g} m", f"{-most:g} m or more: the walls press at most {LARGEST} radii"),
+        ),
+    )
 
 
 LEAST_PER_PERIOD = 6  # recorded instants in the shortest period
@@ -217,22 +225,47 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
         layers = entry.layers or 0
         by_rate = entry.rate is not None
         errors.check_first(
-            ((entry.index is None) == (entry.layers is None), key,
-             f"found {'both' if entry.index else 'neither'} of index and layers, expected one of them"),
-            (layers and case.packing.grains is not None, f"{key}.layers",
-             "found for grains of a file, which have no layers; give index"),
-            (layers >= max(2, lattice.shape[2]), f"{key}.layers",
-             f"found {layers}, expected fewer than all {lattice.shape[2]} layers"),
-        )  # fmt: skip
+            (
+                (entry.index is None) == (entry.layers is None),
+                key,
+                Mismatch(
+                    f"{'both' if entry.index else 'neither'} of index and layers", "one of them"
+                ),
+            ),
+            (
+                layers and case.packing.grains is not None,
+                f"{key}.layers",
+                Mismatch("for grains of a file, which have no layers", remedy="give index"),
+            ),
+            (
+                layers >= max(2, lattice.shape[2]),
+                f"{key}.layers",
+                Mismatch(f"{layers}", f"fewer than all {lattice.shape[2]} layers"),
+            ),
+        )
         errors.check(
-            (by_rate == (entry.impedance is not None), key,
-             f"found {'both' if by_rate else 'neither'} of rate and impedance, expected one of them"),
-            (entry.impedance == MATCHED and no_force and not by_rate, f"{key}.impedance",
-             f"found {show(MATCHED)} for a packing whose contacts bear no known static force along z, so that there "
-             "is no impedance of long waves; expected a number, N s/m, or a precompression"),
-            (entry.impedance is not None and entry.towards != Absorb.towards, f"{key}.towards",
-             "belongs to a rate; an impedance is the same for each sphere"),
-        )  # fmt: skip
+            (
+                by_rate == (entry.impedance is not None),
+                key,
+                Mismatch(
+                    f"{'both' if by_rate else 'neither'} of rate and impedance", "one of them"
+                ),
+            ),
+            (
+                entry.impedance == MATCHED and no_force and not by_rate,
+                f"{key}.impedance",
+                Mismatch(
+                    f"{show(MATCHED)} for a packing whose contacts bear no known static "
+                    "force along z, so that there is no impedance of long waves",
+                    "a number, N s/m, or a precompression",
+                ),
+            ),
+            (
+                entry.impedance is not None and entry.towards != Absorb.towards,
+                f"{key}.towards",
+                "belongs to a rate; an impedance is the same for each sphere",
+            ),
+        )
         if len(errors.items) > before:
             continue
         chosen = absorbing_ids(assembly, entry)
@@ -240,10 +273,26 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
         moved = sorted(set(chosen).intersection(driven))
         twice = [one for one in chosen if one in seen]
         errors.check(
-            *((True, key, f"damps sphere {one}, whose displacement is prescribed; expected others")
-              for one in moved[:1]),
-            (low == high, f"{key}.towards", 'found spheres without extent in this direction, expected "none"'),
-            *((True, key, f"damps sphere {one}, which {seen[one]} damps too; expected each sphere once")
-              for one in twice[:1]),
-        )  # fmt: skip
+            *(
+                (
+                    True,
+                    key,
+                    f"damps sphere {one}, whose displacement is prescribed; expected others",
+                )
+                for one in moved[:1]
+            ),
+            (
+                low == high,
+                f"{key}.towards",
+                Mismatch("spheres without extent in this direction", '"none"'),
+            ),
+            *(
+                (
+                    True,
+                    key,
+                    f"damps sphere {one}, which {seen[one]} damps too; expected each sphere once",
+                )
+                for one in twice[:1]
+            ),
+        )
         seen |= dict.fromkeys(chosen, key)

@@ -14,6 +14,7 @@ from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.contact.law import flat_contact, pair_contact, sphere_contact
 from granwave.lammps_inputs.contact.static_load import force_of_contact, grains_at_wall
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places
@@ -34,7 +35,9 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
         if bar is not None:
             errors.add(
                 PRECOMPRESSION,
-                f"found beside [{name}], whose far end nothing holds; take one of them out",
+                Mismatch(
+                    f"beside [{name}], whose far end nothing holds", remedy="take one of them out"
+                ),
             )
             return
     rule = stage.rule
@@ -42,10 +45,16 @@ def check_precompression(case: Case, errors: ErrorList) -> None:
     lattice = packing.grains is None
     key = "kind" if rule.from_overlaps else "overlaps"
     errors.check(
-        (stage.takes_overlaps and lattice, f"{PRECOMPRESSION}.{key}",
-         f"found with packing.kind = {show(packing.kind)}, expected grains at places of their own (a file, or "
-         "[[grains]]): spheres of a lattice just touch"),
-    )  # fmt: skip
+        (
+            stage.takes_overlaps and lattice,
+            f"{PRECOMPRESSION}.{key}",
+            Mismatch(
+                f"with packing.kind = {show(packing.kind)}",
+                "grains at places of their own (a file, or [[grains]]): spheres of "
+                "a lattice just touch",
+            ),
+        ),
+    )
     if stage.moves_walls:
         if boundary.gap >= 0:  # else `check_side_gap` has told
             _check_moves(case, stage, errors)
@@ -94,8 +103,12 @@ def check_first_yield(assembly: Assembly, errors: ErrorList) -> None:
     elif _spreads(case, stage, assembly.lattice.shape):
         errors.add(
             "boundary.sides",
-            f"found {show(case.boundary.sides)} under a {stage.kind} precompression of {case.packing.kind}, which "
-            f"spreads without friction, also between walls; expected {_confined(case)}",
+            Mismatch(
+                f"{show(case.boundary.sides)} under a {stage.kind} precompression "
+                f"of {case.packing.kind}, which spreads without friction, also "
+                "between walls",
+                f"{_confined(case)}",
+            ),
         )
 
 
@@ -159,20 +172,40 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
     most = LARGEST * case.packing.diameter / 2
     for name, distance in stage.moves.items():
         errors.check_first(
-            (not there[name], f"{PRECOMPRESSION}.{name}",
-             f"found {distance:g} m, but there is no such wall; expected {_wall_key(name)}"),
-            (name in stage.presses, f"{PRECOMPRESSION}.{name}",
-             f"found beside {name}_force; give one of them"),
-            (distance > most, f"{PRECOMPRESSION}.{name}",
-             f"found {distance:g} m, expected at most {most:g} m, {LARGEST} radii"),
-        )  # fmt: skip
+            (
+                not there[name],
+                f"{PRECOMPRESSION}.{name}",
+                Mismatch(f"{distance:g} m, but there is no such wall", f"{_wall_key(name)}"),
+            ),
+            (
+                name in stage.presses,
+                f"{PRECOMPRESSION}.{name}",
+                Mismatch(f"beside {name}_force", remedy="give one of them"),
+            ),
+            (
+                distance > most,
+                f"{PRECOMPRESSION}.{name}",
+                Mismatch(f"{distance:g} m", f"at most {most:g} m, {LARGEST} radii"),
+            ),
+        )
     errors.check(
-        *((not there[name], f"{PRECOMPRESSION}.{name}_force",
-           f"found {force:g} N, but there is no such wall; expected {_wall_key(name)}")
-          for name, force in stage.presses.items()),
-        (stage.rule.takes_moves and not stage.moves and not stage.presses, PRECOMPRESSION,
-         'found kind = "walls" and no wall that moves; give x, y or tube, in m, or x_force ..., in N'),
-    )  # fmt: skip
+        *(
+            (
+                not there[name],
+                f"{PRECOMPRESSION}.{name}_force",
+                Mismatch(f"{force:g} N, but there is no such wall", f"{_wall_key(name)}"),
+            )
+            for name, force in stage.presses.items()
+        ),
+        (
+            stage.rule.takes_moves and not stage.moves and not stage.presses,
+            PRECOMPRESSION,
+            Mismatch(
+                'kind = "walls" and no wall that moves',
+                remedy="give x, y or tube, in m, or x_force ..., in N",
+            ),
+        ),
+    )
     if case.contact.line == "plane-strain":
         return
     grains = case.packing.grains
@@ -187,10 +220,16 @@ def _check_moves(case: Case, stage: Precompression, errors: ErrorList) -> None:
         most, length = min(ends, default=(math.inf, 0.0))
         distance = stage.moves.get(name, 0.0)
         errors.check(
-            (distance >= most, f"{PRECOMPRESSION}.{name}",
-             f"found {distance:g} m, expected less than {most:.3g} m, 2 length^2/diameter: the law of the contact of "
-             f"a cylinder {length:g} m long on a wall ends there"),
-        )  # fmt: skip
+            (
+                distance >= most,
+                f"{PRECOMPRESSION}.{name}",
+                Mismatch(
+                    f"{distance:g} m",
+                    f"less than {most:.3g} m, 2 length^2/diameter: the law of the "
+                    f"contact of a cylinder {length:g} m long on a wall ends there",
+                ),
+            ),
+        )
 
 
 def _wall_key(name: str) -> str:
@@ -211,13 +250,30 @@ def _check_top(assembly: Assembly, stage: Precompression, errors: ErrorList) -> 
     held = [min(grains) for hold in case.holds.values()
             if "z" in hold.axes and (grains := top.intersection(held_ids(case, hold)))]  # fmt: skip
     errors.check_first(
-        (stage.pressure is not None, f"{PRECOMPRESSION}.pressure",
-         "found for grains at places of their own, which have no face; give a force"),
-        *((stage.force is not None, key, f"acts on grain {one}, the uppermost, which is held along z")
-          for one in held),
-        (stage.force is not None and not case.bears_along_z, key,
-         "found a force on the top, which nothing bears; hold a grain along z, or give a boundary.bottom"),
-    )  # fmt: skip
+        (
+            stage.pressure is not None,
+            f"{PRECOMPRESSION}.pressure",
+            Mismatch(
+                "for grains at places of their own, which have no face", remedy="give a force"
+            ),
+        ),
+        *(
+            (
+                stage.force is not None,
+                key,
+                f"acts on grain {one}, the uppermost, which is held along z",
+            )
+            for one in held
+        ),
+        (
+            stage.force is not None and not case.bears_along_z,
+            key,
+            Mismatch(
+                "a force on the top, which nothing bears",
+                remedy="hold a grain along z, or give a boundary.bottom",
+            ),
+        ),
+    )
 
 
 def _check_presses(assembly: Assembly, stage: Precompression, errors: ErrorList) -> None:
@@ -273,7 +329,13 @@ def _check_yield_by_walls(assembly: Assembly, stage: Precompression, errors: Err
     for name, distance in stage.moves.items():
         limit = _INCLINED * (math.ceil(across[name] / smallest) + 1) * most
         errors.check(
-            (distance > limit, f"{PRECOMPRESSION}.{name}",
-             f"found {distance:g} m, by which contacts yield before the load: together they give way by less than "
-             f'{limit:.3g} m elastically; give less, a higher yield_strength, or contact.law = "hertz"'),
-        )  # fmt: skip
+            (
+                distance > limit,
+                f"{PRECOMPRESSION}.{name}",
+                Mismatch(
+                    f"{distance:g} m, by which contacts yield before the load: together "
+                    f"they give way by less than {limit:.3g} m elastically",
+                    remedy='give less, a higher yield_strength, or contact.law = "hertz"',
+                ),
+            ),
+        )

@@ -234,8 +234,7 @@ def write_deck(
         if error.errno in DISK_IS_FULL:
             raise
         raise InputError(
-            f"{results}: cannot be written to: {error.strerror}; "
-            "choose another with directory=..."
+            f"{results}: cannot be written to: {error.strerror}; choose another with directory=..."
         ) from None
     texts = {
         deck.script: input_script(assembly, deck.schedule),

@@ -22,6 +22,7 @@ from granwave.lammps_inputs.case.loads.load import DOWN, LoadLimit, Vector, Word
 from granwave.lammps_inputs.case.loads.on_spheres import LoadOnSpheres
 from granwave.lammps_inputs.case.loads.shapes import POINTS, SHAPE_KEYS, SHAPES, Points
 from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.run_directory import LOAD_FILE
 from granwave.lammps_inputs.script_words import joined, num
 
@@ -262,13 +263,28 @@ class DrivenLoad(LoadOnSpheres):
         least = max(1, math.ceil(lowest * duration * (1 - _ROUNDING)))
         is_noise = shape == "noise"
         errors.check(
-            (2 * self.rise > duration, "load.ramp",
-             f"found {self.rise:g} s, expected at most half of load.duration, {duration / 2:g} s"),
-            (not is_noise and duration * lowest < 1, "load.duration",
-             f"found {duration:g} s, less than a period at {lowest:g} Hz; expected more"),
-            (is_noise and first > last, "load.last_frequency",
-             f"found {last:g}, expected more than load.frequency, {highest:g}"),
-            (is_noise and first <= last and most < least, "load.duration",
-             f"found {duration:g} s; no multiple of {1 / duration:g} Hz lies between {lowest:g} "
-             f"and {highest:g} Hz; expected at least {1 / band:g} s"),
-        )  # fmt: skip
+            (
+                2 * self.rise > duration,
+                "load.ramp",
+                Mismatch(f"{self.rise:g} s", f"at most half of load.duration, {duration / 2:g} s"),
+            ),
+            (
+                not is_noise and duration * lowest < 1,
+                "load.duration",
+                Mismatch(f"{duration:g} s, less than a period at {lowest:g} Hz", "more"),
+            ),
+            (
+                is_noise and first > last,
+                "load.last_frequency",
+                Mismatch(f"{last:g}", f"more than load.frequency, {highest:g}"),
+            ),
+            (
+                is_noise and first <= last and most < least,
+                "load.duration",
+                Mismatch(
+                    f"{duration:g} s; no multiple of {1 / duration:g} Hz lies between "
+                    f"{lowest:g} and {highest:g} Hz",
+                    f"at least {1 / band:g} s",
+                ),
+            ),
+        )

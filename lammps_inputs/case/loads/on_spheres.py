@@ -10,6 +10,7 @@ from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.loads.load import Load, LoadedPacking
 from granwave.lammps_inputs.case.schema import ErrorList, show
+from granwave.lammps_inputs.errors import Mismatch
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -44,10 +45,13 @@ class LoadOnSpheres(Load):
         index = self.index or ()
         twice = f"found {show(list(index))}, expected each id once"
         errors.check(
-            (index and "spheres" in names, "load.index",
-             "found beside load.spheres; give one of them"),
+            (
+                index and "spheres" in names,
+                "load.index",
+                Mismatch("beside load.spheres", remedy="give one of them"),
+            ),
             (len(set(index)) < len(index), "load.index", twice),
-        )  # fmt: skip
+        )
 
     def keys(self) -> dict[str, Any]:
         left_out = "spheres" if self.index is not None else ""

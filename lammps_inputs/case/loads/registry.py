@@ -17,6 +17,7 @@ from granwave.lammps_inputs.case.loads.shapes import read_points
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
 from granwave.lammps_inputs.case.schema.tables import FURTHER_KEYS
+from granwave.lammps_inputs.errors import Mismatch
 
 #: All kinds of loads by name; the first one is the default.
 LOADS: dict[str, type[Load]] = {
@@ -124,7 +125,7 @@ def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> No
 def _with_points(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any] | None:
     """Return the table with the points of ``load.file`` as ``load.table``; None with a fault."""
     if "table" in table:
-        errors.add("load.file", "found beside load.table; give one of them")
+        errors.add("load.file", Mismatch("beside load.table", remedy="give one of them"))
         return None
     expected = "the path of a file of two columns, time and value"
     points = schema.read_named("load.file", table["file"], expected, read_points, errors)
