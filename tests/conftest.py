@@ -201,22 +201,12 @@ def script_of(
     return "\n".join(lines) + "\n"
 
 
-#: Tests that one process makes together, or that wait, the longest first.
-LONGEST = ("scanning/test_scan_slurm", "workflows/design/test_design", "test_packing_and_block")
-
-
-def _place_in_line(item: pytest.Item) -> int:
-    """Place of a test in the order: those of `LONGEST` first, all others as they are found."""
-    places = [place for place, name in enumerate(LONGEST) if name in item.nodeid]
-    return min(places, default=len(LONGEST))
-
-
 @pytest.hookimpl(trylast=True)  # after the choice of markers
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
     """Put the longest tests first, so that all processes end at about the same time; with
     ``--one-of-each`` leave out all but the first case of each test function.
     """
-    items.sort(key=_place_in_line)
+    items.sort(key=lambda item: "test_scan_slurm" not in item.nodeid)
     if config.getoption("--one-of-each"):
         first: dict[str, pytest.Item] = {}
         for item in items:

@@ -136,7 +136,10 @@ def _study_files(suite: Suite) -> list[Path]:
 def _solver_tables(suite: Suite) -> list[Path]:
     """Return the tables of second solvers beside the scripts of a suite."""
     folders = sorted({path.parent for path in _study_files(suite)})
-    return [table for folder in folders for table in sorted(folder.glob("*.csv"))]
+    tables: list[Path] = []
+    for folder in folders:
+        tables += sorted(folder.glob("*.csv"))
+    return tables
 
 
 def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:

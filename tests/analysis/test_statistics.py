@@ -188,6 +188,7 @@ def summaries(tmp_path_factory):
     return found
 
 
+@pytest.mark.xdist_group("summaries")
 def test_every_value_has_an_entry_and_every_entry_a_value(summaries):
     keys = {key for summary in summaries for key in summary}
     assert (
@@ -198,6 +199,7 @@ def test_every_value_has_an_entry_and_every_entry_a_value(summaries):
     )
 
 
+@pytest.mark.xdist_group("summaries")
 def test_values_are_shown_with_their_digits(summaries):
     """A number with decimals has a format where it is shown at the terminal."""
     for entry in (*RUN_ROWS, *CONTINUUM_ROWS, *SCAN_COLUMNS):

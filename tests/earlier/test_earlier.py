@@ -27,6 +27,8 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.run.directory import RunDirectory
 
+pytestmark = pytest.mark.xdist_group("earlier")  # its fixtures are made once
+
 HERE = Path(__file__).parent
 VERSIONS = ("0.1.0", "0.2.0", "0.3.0")
 PROMISED = json.loads((HERE / "promised.json").read_text(encoding="utf-8"))

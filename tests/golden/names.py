@@ -4,7 +4,7 @@ Commands with their options, keys of all files, values of summaries, figures, bu
 and studies, and the names of Python. The package is asked for them where a user asks. A name that
 is missing is a break for users; a new one is added by
 
-    .venv/bin/python -m tests.golden.names        # or with all golden outputs: -m tests.golden.outputs
+    .venv/bin/python -m tests.golden.names        # all golden outputs: -m tests.golden.outputs
 """
 
 from __future__ import annotations
@@ -15,6 +15,7 @@ import inspect
 import sys
 import tomllib
 from collections.abc import Iterable
+from operator import attrgetter
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -80,7 +81,7 @@ def quantities() -> dict[str, list[str]]:
         "transmission": spectra.OF_TRANSMISSION,
         "inference": INFERENCE_QUANTITIES,
     }
-    return {kind: [entry.name for entry in entries] for kind, entries in kinds.items()}
+    return {kind: [*map(attrgetter("name"), entries)] for kind, entries in kinds.items()}
 
 
 def figures() -> dict[str, list[str]]:
@@ -111,7 +112,7 @@ def python() -> dict[str, list[str]]:
 
 
 def names_of(module: ModuleType) -> Iterable[str]:
-    """Iterate over the public names of a module: ``run(case, directory)``, ``Run``, ``Run.case``."""
+    """Iterate over the public names of a module: ``run(case, ranks)``, ``Run``, ``Run.case``."""
     for name in module.__all__:
         value = getattr(module, name)
         if inspect.isclass(value):

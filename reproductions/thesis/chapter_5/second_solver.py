@@ -34,8 +34,8 @@ def rows(runs):
     true, fixed = (
         float(solved["small", 5.0, normals]["dissipated_fraction"]) for normals in NORMALS
     )
-    start = "normals of the start and a held last layer; true normals change the dissipated fraction of a small"
-    start += f" packing by {abs(true - fixed):.0e} at 5 m/s"
+    start = "normals of the start and a held last layer; true normals change the dissipated "
+    start += f"fraction of a small packing by {abs(true - fixed):.0e} at 5 m/s"
     sphere = {"shape": "sphere", "diameter": 0.01, "material": "brass"}
     _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])
     # fmt: off

@@ -4,8 +4,8 @@ Beads of 15 mm in a row, n small spheres around each contact, in a rigid tube wh
 shrinks by delta, a = 2 delta/D; bead 10 is struck at 1 m/s. Forces over E* R*^2. Theory: the
 equations of symmetric motion, solved apart from LAMMPS with the true geometry. The source's model
 differs: a wall softer than any of Hertz's (factor 1.2; inside the tube 1.44 to 1.48), no contacts
-in the rings and directions that do not turn. The curves of the source are pictures without numbers: its axes end at 3e-4,
-and all four of its statements hold, in either model: rapid decay for n = 7 and 8 that
+in the rings and directions that do not turn. The curves of the source are pictures without numbers:
+its axes end at 3e-4, and all four of its statements hold, in either model: rapid decay for n = 7 and 8 that
 precompression takes away, hardly any for n = 6 and 9, less force and more speed with a. Contacts
 count from 1.
 """
@@ -80,7 +80,8 @@ def rows(waves):
                      "has meaning in the equations only.")
     for n, found in waves.by_n.items():
         for run in (found[0], found[-1]):
-            known = "" if run.a else f" The source's model in a program that is not kept: {SLOWEST[n]:g}."
+            known = f" The source's model in a program that is not kept: {SLOWEST[n]:g}."
+            known = "" if run.a else known
             yield gw.Row(f"Speed in the source's unit, {run.label}", ours=run.speed / VELOCITY,
                          where="thesis figure 6.4", remark=f"The axis is 0.04 to 0.085.{known}", digits=3)
     for run, force, time in zip(waves.runs, waves.force, waves.time, strict=True):
@@ -114,8 +115,8 @@ def tables(waves):
     columns |= {f"speed, {who} (m/s)": table[:, 4] for who, table in values.items()}
     columns |= {f"decay, {who}": table[:, 5] for who, table in values.items()}
     yield (
-        "Peak forces times 1e4, speed and decay beside a program that is not kept, for the same rows and for the "
-        "source's model. Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact "
+        "Peak forces times 1e4, speed and decay beside a program that is not kept, for the same "
+        "rows and for the source's model. Its run stopped at some 6 ms: for n = 6, and n = 7 with a = 0, its last force is that of the contact "
         "where the wave was then (129, 142, 154, and 185).",
         columns,
     )

@@ -27,10 +27,12 @@ def second_solver():
     tests.helpers.second_solver``.
     """
     with TABLE.open(encoding="utf-8", newline="") as stream:
-        rows = [
-            {name: float(value) for name, value in row.items()} for row in csv.DictReader(stream)
-        ]
-    return {(row["density_kg_m3"], row["gamma"], row["a"]): row for row in rows}
+        texts = list(csv.DictReader(stream))
+    solved = {}
+    for text in texts:
+        row = {name: float(value) for name, value in text.items()}
+        solved[row["density_kg_m3"], row["gamma"], row["a"]] = row
+    return solved
 
 
 class FilterRow(GrainRow):

@@ -43,7 +43,8 @@ def rows(runs):
         yield gw.Row(f"{name}, at most", "N", AXIS, peak, "thesis Fig. 8.4",
                      "By the end of the axis. Ours falls freely, the source's along rails.", bound=True)
     yield gw.Row("Displacement of sphere 10 in a long row, at rest again", "um", 13.0,
-                 1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8", "The source says about 13. In the second solver the "
+                 1e6 * long.array("probes/sphere_10_uz")[-1], "thesis 8",
+                 "The source says about 13. In the second solver the "
                  f"wave itself moves spheres by {far:.2f} um; those near the struck one less.", near)
     yield gw.Row("Mass of a sphere", "g", 3.0, 1e3 * row.mass, "thesis 8.4", "The source: around 3 g.")
     # fmt: on

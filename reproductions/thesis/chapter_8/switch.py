@@ -9,6 +9,8 @@ limit, in the second solver by the sign of the velocity: that is the difference 
 friction. Cylinders do not turn.
 """
 
+from itertools import product
+
 import numpy as np
 from matplotlib.figure import Figure
 from switch_row import FRICTION, SENSORS, SOLVER, STATES, SwitchRow, second_solver
@@ -17,7 +19,7 @@ import granwave as gw
 
 NUMBERS = (2, 4, 6, 8, 10)
 NONE, OPEN, UPSTREAM, DOWNSTREAM = STATES
-KEYS = [(state, friction) for state in STATES[1:] for friction in (0.0, FRICTION)]
+KEYS = list(product(STATES[1:], (0.0, FRICTION)))
 SPHERES = 27
 SPEED = 0.8  # m/s
 AXES = {

@@ -24,14 +24,14 @@ def second_solver():
     velocity; written by ``python -m tests.helpers.second_solver``.
     """
     with TABLE.open(encoding="utf-8", newline="") as stream:
-        rows = list(csv.DictReader(stream))
-    numbers = [
-        {name: float(value) for name, value in row.items() if name != "state"} for row in rows
-    ]
-    return {
-        (row["state"], of["friction"], of["cylinders"], of["spheres"], of["velocity_m_s"]): of
-        for row, of in zip(rows, numbers, strict=True)
-    }
+        texts = list(csv.DictReader(stream))
+    solved = {}
+    for text in texts:
+        state = text.pop("state")
+        row = {name: float(value) for name, value in text.items()}
+        key = (row["friction"], row["cylinders"], row["spheres"], row["velocity_m_s"])
+        solved[state, *key] = row
+    return solved
 
 
 class SwitchRow(GrainRow):

@@ -39,6 +39,8 @@ from tests.helpers import synthetic
 from tests.helpers.run_files import without_checksums
 from tests.helpers.several_processes import SeveralProcesses
 
+pytestmark = pytest.mark.xdist_group("parts")  # its fixtures are made once
+
 RUN = {"end_time": 6e-5, "frames": 3}
 IN_PARTS = {"parts": True, "dump_format": "binary"}
 #: Each with something that spheres of different parts share: contacts, periods, vacancies, strikers, walls, bars.

@@ -25,6 +25,8 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
 from granwave.workflows.spectra import steady
 
+pytestmark = pytest.mark.xdist_group("transmission")  # its fixtures are made once
+
 SWEEP = {
     "shape": "sweep",
     "amplitude": 0.02,

@@ -31,9 +31,10 @@ from tests.helpers.synthetic_scan import grid, write_json, write_scan
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")
 )
-pytestmark = pytest.mark.skipif(
+NO_CHROMIUM = pytest.mark.skipif(
     CHROMIUM is None, reason="no chromium on this machine (Debian: apt install chromium)"
 )
+pytestmark = [NO_CHROMIUM, pytest.mark.xdist_group("browser")]  # its fixtures are made once
 
 
 @pytest.fixture

@@ -23,6 +23,8 @@ from granwave.lammps_inputs.case.run import Run
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import load_scan, run_case
 
+pytestmark = pytest.mark.xdist_group("protection")  # its fixtures are made once
+
 CASES = Path(__file__).parents[3] / "workflows" / "cases"
 STUDIES = ("protected-height", "protected-bottoms", "protected-spectrum", "protected-checks")
 CONCRETE = {"name": "concrete", "youngs_modulus": 31e9, "poisson_ratio": 0.2, "density": 2447}

@@ -119,7 +119,7 @@ def fcc(size: tuple[int, int, int], diameter: float) -> tuple[np.ndarray, np.nda
 
 
 def middle_of_top(place: np.ndarray) -> int:
-    """Number of the sphere of the top layer nearest its centroid; of equally near ones the first."""
+    """Sphere of the top layer nearest its centroid; of equally near ones the first."""
     top = np.flatnonzero(place[:, 2] == 0)
     away = np.linalg.norm(place[top, :2] - place[top, :2].mean(axis=0), axis=1)
     return int(top[np.flatnonzero(away < away.min() + 1e-8)[0]])

@@ -16,6 +16,8 @@ import granwave as gw
 from tests.conftest import PLAIN
 from tests.helpers.run_files import summary
 
+pytestmark = pytest.mark.xdist_group("cli")  # its fixtures are made once
+
 TINY = ["--set", "packing.size=[4,4,3]", "--set", "run.end_time=4e-5", "--set", "run.frames=3"]
 QUICK = [*TINY, "--no-figures"]
 FIGURES = ["energies", "timestep", "peak_force_principal"]

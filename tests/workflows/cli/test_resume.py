@@ -20,6 +20,8 @@ from tests.conftest import PLAIN
 from tests.helpers.processes import wait_for
 from tests.helpers.run_files import summary, without_clock
 
+pytestmark = pytest.mark.xdist_group("resume")  # its fixtures are made once
+
 LONG = ["fcc-small", "packing.size=[14,14,8]", "run.end_time=4e-4", "run.frames=5"]
 LONG += ["run.energy_tolerance=3e-8"]  # in many steps
 #: Cases with their settings, and the ranks before and after the kill: any number reads what others wrote.
