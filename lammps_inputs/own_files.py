@@ -268,7 +268,8 @@ class OwnFiles(os.PathLike[str]):
         here = _CONTENTS.get(kind)
         if there and here and there != here and self.result_names():
             raise InputError(
-                f"{self.path}: holds {there}, expected {here} or nothing; choose another with directory=..."
+                f"{self.path}: holds {there}, expected {here} or nothing; "
+                "choose another with directory=..."
             )
 
     def refuse_results(self, resume: str = "resume=True goes on with them, ") -> None:
@@ -284,7 +285,10 @@ class OwnFiles(os.PathLike[str]):
     def by_force(self) -> str:
         """Advice where there are results: what --force does with them."""
         old = self.free_old_path().name
-        return f"force=True moves the results to {old} first, or choose another directory with directory=..."
+        return (
+            f"force=True moves the results to {old} first, "
+            "or choose another directory with directory=..."
+        )
 
     # ------------------------------------------------------------------ removing, setting aside
 
@@ -426,8 +430,8 @@ class OwnFiles(os.PathLike[str]):
             fault = f"{place.parent} cannot be written to"
         if fault:
             raise InputError(
-                f"{self.path}: force=True cannot move the results there to {old}: {fault}; move them "
-                "away, or choose another directory with directory=..."
+                f"{self.path}: force=True cannot move the results there to {old}: {fault}; "
+                "move them away, or choose another directory with directory=..."
             )
 
     def clear_scratch(self, names: Collection[str]) -> None:

@@ -176,8 +176,8 @@ class ResultDirectory(OwnFiles):
         """
         if resume and force:
             raise InputError(
-                "resume=True and force=True exclude each other: one goes on with what is there, the "
-                "other begins anew"
+                "resume=True and force=True exclude each other: one goes on with what is there, "
+                "the other begins anew"
             )
         results_directory(self.path)
         if force and self.result_names():

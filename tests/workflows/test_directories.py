@@ -45,8 +45,8 @@ def test_results_are_refused_resumed_or_replaced(filled):
         ask(filled)
     assert str(caught.value) == (
         f"{filled}: already holds results (case.toml, summary.json, figures/a.png, ...); "
-        "resume=True goes on with them, force=True moves the results to r.old first, or choose another "
-        "directory with directory=..."
+        "resume=True goes on with them, force=True moves the results to r.old first, "
+        "or choose another directory with directory=..."
     )
     assert ask(filled, resume=True) is True
     assert ask(filled, force=True) is False
