@@ -19,7 +19,6 @@ from granwave.lammps_inputs.deck.commands import (
     command,
     dump,
     id_ranges,
-    joined,
     time_series,
     write_dump,
 )
@@ -28,6 +27,7 @@ from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.run_directory import DUMPS, of_each_rank
+from granwave.lammps_inputs.script_words import joined
 
 
 def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:

@@ -38,9 +38,7 @@ from granwave.lammps_inputs.contact.static_load import (
     static_stiffness,
 )
 from granwave.lammps_inputs.deck.commands import (
-    joined,
     moved_wall,
-    num,
     pair_coefficients,
     plane_names,
     wall_commands,
@@ -69,6 +67,7 @@ from granwave.lammps_inputs.run_directory import (
     STATIC_FILE,
     STATIC_STAGE_FILE,
 )
+from granwave.lammps_inputs.script_words import joined, num
 
 _STAGE_MARKER = "# --- static stage ---"
 _STAGE_END = "# --- end of the static stage ---"
