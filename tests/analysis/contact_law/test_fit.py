@@ -261,7 +261,7 @@ def test_files(tmp_path, capsys):
     written = tomllib.loads((tmp_path / "out" / "fit.toml").read_text())
     for name, row in rows.items():
         assert written["contact"][name] == float(row["value"])
-    with pytest.raises(InputError, match="already holds a fit; --force"):
+    with pytest.raises(InputError, match="already holds a fit; force=True"):
         fit(options(tmp_path / "m.csv", tmp_path / "out"))
     assert (
         fit(options(tmp_path / "m.csv", tmp_path / "out", force=True, free=["unloading_exponent"]))

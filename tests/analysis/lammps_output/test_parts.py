@@ -391,7 +391,7 @@ def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
     read = []
     monkeypatch.setattr(pipeline, "MOST_DRAWN", 100)
     monkeypatch.setattr(
-        run_figures, "draw_figures", lambda _, report, names, helpers: drawn.extend(names)
+        run_figures, "draw_figures", lambda _, report, names, **others: drawn.extend(names)
     )
     analyse(run, at_once=50)
     assert (

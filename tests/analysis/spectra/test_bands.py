@@ -133,7 +133,7 @@ def test_layers_of_other_lattices_are_a_line(kind):
     load = {"kind": "uniaxial", "pressure": 1e5}
     case = endless(kind, [4, 4, 12], load, boundary={"sides": "periodic"})
     along = np.array([[0.0, 0.0, 1.0]])
-    speeds = long_wave_speeds(stiffness_of(cell_state(case).network), along)[0]
+    speeds = long_wave_speeds(stiffness_of(cell_state(assemble(case)).network), along)[0]
     line = line_of(case, sphere_contact(case))
     assert np.nanmin(np.abs(speeds / line.speed - 1)) < 1e-6
 
