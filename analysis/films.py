@@ -37,7 +37,7 @@ from granwave.analysis.figures.style import (
     new_figure,
     style,
 )
-from granwave.analysis.measures.geometry import Section as PlaneSection
+from granwave.analysis.measures.geometry import SpheresOnPlane as PlaneSection
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.directories import refuse_other_file

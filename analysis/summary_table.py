@@ -19,7 +19,7 @@ _GROWING = {
 }  # as `zone_growing` calls them
 
 
-class Row(NamedTuple):
+class SummaryRow(NamedTuple):
     """A row: label (empty: that of the row before), value as text, and the keys of summary.json
     that it shows.
     """
@@ -35,12 +35,12 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
     return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)
 
 
-def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list[Row]:
+def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list[SummaryRow]:
     """Rows of the main values of a summary, or of that of a run of finite elements, as far as there
     are values.
     """
     left_out = () if continuum or summary.get("friction_fraction") else FRICTION_SHARES
-    rows = [Row("case", str(summary["name"]), ("name",))]
+    rows = [SummaryRow("case", str(summary["name"]), ("name",))]
     before = ""
     called = grains_called_in([summary])
     for entry in CONTINUUM_ROWS if continuum else RUN_ROWS:
@@ -52,7 +52,9 @@ def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list
                 continue  # all grains are
             label = entry.short if entry.name == "n_cylinders" else in_grains(entry.short, called)
             rows.append(
-                Row("" if entry.short == before else label, in_grains(text, called), (entry.name,))
+                SummaryRow(
+                    "" if entry.short == before else label, in_grains(text, called), (entry.name,)
+                )
             )
             before = entry.short
         if entry.name == _ZONE_AFTER:
@@ -72,7 +74,7 @@ def explanation(key: str) -> str:
     return f"{key}: {entry.label}{unit}" + (f". {meaning}" if (meaning := meaning_of(key)) else "")
 
 
-def _zone_rows(summary: Mapping[str, Any]) -> list[Row]:
+def _zone_rows(summary: Mapping[str, Any]) -> list[SummaryRow]:
     """Size of the plastic zone, as far as it applies, and the bounds that it reaches."""
     rows = []
     label = f"{', '.join(map(str, SHARES))} % of yielding"
@@ -80,17 +82,19 @@ def _zone_rows(summary: Mapping[str, Any]) -> list[Row]:
         keys = tuple(f"zone_{what}_{percent}_{unit}" for percent in SHARES)
         found = [f"{summary[key]:.4g}" for key in keys if summary.get(key) is not None]
         if found:
-            rows.append(Row(label, f"{what} {', '.join(found)} {unit}", keys))
+            rows.append(SummaryRow(label, f"{what} {', '.join(found)} {unit}", keys))
             label = ""
     for what in ("depth", "radius"):
         keys = tuple(f"zone_{what}_{percent}_interpolated_m" for percent in SHARES)
         found = [f"{summary[key]:.4g}" for key in keys if summary.get(key) is not None]
         if found:
-            rows.append(Row(label, f"{what}, interpolated {', '.join(found)} m", keys))
+            rows.append(SummaryRow(label, f"{what}, interpolated {', '.join(found)} m", keys))
             label = ""
     if summary.get("zone_cut") is not None:
         rows.append(
-            Row("bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",))
+            SummaryRow(
+                "bounds that it reaches", bounds_in_words(summary["zone_cut"]), ("zone_cut",)
+            )
         )
     return rows
 

@@ -49,7 +49,7 @@ FILE = "file"  # the kind of packings whose grains are at places of their own
 
 
 @dataclasses.dataclass(frozen=True)
-class Plane:
+class SectionPlane:
     """Plane of a section through the struck sphere.
 
     Attributes
@@ -138,7 +138,7 @@ class PackingKind:
     row_period: int = 1
     pitch: tuple[float, float]
     site: Site
-    planes: tuple[Plane, ...] | None = None
+    planes: tuple[SectionPlane, ...] | None = None
     zone_growth: ZoneEstimate | None = None
 
     @property
@@ -324,7 +324,7 @@ KINDS: dict[str, PackingKind] = {
         row_period=2,
         pitch=_HEXAGONAL_PITCH,
         site=_hexagonal(3),
-        planes=(Plane(_X, _CLOSE_PACKED, down_label="Down the plane"), Plane(_Y, _Z)),
+        planes=(SectionPlane(_X, _CLOSE_PACKED, down_label="Down the plane"), SectionPlane(_Y, _Z)),
         zone_growth=_OF_CLOSE_PACKED,
     ),
     "hcp": PackingKind(
@@ -335,7 +335,7 @@ KINDS: dict[str, PackingKind] = {
         row_period=2,
         pitch=_HEXAGONAL_PITCH,
         site=_hexagonal(2),
-        planes=(Plane(_X, _Z, _HCP_ROWS), Plane(_Y, _Z)),
+        planes=(SectionPlane(_X, _Z, _HCP_ROWS), SectionPlane(_Y, _Z)),
         zone_growth=_OF_CLOSE_PACKED,
     ),
     "bcc": PackingKind(
@@ -345,7 +345,7 @@ KINDS: dict[str, PackingKind] = {
         layer_period=2,
         pitch=_BODY_CENTRED_PITCH,
         site=_body_centred,
-        planes=(Plane(_DIAGONAL, _Z), Plane(_X, _Z)),
+        planes=(SectionPlane(_DIAGONAL, _Z), SectionPlane(_X, _Z)),
         zone_growth=_OF_BODY_CENTRED,
     ),
     "sc": PackingKind(
@@ -354,7 +354,7 @@ KINDS: dict[str, PackingKind] = {
         axes="xyz",
         pitch=_SIMPLE_PITCH,
         site=_simple,
-        planes=(Plane(_X, _Z), Plane(_DIAGONAL, _Z)),
+        planes=(SectionPlane(_X, _Z), SectionPlane(_DIAGONAL, _Z)),
         zone_growth=_ALONG_A_LINE,
     ),
     "square": PackingKind(
@@ -363,7 +363,7 @@ KINDS: dict[str, PackingKind] = {
         axes="xy",
         pitch=_SIMPLE_PITCH,
         site=_simple,
-        planes=(Plane(_X, _Y, down_label="y"),),
+        planes=(SectionPlane(_X, _Y, down_label="y"),),
     ),
     "hexagonal": PackingKind(
         label="Hexagonal",
@@ -373,7 +373,7 @@ KINDS: dict[str, PackingKind] = {
         layer_period=2,
         pitch=_SIMPLE_PITCH,
         site=_hexagonal_plane,
-        planes=(Plane(_X, _Z),),
+        planes=(SectionPlane(_X, _Z),),
     ),
     "centred-square": PackingKind(
         label="Centred square",
@@ -382,7 +382,7 @@ KINDS: dict[str, PackingKind] = {
         layer_period=2,
         pitch=(math.sqrt(2), 1.0),
         site=_centred_square,
-        planes=(Plane(_X, _Z),),
+        planes=(SectionPlane(_X, _Z),),
     ),
     "chain": PackingKind(
         label="Chain",
@@ -400,7 +400,7 @@ _FREE = PackingKind(
     axes="",
     pitch=_SIMPLE_PITCH,
     site=_no_site,
-    planes=(Plane(_X, _Z, 0.5), Plane(_Y, _Z, 0.5)),
+    planes=(SectionPlane(_X, _Z, 0.5), SectionPlane(_Y, _Z, 0.5)),
 )
 
 
@@ -416,7 +416,7 @@ def kind_of(name: str) -> PackingKind:
     return _FREE if name == FILE else KINDS[name]
 
 
-def section_planes(kind: str) -> tuple[Plane, ...]:
+def section_planes(kind: str) -> tuple[SectionPlane, ...]:
     """Return the planes of sections of a kind of packing: principal, then orthogonal; a chain has
     none.
     """
@@ -425,7 +425,7 @@ def section_planes(kind: str) -> tuple[Plane, ...]:
         return rule.planes
     level = [direction[:2] for direction in (*rule.preferred_directions, *rule.contact_directions)]
     x, y = next(part / np.linalg.norm(part) for part in level if np.linalg.norm(part) > TOUCHING)
-    return Plane((float(x), float(y), 0.0), _Z), Plane((-float(y), float(x), 0.0), _Z)
+    return SectionPlane((float(x), float(y), 0.0), _Z), SectionPlane((-float(y), float(x), 0.0), _Z)
 
 
 @dataclasses.dataclass(frozen=True)

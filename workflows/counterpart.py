@@ -38,7 +38,7 @@ _DIGITS = 12
 
 
 @dataclasses.dataclass(frozen=True)
-class Inputs:
+class ImpactInput:
     """Energy and velocity of an impact; None where they do not apply.
 
     Attributes
@@ -91,27 +91,29 @@ def energy_unit(material: Material, diameter: float) -> float | None:
     return material.yield_strength**2 * diameter**3 / material.youngs_modulus
 
 
-def inputs_of_packing(assembly: Assembly) -> Inputs:
+def inputs_of_packing(assembly: Assembly) -> ImpactInput:
     """Return the inputs of the impact on a packing."""
     case = assembly.case
     law = sphere_contact(case)
     energy = expected_energy(assembly)
     unit = energy_unit(case.material, case.packing.diameter)
     if not case.contact.yields or unit is None:
-        return Inputs(energy, None, None, None)
+        return ImpactInput(energy, None, None, None)
     velocity = None
     if case.load.gives_velocity:
         strength = law.yield_strength
         density = case.material.density
         speed = start_speed(assembly)
         velocity = velocity_normalised(speed, law.effective_modulus, density, strength)
-    return Inputs(energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity)
+    return ImpactInput(
+        energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity
+    )
 
 
-def inputs_of_continuum(case: ContinuumCase) -> Inputs:
+def inputs_of_continuum(case: ContinuumCase) -> ImpactInput:
     """Return the inputs of the impact of a punch."""
     energy = case.punch.energy
-    return Inputs(energy, None, energy / case.energy_unit, None)
+    return ImpactInput(energy, None, energy / case.energy_unit, None)
 
 
 def continuum_of(assembly: Assembly) -> Counterpart:

@@ -54,7 +54,7 @@ class Cost(Protocol):
 
 
 @dataclasses.dataclass(frozen=True)
-class Kind:
+class CaseKind:
     """Functions and properties of the cases of one kind.
 
     Attributes
@@ -108,7 +108,7 @@ class Kind:
         return self.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
 
 
-def solver_of(tables: Mapping[str, Any]) -> Kind:
+def solver_of(tables: Mapping[str, Any]) -> CaseKind:
     """Return the kind of a case from its tables."""
     if any(name in tables for name in _OF_SPHERE_CONTACT):
         return SPHERE_CONTACT
@@ -124,7 +124,7 @@ def _afford_mesh(case: Any, expected: Any, directory: Path | None) -> None:
     raise_all(checks)
 
 
-def _continuum_kind(package: str, case: str, run: str) -> Kind:
+def _continuum_kind(package: str, case: str, run: str) -> CaseKind:
     """Make a kind whose modules are imported on demand, from the names of its class and its
     function.
     """
@@ -134,7 +134,7 @@ def _continuum_kind(package: str, case: str, run: str) -> Kind:
             importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name
         )
 
-    return Kind(
+    return CaseKind(
         verb="continuum",
         parts="elements",
         versions=("granwave",),
@@ -154,7 +154,7 @@ def _check_files(case: Case) -> None:
         check_files(assemble(case))
 
 
-GRANULAR = Kind(
+GRANULAR = CaseKind(
     verb="run",
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),

@@ -64,7 +64,7 @@ class Cell:
 
 
 @dataclasses.dataclass(frozen=True)
-class Column:
+class TableColumn:
     """Head of a column; ``key`` columns say what a row is, and are repeated where a table is too
     wide for a page.
 
@@ -84,7 +84,7 @@ class Column:
 
 
 @dataclasses.dataclass(frozen=True)
-class Table:
+class DocumentTable:
     """Rows of cells, as many in each as there are columns.
 
     Attributes
@@ -96,14 +96,14 @@ class Table:
     """
 
     caption: str
-    columns: tuple[Column, ...]
+    columns: tuple[TableColumn, ...]
     rows: tuple[tuple[Cell, ...], ...]
     sortable: bool = False
     captioned: bool = True
     by_row: bool = False
     kind: Literal["table"] = "table"
 
-    def keeping(self, columns: Sequence[int], **changes: Any) -> Table:
+    def keeping(self, columns: Sequence[int], **changes: Any) -> DocumentTable:
         """The table with only the columns of these numbers; ``changes``: as of
         ``dataclasses.replace``.
         """
@@ -171,11 +171,11 @@ class Beside:
     """A picture and a table side by side; one after the other where there is no room."""
 
     gallery: Gallery
-    table: Table
+    table: DocumentTable
     kind: Literal["beside"] = "beside"
 
 
-Part = Table | Gallery | Note | Beside
+Part = DocumentTable | Gallery | Note | Beside
 
 
 @dataclasses.dataclass(frozen=True)
@@ -192,7 +192,7 @@ Block = Part | Group
 
 
 @dataclasses.dataclass(frozen=True)
-class Section:
+class DocumentSection:
     """A section; ``slug`` is its name in links."""
 
     title: str
@@ -206,7 +206,7 @@ class Report:
 
     title: str
     lead: str
-    sections: tuple[Section, ...]
+    sections: tuple[DocumentSection, ...]
 
 
 def cleaned(part: Model) -> Model:
@@ -277,18 +277,20 @@ def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
 
 def text_table(
     caption: str, heads: Sequence[str], rows: Iterable[Sequence[str | Cell]], **options: Any
-) -> Table:
-    """Table of texts, the first of each row its key; ``options``: as of `Table`."""
+) -> DocumentTable:
+    """Table of texts, the first of each row its key; ``options``: as of `DocumentTable`."""
     cells = tuple(tuple(one if isinstance(one, Cell) else Cell(one) for one in row) for row in rows)
-    return Table(caption, (Column(heads[0], key=True), *map(Column, heads[1:])), cells, **options)
+    return DocumentTable(
+        caption, (TableColumn(heads[0], key=True), *map(TableColumn, heads[1:])), cells, **options
+    )
 
 
 def column_table(
-    caption: str, columns: Iterable[tuple[Column, Sequence[Cell]]], **options: Any
-) -> Table:
-    """Table from its columns, each with its cells; ``options``: as of `Table`."""
+    caption: str, columns: Iterable[tuple[TableColumn, Sequence[Cell]]], **options: Any
+) -> DocumentTable:
+    """Table from its columns, each with its cells; ``options``: as of `DocumentTable`."""
     heads, cells = zip(*columns, strict=True)
-    return Table(caption, heads, tuple(zip(*cells, strict=True)), **options)
+    return DocumentTable(caption, heads, tuple(zip(*cells, strict=True)), **options)
 
 
 def unit_of_value(key: str) -> str:
@@ -296,16 +298,16 @@ def unit_of_value(key: str) -> str:
     return printed_unit(quantity(key).unit)
 
 
-def value_column(key: str, called: str = SPHERES) -> Column:
+def value_column(key: str, called: str = SPHERES) -> TableColumn:
     """Column of a value of the summary; ``called``: what the grains of its runs are called."""
-    return Column(
+    return TableColumn(
         label_of(key, called), unit_of_value(key), numeric=True, meaning=meaning_in(key, called)
     )
 
 
-def case_column(key: str, unit: str, *, numeric: bool) -> Column:
+def case_column(key: str, unit: str, *, numeric: bool) -> TableColumn:
     """Column of a key of the case, with its unit as people write it."""
-    return Column(key, unit, numeric=numeric, key=True)
+    return TableColumn(key, unit, numeric=numeric, key=True)
 
 
 def show(value: Any) -> str:
@@ -391,11 +393,11 @@ def _float(value: float, digits: int = _DIGITS) -> str:
 
 def tidied(report: Report) -> Report:
     """The report with all its tables tidied."""
-    found: Report = changed(report, Table, tidied_table)
+    found: Report = changed(report, DocumentTable, tidied_table)
     return found
 
 
-def tidied_table(table: Table) -> Table:
+def tidied_table(table: DocumentTable) -> DocumentTable:
     """The table without empty columns and rows, and with ``< 1e-16`` for what is rounding."""
     rows = _without_rounding(table)
     numbers = _columns_of_numbers(table)
@@ -409,11 +411,11 @@ def tidied_table(table: Table) -> Table:
     return table.keeping(kept, rows=rows)
 
 
-def _columns_of_numbers(table: Table) -> list[int]:
+def _columns_of_numbers(table: DocumentTable) -> list[int]:
     return [n for n, column in enumerate(table.columns) if column.numeric and not column.key]
 
 
-def _without_rounding(table: Table) -> list[list[Cell]]:
+def _without_rounding(table: DocumentTable) -> list[list[Cell]]:
     """Return the cells by row and column, with a bound in place of each number that is rounding."""
     rows = [list(row) for row in table.rows]
     shown = _columns_of_numbers(table)

@@ -19,7 +19,7 @@ from granwave.analysis.figures.sections import (
     half_axes,
     peak_force_colouring,
 )
-from granwave.analysis.figures.sphere_renderer import Camera, Surface, lit_surface, painted
+from granwave.analysis.figures.sphere_renderer import Camera, RenderedSpheres, lit_surface, painted
 from granwave.analysis.figures.style import BLANK, GREY, WIDTH, Drawing, new_figure
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.packing.walls import walls
@@ -37,7 +37,7 @@ _CUT = 0.3  # diameters: spheres that lie beyond the cutting planes by less stay
 _BELOW = 0.3  # widths of the picture below a tube
 _LEAST_SPHERES = 8
 _ROUND_LENGTHS = (1, 2, 5)
-_SURFACES: WeakKeyDictionary[Result, tuple[NDArray[np.intp], Surface]] = WeakKeyDictionary()
+_SURFACES: WeakKeyDictionary[Result, tuple[NDArray[np.intp], RenderedSpheres]] = WeakKeyDictionary()
 _CAMERA = Camera.looking(AZIMUTH, ELEVATION, np.array([0.0, 0.0, -1.0]))  # depth goes down
 
 
@@ -143,7 +143,7 @@ def _has_outlines(result: Result) -> bool:
     return any(wall.tube or wall.plate for wall in walls(result.assembly))
 
 
-def _surface_of(result: Result) -> tuple[NDArray[np.intp], Surface]:
+def _surface_of(result: Result) -> tuple[NDArray[np.intp], RenderedSpheres]:
     """Return the rows of the spheres that are not cut away, and how they are seen; the same for all
     pictures of a result.
     """

@@ -29,7 +29,7 @@ from granwave.analysis.figures.style import (
     Drawing,
     new_figure,
 )
-from granwave.analysis.measures.geometry import Plane, Section, own_plane, planes, section
+from granwave.analysis.measures.geometry import Plane, SpheresOnPlane, own_plane, planes, section
 from granwave.analysis.measures.waves import passage
 from granwave.analysis.measures.zone_size import LAW_LIMIT
 from granwave.analysis.result.reader import Result
@@ -276,7 +276,7 @@ def _across_title(plane: Plane) -> str:
 
 
 def _draw_impact(
-    axes: Axes, result: Result, cut: Section, window: tuple[float, float, float, float]
+    axes: Axes, result: Result, cut: SpheresOnPlane, window: tuple[float, float, float, float]
 ) -> None:
     """Draw the arrow of the load in a section, and widen its window to show the whole of it."""
     arrow = impact_arrow(result)
@@ -290,7 +290,7 @@ def _draw_impact(
     axes.set_ylim(max(bottom, tail[1] + margin), min(top, tail[1] - margin))
 
 
-def cut_of(result: Result, name: str) -> Section | None:
+def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
     """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on
     it.
     """
@@ -320,7 +320,7 @@ def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
     return replace(plane, across_label=across_label)
 
 
-def disc_radii(result: Result, cut: Section) -> NDArray[np.float64]:
+def disc_radii(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64]:
     """Return the radii of the discs of a section: those of the spheres on a plane of the lattice,
     else of the cuts.
 
@@ -347,7 +347,7 @@ def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | 
     )
 
 
-def sticks_of(result: Result, cut: Section) -> NDArray[np.float64] | None:
+def sticks_of(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64] | None:
     """Return half the axis of each cylinder as seen in a section, 0 for spheres and cylinders seen
     along it: (n, 2), m.
 
@@ -362,7 +362,7 @@ def sticks_of(result: Result, cut: Section) -> NDArray[np.float64] | None:
 
 def draw_discs(
     axes: Axes,
-    cut: Section,
+    cut: SpheresOnPlane,
     values: NDArray[np.float64],
     colouring: Colouring,
     radius: NDArray[np.float64],
@@ -463,7 +463,7 @@ def colour_bar(
 
 
 def window_around(
-    cut: Section, shown: NDArray[np.bool_], diameter: float
+    cut: SpheresOnPlane, shown: NDArray[np.bool_], diameter: float
 ) -> tuple[float, float, float, float]:
     """Return left, right, top and bottom around the spheres to show, mm."""
     margin = 2 * diameter

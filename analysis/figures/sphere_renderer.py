@@ -69,7 +69,7 @@ class Camera:
 
 
 @dataclass(frozen=True, eq=False)
-class Surface:
+class RenderedSpheres:
     """Spheres as they are seen and lit, without colours: most of the work, and the same for all
     quantities.
 
@@ -100,7 +100,7 @@ def lit_surface(
     camera: Camera,
     width: int,
     axes: NDArray[np.float64] | None = None,
-) -> Surface:
+) -> RenderedSpheres:
     """Find what can be seen of spheres and cylinders, and light it.
 
     Parameters
@@ -134,10 +134,10 @@ def lit_surface(
     fine = fine[: fine.shape[0] // _OVERSAMPLING * _OVERSAMPLING, : width * _OVERSAMPLING]
     top = low[1] + fine.shape[0] * pitch
     extent = (float(low[0]), float(low[0] + fine.shape[1] * pitch), float(low[1]), float(top))
-    return Surface(fine, *_light(grains, fine, pitch), visible, extent)
+    return RenderedSpheres(fine, *_light(grains, fine, pitch), visible, extent)
 
 
-def painted(surface: Surface, colours: NDArray[np.float64]) -> NDArray[np.float32]:
+def painted(surface: RenderedSpheres, colours: NDArray[np.float64]) -> NDArray[np.float32]:
     """Colour a surface.
 
     Returns red, green, blue and alpha from 0 to 1: (n_rows, n_columns, 4), the first row at the

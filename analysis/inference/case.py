@@ -12,7 +12,7 @@ from typing import Any, ClassVar, Literal
 import numpy as np
 
 from granwave.analysis.inference.equations import WEIGHTS, Noise, Weights
-from granwave.analysis.inference.grains import STATES, Array, Contacts, Wall
+from granwave.analysis.inference.grains import STATES, Array, CandidateContacts, StraightWall
 from granwave.lammps_inputs.case.hints import DENSITY, FRICTION, LENGTH, TIME, YOUNGS_MODULUS
 from granwave.lammps_inputs.case.material import Material, read_material
 from granwave.lammps_inputs.case.schema import (
@@ -262,7 +262,7 @@ class Infer:
         """True if Young's modulus is to be found."""
         return self.modulus == FIND
 
-    def friction_of(self, contacts: Contacts) -> Array:
+    def friction_of(self, contacts: CandidateContacts) -> Array:
         """Return the coefficients of friction of contacts: (m,)."""
         friction = np.full(len(contacts), self.friction)
         if self.wall_friction is not None:
@@ -294,16 +294,18 @@ class InferCase:
         return 3 if self.infer.state == "space" else 2
 
     @property
-    def walls(self) -> dict[str, Wall]:
+    def walls(self) -> dict[str, StraightWall]:
         """Walls by name."""
         found = {}
         for name, place in self.infer.walls:
             if isinstance(place, tuple):
-                found[name] = Wall(*place)
+                found[name] = StraightWall(*place)
                 continue
             axis, sign = NAMED_WALLS[self.dimension][name]
             unit = np.eye(self.dimension)[axis]
-            found[name] = Wall(tuple((place * unit).tolist()), tuple((sign * unit).tolist()))
+            found[name] = StraightWall(
+                tuple((place * unit).tolist()), tuple((sign * unit).tolist())
+            )
         return found
 
     @property

@@ -22,7 +22,13 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from granwave.analysis.inference.grains import PAIRS, SCALES, Array, Contacts, Grains
+from granwave.analysis.inference.grains import (
+    PAIRS,
+    SCALES,
+    Array,
+    CandidateContacts,
+    MeasuredGrains,
+)
 from granwave.lammps_inputs.errors import InputError
 
 Weights = Literal["equal", "white", "correlated"]
@@ -73,7 +79,7 @@ class Equations:
         return np.concatenate([self.motion_data, factor * self.stress_data + self.spin_data])
 
 
-def make_equations(grains: Grains, contacts: Contacts) -> Equations:
+def make_equations(grains: MeasuredGrains, contacts: CandidateContacts) -> Equations:
     """Set up the equations of all grains whose motion or stress was measured."""
     d = grains.dimension
     n = len(grains)
@@ -153,15 +159,15 @@ class Noise:
     acceleration: float | None = None
     angular_acceleration: float | None = None
 
-    def of_tensor(self, grains: Grains) -> float | None:
+    def of_tensor(self, grains: MeasuredGrains) -> float | None:
         """Return the standard deviation of strains or stresses, whichever was measured."""
         return self.stress if grains.compliance is None else self.strain
 
-    def complete(self, grains: Grains) -> bool:
+    def complete(self, grains: MeasuredGrains) -> bool:
         """Return True if the standard deviations of all that was measured are known."""
         return not self.missing(grains)
 
-    def missing(self, grains: Grains) -> tuple[str, ...]:
+    def missing(self, grains: MeasuredGrains) -> tuple[str, ...]:
         """Return the names of the standard deviations that are not known of what was measured."""
         tensor = "stress" if grains.compliance is None else "strain"
         needed = {tensor: self.of_tensor(grains)} if grains.has_stress.any() else {}
@@ -223,7 +229,7 @@ class Covariance:
         return weights
 
 
-def covariance(grains: Grains, noise: Noise) -> Covariance:
+def covariance(grains: MeasuredGrains, noise: Noise) -> Covariance:
     """Return the covariance of the right-hand sides that follows from the noise of the measurement."""
     pairs = PAIRS[grains.dimension]
     moving = grains.has_motion

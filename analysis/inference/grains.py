@@ -43,7 +43,7 @@ TURNS = {2: 1, 3: 3}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Grains:
+class MeasuredGrains:
     """Grains at one instant; NaN where a quantity was not measured.
 
     Attributes
@@ -94,13 +94,13 @@ class Grains:
     def __len__(self) -> int:
         return len(self.radius)
 
-    def take(self, rows: NDArray[np.bool_]) -> Grains:
+    def take(self, rows: NDArray[np.bool_]) -> MeasuredGrains:
         """Return some of the grains."""
         values = {field.name: getattr(self, field.name) for field in dataclasses.fields(self)}
         taken: dict[str, Any] = {
             name: None if value is None else value[rows] for name, value in values.items()
         }
-        return Grains(**taken)
+        return MeasuredGrains(**taken)
 
     @property
     def dimension(self) -> int:
@@ -182,7 +182,7 @@ def volume_of(radius: Array, state: State, length: float) -> Array:
 
 
 @dataclasses.dataclass(frozen=True)
-class Wall:
+class StraightWall:
     """A straight wall: a line in the plane, a plane in space.
 
     Attributes
@@ -198,7 +198,7 @@ class Wall:
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Contacts:
+class CandidateContacts:
     """Possible contacts, those of pairs first.
 
     Attributes
@@ -257,7 +257,9 @@ class Contacts:
         return np.einsum("mij,mi->mj", self.basis, vectors)
 
 
-def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -> Contacts:
+def find_contacts(
+    grains: MeasuredGrains, walls: Mapping[str, StraightWall], tolerance: float
+) -> CandidateContacts:
     """Return the pairs of grains, and of grains and walls, that may touch.
 
     Pairs count up to a distance (R_i + R_j)(1 + tolerance), walls up to R (1 + 2 tolerance), but
@@ -314,4 +316,4 @@ def find_contacts(grains: Grains, walls: Mapping[str, Wall], tolerance: float) -
         one = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
         one /= np.linalg.norm(one, axis=1)[:, None]
         basis = np.stack([normals, one, np.cross(normals, one)], axis=2)
-    return Contacts(first, second, wall_of, basis, arms, partner_arms, tuple(walls))
+    return CandidateContacts(first, second, wall_of, basis, arms, partner_arms, tuple(walls))

@@ -17,7 +17,13 @@ from granwave.analysis.inference import equations as eq
 from granwave.analysis.inference.case import Infer
 from granwave.analysis.inference.equations import Equations, Noise, Weights
 from granwave.analysis.inference.freedom import expected_misfit, freedom, root_of
-from granwave.analysis.inference.grains import Array, Contacts, Grains, Wall, find_contacts
+from granwave.analysis.inference.grains import (
+    Array,
+    CandidateContacts,
+    MeasuredGrains,
+    StraightWall,
+    find_contacts,
+)
 from granwave.analysis.inference.solve import (
     ModulusSearch,
     find_modulus,
@@ -61,8 +67,8 @@ class Inference:
         Ratio of the extreme singular values of the equations; None for large problems.
     """
 
-    grains: Grains
-    contacts: Contacts
+    grains: MeasuredGrains
+    contacts: CandidateContacts
     equations: Equations
     settings: Infer
     force: Array
@@ -125,7 +131,11 @@ class Inference:
 
 
 def infer(
-    grains: Grains, walls: Mapping[str, Wall], settings: Infer, *, progress: bool = False
+    grains: MeasuredGrains,
+    walls: Mapping[str, StraightWall],
+    settings: Infer,
+    *,
+    progress: bool = False,
 ) -> Inference:
     """Infer the contact forces of grains at one instant.
 
@@ -212,7 +222,10 @@ def infer(
 
 
 def _refuse_misplaced(
-    grains: Grains, walls: Mapping[str, Wall], contacts: Contacts, tolerance: float
+    grains: MeasuredGrains,
+    walls: Mapping[str, StraightWall],
+    contacts: CandidateContacts,
+    tolerance: float,
 ) -> None:
     """Raise InputError if centres of grains lie behind walls that they do not pass, or a grain
     touches nothing.
@@ -241,7 +254,7 @@ def _refuse_misplaced(
         )
 
 
-def relative_noise(grains: Grains, share: float) -> Noise:
+def relative_noise(grains: MeasuredGrains, share: float) -> Noise:
     """Return noise that is a share of the root mean squares of strains (or stresses) and of
     accelerations.
     """

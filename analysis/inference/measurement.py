@@ -17,7 +17,14 @@ from scipy.signal import savgol_filter
 from scipy.spatial import cKDTree
 
 from granwave.analysis.inference.case import FIND, InferCase
-from granwave.analysis.inference.grains import TENSOR, TURNS, Array, Grains, stiffness, volume_of
+from granwave.analysis.inference.grains import (
+    TENSOR,
+    TURNS,
+    Array,
+    MeasuredGrains,
+    stiffness,
+    volume_of,
+)
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_csv_rows, read_number
@@ -151,7 +158,7 @@ def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
 
 def read_measurement(
     path: str | Path, case: InferCase
-) -> tuple[list[float], list[Grains], list[str]]:
+) -> tuple[list[float], list[MeasuredGrains], list[str]]:
     """Read measured grains.
 
     Returns
@@ -403,7 +410,9 @@ class _Table:
         motions = zip(acceleration, rates, turning, strict=True)
         return dict(zip(list(self.rows)[inner], motions, strict=True))
 
-    def grains(self, time: float, acceleration: Array, spin: Array, turning: Array) -> Grains:
+    def grains(
+        self, time: float, acceleration: Array, spin: Array, turning: Array
+    ) -> MeasuredGrains:
         """Make the grains of an instant from their motions."""
         infer = self.case.infer
         material = self.case.material
@@ -433,7 +442,7 @@ class _Table:
         passes_walls = (
             self.each("passes_walls")[rows] == 1 if "passes_walls" in self.columns else None
         )
-        return Grains(
+        return MeasuredGrains(
             ids, self.take("position")[rows], radius, mass, volume, acceleration, spin, turning, force, stress,
             compliance, modulus, passes_walls,
         )  # fmt: skip

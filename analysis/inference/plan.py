@@ -16,7 +16,14 @@ from numpy.typing import NDArray
 from granwave.analysis.figures.style import Columns
 from granwave.analysis.inference.case import Infer, InferCase
 from granwave.analysis.inference.equations import Noise
-from granwave.analysis.inference.grains import Array, Grains, State, Wall, find_contacts, stiffness
+from granwave.analysis.inference.grains import (
+    Array,
+    MeasuredGrains,
+    State,
+    StraightWall,
+    find_contacts,
+    stiffness,
+)
 from granwave.analysis.inference.infer import infer, relative_noise
 from granwave.analysis.inference.measurement import groups
 from granwave.analysis.inference.output import Inferred
@@ -100,7 +107,7 @@ def plan_experiment(
     rng = np.random.default_rng(seed)
     levels = sorted(noise)
 
-    def measure(level: float) -> tuple[Grains, Noise]:
+    def measure(level: float) -> tuple[MeasuredGrains, Noise]:
         """Return grains with errors, and the standard deviations of these as an experimenter would
         know them.
         """
@@ -173,7 +180,7 @@ def plan_experiment(
 
 
 def _case(
-    run: Snapshots, state: State, settings: Infer, walls: Mapping[str, Wall]
+    run: Snapshots, state: State, settings: Infer, walls: Mapping[str, StraightWall]
 ) -> dict[str, Any]:
     """Return the tables of a case with which `granwave infer` reads the measurement; materials are
     in its columns.
@@ -230,7 +237,7 @@ def _relative(found: Array, true: Array) -> float:
     return float(np.linalg.norm((found - true)[known])) / size if size > 0 else 0.0
 
 
-def _columns(grains: Grains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:
+def _columns(grains: MeasuredGrains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:
     """Return the columns of the measurement of the grains ``rows`` of a run, as `granwave infer`
     reads them.
     """

@@ -21,7 +21,7 @@ import numpy as np
 from scipy import linalg, optimize, sparse
 
 from granwave.analysis.inference.equations import Equations, unknown_columns
-from granwave.analysis.inference.grains import Array, Grains
+from granwave.analysis.inference.grains import Array, MeasuredGrains
 from granwave.lammps_inputs.errors import InputError, RunError
 
 #: Number of unknowns beyond which problems in the plane are solved by the conic solver, which uses sparse matrices.
@@ -217,7 +217,7 @@ def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
     return float(triangle[-1, -1] ** 2) if both.shape[0] >= both.shape[1] else 0.0
 
 
-def refuse_unknowable(grains: Grains, equations: Equations) -> None:
+def refuse_unknowable(grains: MeasuredGrains, equations: Equations) -> None:
     """Raise InputError if stresses were measured, or no acceleration or weight tells the modulus."""
     if grains.compliance is None:
         raise InputError(

@@ -17,9 +17,9 @@ from granwave.analysis.inference.grains import (
     SCALES,
     TURNS,
     Array,
-    Contacts,
-    Grains,
-    Wall,
+    CandidateContacts,
+    MeasuredGrains,
+    StraightWall,
     find_contacts,
     volume_of,
 )
@@ -161,7 +161,7 @@ class Snapshots:
             self.radius, "space" if self.dimension == 3 else "plane-stress", self.length
         )
 
-    def walls(self, number: int) -> dict[str, Wall]:
+    def walls(self, number: int) -> dict[str, StraightWall]:
         """Return the walls at a snapshot, by name."""
         found = {}
         for name, (wall, _) in self.wall_fixes.items():
@@ -169,7 +169,7 @@ class Snapshots:
                 :, wall.axis
             ]  # the axis of the run in the coordinates of the measurement
             level = wall.coordinate + wall.outward * float(self.moved[name][number])
-            found[name] = Wall(
+            found[name] = StraightWall(
                 *(tuple((size * along + 0.0).tolist()) for size in (level, -wall.outward))
             )
         return found
@@ -187,7 +187,7 @@ class Snapshots:
         totals = np.array([float(frame["force"].sum()) for frame in self.forces])
         return int(np.argmax(np.where(inside, totals, -1.0)))
 
-    def state(self, number: int, tolerance: float) -> tuple[Grains, Array]:
+    def state(self, number: int, tolerance: float) -> tuple[MeasuredGrains, Array]:
         """Return grains and the true forces of the candidate contacts at a snapshot; stresses are
         exact averages.
 
@@ -203,7 +203,7 @@ class Snapshots:
         mass = self.density * self.volume
         total = frame.vector("fx", "fy", "fz")
         still = np.zeros((n, d))
-        grains = Grains(
+        grains = MeasuredGrains(
             self.ids, self.position[number], self.radius, mass, self.volume,
             still, self.spin[number], np.zeros((n, TURNS[d])), still, np.zeros((n, len(PAIRS[d]))),
             passes_walls=self.strikers if self.wall_fixes and self.strikers.any() else None,
@@ -239,7 +239,9 @@ class Snapshots:
         )
         return measured, true
 
-    def _pairs(self, grains: Grains, contacts: Contacts, forces: Frame, true: Array) -> Array:
+    def _pairs(
+        self, grains: MeasuredGrains, contacts: CandidateContacts, forces: Frame, true: Array
+    ) -> Array:
         """Enter the forces of pairs into ``true``; return their sums on each grain: (n, d), N."""
         rows = np.searchsorted(self.ids, forces.vector("i", "j").astype(np.int64))
         there = forces["force"] > 0
@@ -265,8 +267,8 @@ class Snapshots:
 
     def _walls(
         self,
-        grains: Grains,
-        contacts: Contacts,
+        grains: MeasuredGrains,
+        contacts: CandidateContacts,
         frame: Frame,
         rest: Array,
         torque: Array,

@@ -61,7 +61,7 @@ class Plane:
 
 
 @dataclass(frozen=True, eq=False)
-class Section:
+class SpheresOnPlane:
     """The spheres of a packing that lie on a plane; every array (n,)."""
 
     plane: Plane
@@ -79,7 +79,7 @@ def planes(kind: str) -> tuple[Plane, ...]:
     )
 
 
-def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> Section:
+def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> SpheresOnPlane:
     """The spheres at ``positions`` (n_spheres, 3), m, that lie on a plane; ``origin``: centre of
     the struck one.
     """
@@ -87,7 +87,7 @@ def section(plane: Plane, positions: Array, origin: Array, diameter: float) -> S
     middle = np.zeros(3) if plane.through is None else plane.through - origin
     height = (offset - middle) @ plane.normal
     index = np.flatnonzero(np.abs(height) <= plane.tolerance * diameter)
-    return Section(
+    return SpheresOnPlane(
         plane, index, offset[index] @ plane.across, offset[index] @ plane.down, height[index]
     )
 

@@ -169,7 +169,7 @@ def static_overlap(law: ContactLaw, force: Values) -> Values:
 
 
 @dataclasses.dataclass(frozen=True)
-class Line:
+class PrecompressedLine:
     """The line that a chain or a packing is for long waves along it, in its static state.
 
     Attributes
@@ -199,7 +199,7 @@ class Line:
         return self.frequency * self.overlap
 
 
-def line_of(case: Case, law: ContactLaw | None = None) -> Line:
+def line_of(case: Case, law: ContactLaw | None = None) -> PrecompressedLine:
     """The line of a precompressed chain, or of the layers of a packing, of like spheres.
 
     Where the sides are periodic, the load makes the contacts of a packing less steep.
@@ -225,7 +225,9 @@ def line_of(case: Case, law: ContactLaw | None = None) -> Line:
     overlap = static_overlap(law, force)
     length = diameter - overlap
     stiffness = n * (cosine**2 * 1.5 * force / overlap - (1 - cosine**2) * force / length)
-    return Line(force, overlap, rule.layer_spacing * diameter, math.sqrt(stiffness / mass))
+    return PrecompressedLine(
+        force, overlap, rule.layer_spacing * diameter, math.sqrt(stiffness / mass)
+    )
 
 
 @cache
@@ -279,7 +281,7 @@ def crest_times(n: NDArray[np.int64]) -> Array:
     return np.array([_crest(2 * int(one) - 1) for one in n])
 
 
-def crest_speed(line: Line, n: NDArray[np.int64]) -> float:
+def crest_speed(line: PrecompressedLine, n: NDArray[np.int64]) -> float:
     """Mean speed of the crest of the forces over contacts n, rising, of a struck line, m/s."""
     times = [_crest(2 * int(one)) for one in n]
     return 2 * line.speed / float(np.polyfit(n, times, 1)[0])

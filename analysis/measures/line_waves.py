@@ -32,7 +32,7 @@ from scipy.optimize import brentq, least_squares
 from scipy.signal import czt
 
 from granwave.analysis.errors import MissingDataError
-from granwave.analysis.measures.hertz_lattices import Line, crest_times
+from granwave.analysis.measures.hertz_lattices import PrecompressedLine, crest_times
 from granwave.analysis.measures.signals import Array, first_peak, width
 from granwave.analysis.result.reader import Result
 
@@ -283,7 +283,7 @@ def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
     return float(after.max(initial=0.0) / peak)
 
 
-def speed_along_layers(result: Result, line: Line) -> float:
+def speed_along_layers(result: Result, line: PrecompressedLine) -> float:
     """c0 along the stacking of a packing, m/s; NaN where the run has too few layers, or is too
     short.
 
@@ -318,7 +318,7 @@ def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
     return numbers[good], times[good]
 
 
-def long_wave_speed(line: Line, numbers: NDArray[np.int64], times: Array) -> float:
+def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: Array) -> float:
     """c0 by the times of the crests of the velocities in a linear line whose first body is struck,
     m/s.
 

@@ -104,7 +104,7 @@ class LineRecord:
         return float(np.polyfit(self.arrival[known], self.distance[known], 1)[0])
 
     @property
-    def decay(self) -> Decay | None:
+    def decay(self) -> TwoRegionDecay | None:
         """Decay of the peak speed in two regions; None for too few grains."""
         if not self.straight:
             return None
@@ -191,7 +191,7 @@ def line_summary(result: Result) -> dict[str, Any]:
 
 
 @dataclasses.dataclass(frozen=True)
-class Decay:
+class TwoRegionDecay:
     """Decay in two regions.
 
     Attributes
@@ -213,7 +213,7 @@ class Decay:
     points: int
 
 
-def fit_decay(distance: Array, peak: Array) -> Decay | None:
+def fit_decay(distance: Array, peak: Array) -> TwoRegionDecay | None:
     """Fit the broken line to peaks at distances (m); None for fewer than four.
 
     Parameters
@@ -251,7 +251,7 @@ def fit_decay(distance: Array, peak: Array) -> Decay | None:
         best = float(refined.x) if misfit(float(refined.x))[0] < misfit(best)[0] else best
     _, slope, bend = misfit(best)[1]
     single = float(np.polyfit(x, y, 1)[0])
-    return Decay(-float(slope), -float(slope + bend), best, -single, len(x))
+    return TwoRegionDecay(-float(slope), -float(slope + bend), best, -single, len(x))
 
 
 def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) -> float | None:

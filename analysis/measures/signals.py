@@ -140,7 +140,7 @@ def power(x: Array, y: Array) -> Power:
 
 
 @dataclasses.dataclass(frozen=True)
-class Decay:
+class ExponentialDecay:
     """``y = end + span exp(-x/length)``, fitted by least squares.
 
     Attributes
@@ -159,7 +159,7 @@ class Decay:
         return _exponential(x, self.end, self.span, self.length)
 
 
-def decay(x: Array, y: Array) -> Decay | None:
+def decay(x: Array, y: Array) -> ExponentialDecay | None:
     """The exponential law through points (n_points,); None where there are too few, or no such law
     is found.
     """
@@ -173,7 +173,7 @@ def decay(x: Array, y: Array) -> Decay | None:
     except RuntimeError:
         return None
     residual = float(np.sqrt(np.mean((_exponential(x, end, span, length) - y) ** 2)))
-    return Decay(float(end), float(span), float(length), residual)
+    return ExponentialDecay(float(end), float(span), float(length), residual)
 
 
 def _exponential(x: Array, end: float, span: float, length: float) -> Array:

@@ -24,7 +24,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.result.not_a_run import is_continuum, why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
-from granwave.analysis.summary_table import Row, explanation, lines, summary_rows
+from granwave.analysis.summary_table import SummaryRow, explanation, lines, summary_rows
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
@@ -184,7 +184,7 @@ class Run(Values):
         return f"<table>\n{rows}\n</table>\n<p>{place}</p>"
 
     @property
-    def _rows(self) -> list[Row]:
+    def _rows(self) -> list[SummaryRow]:
         return summary_rows(self.summary, continuum=self._is_continuum)
 
     @cached_property

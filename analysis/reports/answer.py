@@ -15,13 +15,13 @@ from granwave.analysis.document.model import (
     Beside,
     Block,
     Cell,
-    Column,
+    DocumentTable,
     Figure,
     Gallery,
     Group,
     Note,
     Part,
-    Table,
+    TableColumn,
     column_table,
     spread_cell,
     value_column,
@@ -29,12 +29,12 @@ from granwave.analysis.document.model import (
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.reports import other_kinds
 from granwave.analysis.reports.figures import of_other_kinds, overlay, picture_in
-from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
 from granwave.analysis.reports.other_kinds import by_kind, printed, share
 from granwave.analysis.reports.results import compact_table, value_rows
 from granwave.analysis.reports.setting import is_chain, quantity_in, target_of
 from granwave.analysis.result.reader import Result
-from granwave.analysis.scans.keys import WORTH, Key, Means
+from granwave.analysis.scans.keys import WORTH, Means, VariedKey
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.cylinders import in_grains
@@ -80,7 +80,7 @@ _AT_BOTTOM = "The bottom bore {bottom_bore}."
 
 
 def answer_blocks(
-    inputs: Inputs, studied: Figure | None = None, *, judged: bool = False
+    inputs: ReportInputs, studied: Figure | None = None, *, judged: bool = False
 ) -> list[Block]:
     """Return the blocks: of each scan the dependence of its main quantity; of runs their main
     values.
@@ -120,7 +120,7 @@ def answer_blocks(
     return blocks
 
 
-def main_figures(inputs: Inputs, studied: Figure | None) -> set[Path]:
+def main_figures(inputs: ReportInputs, studied: Figure | None) -> set[Path]:
     """Return the paths of the figures that the blocks show, without a suffix; ``studied`` as of
     `answer_blocks`.
     """
@@ -132,16 +132,16 @@ def main_figures(inputs: Inputs, studied: Figure | None) -> set[Path]:
     }
 
 
-def _main_figure(item: Run | Scan, inputs: Inputs) -> Figure | None:
+def _main_figure(item: ReportRun | ReportScan, inputs: ReportInputs) -> Figure | None:
     names = _names(item)
     return picture_in(item, names[0], inputs) if names else None
 
 
-def _names(item: Run | Scan) -> list[str]:
+def _names(item: ReportRun | ReportScan) -> list[str]:
     """Return the names of the figures there are that show the main quantity of a scan, or a run,
     best first.
     """
-    if isinstance(item, Run):
+    if isinstance(item, ReportRun):
         left_out = {*of_other_kinds(item), *(_OF_THICK_PACKINGS if _is_thin(item) else ())}
         first = ("target",) if target_of(item.case) else ()
         names = [name for name in (*first, *_MAIN_FIGURES) if name not in left_out]
@@ -155,7 +155,7 @@ def _names(item: Run | Scan) -> list[str]:
     ]
 
 
-def _is_thin(run: Run) -> bool:
+def _is_thin(run: ReportRun) -> bool:
     """Return True for a long row of grains; False for what has no grains, or cannot be read."""
     try:
         with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
@@ -171,7 +171,7 @@ def _is_thin(run: Run) -> bool:
 # ---------------------------------------------------------------------- scans
 
 
-def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, ...]:
+def _of_scan(scan: ReportScan, inputs: ReportInputs, studied: Figure | None) -> tuple[Part, ...]:
     """Return the sentence, and the figure and the table where anything varies."""
     means = scan.means
     shown = means.quantities()
@@ -195,7 +195,7 @@ def _of_scan(scan: Scan, inputs: Inputs, studied: Figure | None) -> tuple[Part, 
     return sentence, Beside(Gallery((picture,)), table) if picture else table
 
 
-def _table(means: Means, shown: Sequence[str]) -> Table:
+def _table(means: Means, shown: Sequence[str]) -> DocumentTable:
     rows = range(len(means.counts))
     columns = [
         (_column(key, means), [Cell(key.tick(row), key.values[row]) for row in rows])
@@ -208,7 +208,7 @@ def _table(means: Means, shown: Sequence[str]) -> Table:
     return column_table(_caption(means), columns, sortable=True)
 
 
-def _crossed(means: Means, main: str) -> Table:
+def _crossed(means: Means, main: str) -> DocumentTable:
     """Make a table of the main quantity: rows by the key with more values, columns by the other."""
     down, across = sorted(means.keys, key=lambda key: len(set(key.values)), reverse=True)
     rows = range(len(means.counts))
@@ -220,7 +220,7 @@ def _crossed(means: Means, main: str) -> Table:
             f"{in_grains(across.naming.label, means.called)} {head} {across.naming.unit}".rstrip()
         )
         column = (
-            Column(heading, numeric=True),
+            TableColumn(heading, numeric=True),
             [cells.get((name, head), Cell("")) for name in first],
         )
         columns.append(column)
@@ -233,8 +233,8 @@ def _mean(means: Means, name: str, row: int) -> Cell:
     return spread_cell(means.values[name][row], means.half_widths[name][row])
 
 
-def _column(key: Key, means: Means) -> Column:
-    return Column(
+def _column(key: VariedKey, means: Means) -> TableColumn:
+    return TableColumn(
         in_grains(key.naming.label, means.called), key.naming.unit, numeric=key.numeric, key=True
     )
 
@@ -251,7 +251,7 @@ def _caption(means: Means) -> str:
 # ---------------------------------------------------------------------- runs
 
 
-def _of_run(run: Run, inputs: Inputs) -> list[Block]:
+def _of_run(run: ReportRun, inputs: ReportInputs) -> list[Block]:
     said = in_grains(in_words(run), grains_called_in([run.summary]))
     blocks: list[Block] = [Note(said, "lead")] if said else []
     table = value_rows(run)
@@ -261,7 +261,7 @@ def _of_run(run: Run, inputs: Inputs) -> list[Block]:
     return [*blocks, Beside(Gallery((picture,)), table) if picture else table]
 
 
-def _of_runs_in_words(runs: Sequence[Run]) -> str:
+def _of_runs_in_words(runs: Sequence[ReportRun]) -> str:
     """Return how much of the load came through several driven rows, or of the input was dissipated,
     in each of them.
     """
@@ -287,7 +287,7 @@ def _in_newtons(force: float) -> str:
     return quantity_in(force, "N")
 
 
-def in_words(run: Run) -> str:
+def in_words(run: ReportRun) -> str:
     """Return what came out of a run; the answer that it was made for comes first."""
     if not run.has_balance:
         return other_kinds.in_words(run)
@@ -339,7 +339,7 @@ def in_words(run: Run) -> str:
     return other_kinds.sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
 
 
-def _name_peak_forces(run: Run, values: dict[str, str]) -> None:
+def _name_peak_forces(run: ReportRun, values: dict[str, str]) -> None:
     """Tell the largest force between spheres from that of all contacts, walls included."""
     pairs = values.pop("peak_force_N", "")
     if run.number("peak_force_N"):
@@ -380,7 +380,7 @@ def _decay(peaks: NDArray[np.float64]) -> str:
     return " to ".join(ends)
 
 
-def _peaks(run: Run) -> NDArray[np.float64]:
+def _peaks(run: ReportRun) -> NDArray[np.float64]:
     """Return the largest force of each contact along a chain beyond the static one: (n_contacts,),
     N; or nothing.
     """

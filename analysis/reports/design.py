@@ -16,13 +16,13 @@ from matplotlib.ticker import MaxNLocator
 from granwave.analysis.document.model import (
     Block,
     Cell,
-    Column,
+    DocumentSection,
+    DocumentTable,
     Figure,
     Gallery,
     Note,
     Report,
-    Section,
-    Table,
+    TableColumn,
     case_column,
     label_of,
     show,
@@ -92,20 +92,24 @@ def _lead(found: Mapping[str, Any]) -> str:
     return f"Search for {goals}: {found['evaluations']}{of} were run{further}"
 
 
-def _sections(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> list[Section]:
+def _sections(
+    found: Mapping[str, Any], table: pd.DataFrame, directory: Path
+) -> list[DocumentSection]:
     best = found["best"]
     drawn = _drawn(found, table, directory)
-    sections = [Section("Answer", "answer", tuple(_answer(found, directory, drawn)))]
+    sections = [DocumentSection("Answer", "answer", tuple(_answer(found, directory, drawn)))]
     if best:
-        sections.append(Section("The best designs", "best", (_best_table(found, table),)))
-        sections.append(Section("Checks of the best", "checks", (_checks(best),)))
+        sections.append(DocumentSection("The best designs", "best", (_best_table(found, table),)))
+        sections.append(DocumentSection("Checks of the best", "checks", (_checks(best),)))
     figures = tuple(
         drawn[name]
         for name in ("convergence", "front", "importance", "coordinates")
         if name in drawn
     )
     sections.append(
-        Section("The search", "search", (*([Gallery(figures)] if figures else []), _cost(found)))
+        DocumentSection(
+            "The search", "search", (*([Gallery(figures)] if figures else []), _cost(found))
+        )
     )
     return sections
 
@@ -162,7 +166,7 @@ def answer_of(found: Mapping[str, Any], directory: Path) -> str:
     return f"{made}: {' and '.join(values)}{less}, {where}."
 
 
-def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
+def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
     """Return the ten best designs, or the front, with what varies, mass, height and objectives."""
     objectives = list(found["objectives"])
     keys = list(found["best"]["variables"])
@@ -188,19 +192,21 @@ def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> Table:
         for end in ("low", "high")
         if f"{name}_{end}" in table
     ]
-    heads = [Column("Design", key=True), *map(value_column, objectives)]
+    heads = [TableColumn("Design", key=True), *map(value_column, objectives)]
     heads += [
-        Column(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
+        TableColumn(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
         for name in spread
     ]
     heads += [
-        Column(label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True)
+        TableColumn(
+            label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True
+        )
         for name in known
     ]
     heads += [case_column(key, "", numeric=False) for key in keys]
     shown = rows[["number", *objectives, *spread, *known, *keys]].astype(object).to_numpy().tolist()
     cells = tuple(tuple(map(value_cell, row)) for row in shown)
-    return Table(
+    return DocumentTable(
         "Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True
     )
 
@@ -220,7 +226,7 @@ def _bounds(limit: Mapping[str, float]) -> str:
     )
 
 
-def _checks(best: Mapping[str, Any]) -> Table:
+def _checks(best: Mapping[str, Any]) -> DocumentTable:
     rows = [
         (
             Cell(one["what"]),
@@ -236,7 +242,7 @@ def _checks(best: Mapping[str, Any]) -> Table:
     )
 
 
-def _cost(found: Mapping[str, Any]) -> Table:
+def _cost(found: Mapping[str, Any]) -> DocumentTable:
     states = ", ".join(f"{count} {state}" for state, count in found["states"].items())
     rows = [("Designs", states), ("Time of all runs", duration(found["seconds"]))]
     rows += [

@@ -12,13 +12,21 @@ import numpy as np
 from numpy.typing import NDArray
 from PIL import Image
 
-from granwave.analysis.document.model import Block, Figure, Gallery, Group, Link, Note, Section
+from granwave.analysis.document.model import (
+    Block,
+    DocumentSection,
+    Figure,
+    Gallery,
+    Group,
+    Link,
+    Note,
+)
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
 from granwave.analysis.formatting.values import as_label, grains_called_in
 from granwave.analysis.quantities import readable
-from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
 from granwave.lammps_inputs.files import regular
@@ -109,8 +117,8 @@ _AGAINST = "_vs_"  # between quantity and key in names of figures of scans
 
 
 def figures_section(
-    inputs: Inputs, above: Collection[str] = (), shown: Collection[Path] = ()
-) -> Section:
+    inputs: ReportInputs, above: Collection[str] = (), shown: Collection[Path] = ()
+) -> DocumentSection:
     """Make the section of the report.
 
     Parameters
@@ -123,24 +131,26 @@ def figures_section(
     blocks: list[Block] = []
     n_items = len(inputs.items)
     for number, item in enumerate(inputs.items, start=1):
-        what = "scan" if isinstance(item, Scan) else "run"
+        what = "scan" if isinstance(item, ReportScan) else "run"
         left_out = {
             path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY
         }
-        left_out |= set(above) if isinstance(item, Scan) else of_other_kinds(item)
+        left_out |= set(above) if isinstance(item, ReportScan) else of_other_kinds(item)
         parts = _pictures(
             item, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, left_out
         )
         if parts:
             title = f"Figures of {what} {item.label}"
-            folded = n_items > 2 and isinstance(item, Run)
+            folded = n_items > 2 and isinstance(item, ReportRun)
             blocks += parts if n_items == 1 else [Group(title, parts, folded=folded)]
-        if isinstance(item, Scan):
+        if isinstance(item, ReportScan):
             blocks += _points(item, inputs, number)
-    return Section("Figures", SLUG, tuple(blocks) or (Note("There are no figures."),) * (not shown))
+    return DocumentSection(
+        "Figures", SLUG, tuple(blocks) or (Note("There are no figures."),) * (not shown)
+    )
 
 
-def of_other_kinds(run: Run) -> set[str]:
+def of_other_kinds(run: ReportRun) -> set[str]:
     """Return the names of figures of bands, modes or transmission that belong to other results in a
     run's directory.
     """
@@ -151,7 +161,7 @@ def of_other_kinds(run: Run) -> set[str]:
     }
 
 
-def overlay(runs: Sequence[Run]) -> list[Block]:
+def overlay(runs: Sequence[ReportRun]) -> list[Block]:
     """Draw the dissipated share against time for runs, or the kinetic share where no run dissipates
     anything; empty for fewer than two.
     """
@@ -182,7 +192,7 @@ def overlay(runs: Sequence[Run]) -> list[Block]:
     return blocks
 
 
-def picture_in(item: Run | Scan, name: str, inputs: Inputs) -> Figure | None:
+def picture_in(item: ReportRun | ReportScan, name: str, inputs: ReportInputs) -> Figure | None:
     """Return a figure of a run or scan by name; None if it is missing or damaged."""
     path = item.directory / FIGURES_DIRECTORY / f"{name}.png"
     try:
@@ -234,7 +244,7 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
     return stream.getvalue(), image.size, inches
 
 
-def _caption(item: Run | Scan, stem: str, *, in_words: bool) -> tuple[str, str]:
+def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:
     """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of
     a scan shows.
     """
@@ -245,7 +255,7 @@ def _caption(item: Run | Scan, stem: str, *, in_words: bool) -> tuple[str, str]:
         return readable(stem), ""
     labels = {}
     said = ""
-    if isinstance(item, Scan):
+    if isinstance(item, ReportScan):
         columns = {
             name: [point.result.labels.get(name, "") for point in item.points]
             for name in item.source.varied
@@ -263,7 +273,7 @@ def _caption(item: Run | Scan, stem: str, *, in_words: bool) -> tuple[str, str]:
     )
 
 
-def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
+def _points(scan: ReportScan, inputs: ReportInputs, number: int) -> list[Block]:
     """Return the pictures of the points of a scan, in folded groups, up to `POINTS_BUDGET`."""
     blocks: list[Block] = []
     left = []
@@ -302,8 +312,8 @@ def _points(scan: Scan, inputs: Inputs, number: int) -> list[Block]:
 
 
 def _pictures(
-    item: Run | Scan,
-    inputs: Inputs,
+    item: ReportRun | ReportScan,
+    inputs: ReportInputs,
     name: str,
     what: str,
     width: int,
@@ -327,7 +337,9 @@ def _pictures(
             damaged.append(Note(f"{inputs.path(path)} cannot be shown: {why}", "note"))
     there = [(VIEW_FILE, "Turn and cut the packing in a browser:")]
     there += [(FILM_FILE.format(form), "Film:") for form in FILM_FORMATS]
-    there = [one for one in there if isinstance(item, Run) and (item.directory / one[0]).is_file()]
+    there = [
+        one for one in there if isinstance(item, ReportRun) and (item.directory / one[0]).is_file()
+    ]
     pages = [Note(text, links=(inputs.link(item.directory / name, name),)) for name, text in there]
     gallery = [Gallery(tuple(figures))] if figures else []
     failed = [Note(f"The {one}.", "bad") for one in FigureFolder(item.results).not_drawn().values()]
@@ -336,8 +348,8 @@ def _pictures(
 
 def _picture(
     path: Path,
-    item: Run | Scan,
-    inputs: Inputs,
+    item: ReportRun | ReportScan,
+    inputs: ReportInputs,
     name: str,
     what: str,
     width: int,
@@ -355,7 +367,9 @@ def _picture(
         True to say after the caption what a figure of a scan shows.
     """
     png, size, inches = shrunk(path, width)
-    runs = [item] if isinstance(item, Run) else [point.run for point in item.points if point.run]
+    runs = (
+        [item] if isinstance(item, ReportRun) else [point.run for point in item.points if point.run]
+    )
     called = grains_called_in(run.summary for run in runs)
     caption, said = _caption(item, path.stem, in_words=in_words)
     caption = in_grains(caption, called)
@@ -370,7 +384,7 @@ def _picture(
 
 
 def _share_of_input(
-    run: Run, names: Sequence[str]
+    run: ReportRun, names: Sequence[str]
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
     """Return times, s, and the first of some energies that the run has over the final input; None
     without them.

@@ -60,7 +60,7 @@ _REFUSED = (
 
 
 @dataclasses.dataclass(frozen=True)
-class Run:
+class ReportRun:
     """A run with a summary, given directly or as a point of a scan.
 
     Attributes
@@ -149,21 +149,21 @@ class Run:
 
 
 @dataclasses.dataclass(frozen=True)
-class Point:
+class ReportPoint:
     """A point of a scan; ``run`` is None if it is not done, for which ``reason`` tells why."""
 
     result: PointResult
     reason: str
-    run: Run | None
+    run: ReportRun | None
 
 
 @dataclasses.dataclass(frozen=True)
-class Scan:
+class ReportScan:
     """A scan with its points in order, and the names of its studies."""
 
     label: str
     source: ScanResult
-    points: tuple[Point, ...]
+    points: tuple[ReportPoint, ...]
     studies: tuple[str, ...] = ()
 
     @property
@@ -187,7 +187,7 @@ class Scan:
 
 
 @dataclasses.dataclass(frozen=True)
-class Inputs:
+class ReportInputs:
     """Inputs of a report.
 
     Attributes
@@ -198,26 +198,26 @@ class Inputs:
         Name of the suite if the items are its scans; else empty.
     """
 
-    items: tuple[Run | Scan, ...]
+    items: tuple[ReportRun | ReportScan, ...]
     base: Path
     suite: str = ""
 
     @property
-    def runs(self) -> tuple[Run, ...]:
+    def runs(self) -> tuple[ReportRun, ...]:
         """Runs that were given directly."""
-        return tuple(item for item in self.items if isinstance(item, Run))
+        return tuple(item for item in self.items if isinstance(item, ReportRun))
 
     @property
-    def scans(self) -> tuple[Scan, ...]:
+    def scans(self) -> tuple[ReportScan, ...]:
         """Scans that were given."""
-        return tuple(item for item in self.items if isinstance(item, Scan))
+        return tuple(item for item in self.items if isinstance(item, ReportScan))
 
-    def results(self) -> Iterator[Run]:
+    def results(self) -> Iterator[ReportRun]:
         """Iterate over all runs, including finished points of scans; a run that points share is
         given once.
         """
         for item in self.items:
-            if isinstance(item, Run):
+            if isinstance(item, ReportRun):
                 yield item
                 continue
             seen: set[Path] = set()
@@ -226,7 +226,7 @@ class Inputs:
                     seen.add(point.run.directory)
                     yield point.run
 
-    def whole(self) -> Iterator[Run]:
+    def whole(self) -> Iterator[ReportRun]:
         """Iterate over `results` without those whose result.h5 is damaged."""
         return (run for run in self.results() if not run.damaged)
 
@@ -247,7 +247,7 @@ def relative(path: Path, base: Path) -> str:
 
 def read_inputs(
     directories: Sequence[str | Path], base: Path, study_files: Collection[str] = ()
-) -> Inputs:
+) -> ReportInputs:
     """Read runs and scans.
 
     Parameters
@@ -277,7 +277,7 @@ def read_inputs(
             "no directory was given, expected those of runs or scans: granwave report DIR..."
         )
     names = [path.resolve().name or "/" for path in paths]
-    items: list[Run | Scan] = []
+    items: list[ReportRun | ReportScan] = []
     for path, name in zip(paths, names, strict=True):
         try:
             items += _read(
@@ -288,7 +288,7 @@ def read_inputs(
     if errors:
         raise InputError(errors)
     suite = read_json(Path(directories[0]) / SUITE_INDEX) if len(directories) == 1 else None
-    return Inputs(tuple(items), base, str((suite or {}).get("name", "")))
+    return ReportInputs(tuple(items), base, str((suite or {}).get("name", "")))
 
 
 def _parts(directory: Path) -> list[Path]:
@@ -299,7 +299,7 @@ def _parts(directory: Path) -> list[Path]:
     ]
 
 
-def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Scan]:
+def _read(path: Path, label: str, study_files: Collection[str]) -> list[ReportRun | ReportScan]:
     """Read a directory; several for bands, modes and transmission in one."""
     if not path.exists():
         raise InputError(
@@ -337,7 +337,7 @@ def _read(path: Path, label: str, study_files: Collection[str]) -> list[Run | Sc
     return [_read_run(results, label, _summary(results))]
 
 
-def _read_spectrum(path: Path, label: str, kind: str) -> Run:
+def _read_spectrum(path: Path, label: str, kind: str) -> ReportRun:
     """Read bands, modes or a transmission; the case and the versions are those of spectra.h5."""
     tables, versions = recorded(path)
     values = read_json(path / f"{kind}.json")
@@ -345,7 +345,7 @@ def _read_spectrum(path: Path, label: str, kind: str) -> Run:
         raise InputError(
             f"{path / f'{kind}.json'}: cannot be read; make it anew with  granwave {kind} CASE -o {path} --force"
         )
-    return Run(
+    return ReportRun(
         label,
         "spectra",
         ResultDirectory(path),
@@ -397,7 +397,7 @@ def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
     return found
 
 
-def _read_run(results: ResultDirectory, label: str, summary: Mapping[str, Any]) -> Run:
+def _read_run(results: ResultDirectory, label: str, summary: Mapping[str, Any]) -> ReportRun:
     results.check_case()
     if changed := results.changed_result():
         raise InputError(changed)
@@ -407,7 +407,7 @@ def _read_run(results: ResultDirectory, label: str, summary: Mapping[str, Any]) 
     refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
     label, status = (f"{label} (refused)", "refused") if refused else (label, "done")
     kind: Kind = "continuum" if continuum else "run"
-    return Run(label, kind, results, status, summary, case, record)
+    return ReportRun(label, kind, results, status, summary, case, record)
 
 
 def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
@@ -421,7 +421,7 @@ def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
     return found
 
 
-def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
+def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportScan:
     try:
         source = ScanResult(path)
         results = source.points
@@ -431,8 +431,8 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
         raise InputError(
             f"{path / SCAN_INDEX}: a point lacks what it needs ({error!r}); run the scan again with resume=True"
         ) from None
-    runs: dict[str, Run] = {}
-    points: list[Point] = []
+    runs: dict[str, ReportRun] = {}
+    points: list[ReportPoint] = []
     errors: list[InputFault] = []
     for result in results:
         done = (
@@ -448,7 +448,7 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
             except InputError as error:
                 errors += error.items
                 continue
-        points.append(Point(result, "", runs[result.id]) if whole else _undone(result, path))
+        points.append(ReportPoint(result, "", runs[result.id]) if whole else _undone(result, path))
     if errors:
         raise InputError(dict.fromkeys(errors))
     suite = read_json(path.parent / SUITE_INDEX) or {}
@@ -462,17 +462,19 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> Scan:
             name,
             name,
         )
-    return Scan(label, source, tuple(points), tuple(name for name in named if name not in unasked))
+    return ReportScan(
+        label, source, tuple(points), tuple(name for name in named if name not in unasked)
+    )
 
 
-def _undone(result: PointResult, scan: Path) -> Point:
+def _undone(result: PointResult, scan: Path) -> ReportPoint:
     """Return a point that is not done, with the reason."""
     finished = scan / POINTS / result.id
     if (finished / SUMMARY_FILE).is_file():
         result = dataclasses.replace(result, status="missing", directory=finished)
-        return Point(
+        return ReportPoint(
             result, f"its {SUMMARY_FILE} is damaged; make it anew with  granwave analyse", None
         )
     if result.status == "failed":
-        return Point(result, str(result.reason or "no reason was recorded"), None)
-    return Point(result, "begun, not finished" if result.directory else "not begun", None)
+        return ReportPoint(result, str(result.reason or "no reason was recorded"), None)
+    return ReportPoint(result, "begun, not finished" if result.directory else "not begun", None)

@@ -11,11 +11,18 @@ from typing import Any
 import h5py
 import numpy as np
 
-from granwave.analysis.document.model import BLANK, Cell, Column, Table, is_number, value_cell
+from granwave.analysis.document.model import (
+    BLANK,
+    Cell,
+    DocumentTable,
+    TableColumn,
+    is_number,
+    value_cell,
+)
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.inference import tables as inference
 from granwave.analysis.quantities import quantity
-from granwave.analysis.reports.inputs import Run
+from granwave.analysis.reports.inputs import ReportRun
 from granwave.analysis.reports.setting import range_in
 from granwave.analysis.spectra import quantities as spectra
 from granwave.lammps_inputs.files import regular
@@ -75,22 +82,22 @@ _OF_WAVES = {
 }
 
 
-def label_in(run: Run, key: str) -> str:
+def label_in(run: ReportRun, key: str) -> str:
     """Return the label of a value of such a result; empty if it is not known."""
     entries = inference.QUANTITIES if run.is_inference else _OF_WAVES
     return entries[key].label if key in entries else ""
 
 
-def by_kind(runs: Sequence[Run]) -> list[list[Run]]:
+def by_kind(runs: Sequence[ReportRun]) -> list[list[ReportRun]]:
     """Return the inferences, and the small waves of each kind, of some runs."""
-    found: dict[str, list[Run]] = {}
+    found: dict[str, list[ReportRun]] = {}
     for run in runs:
         if not run.has_balance:
             found.setdefault(str(run.summary.get("kind")), []).append(run)
     return list(found.values())
 
 
-def table_of(runs: Sequence[Run], caption: str) -> Table:
+def table_of(runs: Sequence[ReportRun], caption: str) -> DocumentTable:
     """Make a table of inferences or small waves: a row for each value, a column for each run."""
     entries = _OF_INFERENCE if runs[0].is_inference else _OF_SPECTRA
     rows = []
@@ -102,12 +109,12 @@ def table_of(runs: Sequence[Run], caption: str) -> Table:
         rows.append((Cell(label, label), *cells, Cell(unit)))
     heads = [run.label for run in runs] if len(runs) > 1 else ["Value"]
     columns = (
-        Column("Quantity", key=True),
-        *(Column(head, numeric=True) for head in heads),
-        Column("Unit"),
+        TableColumn("Quantity", key=True),
+        *(TableColumn(head, numeric=True) for head in heads),
+        TableColumn("Unit"),
     )
     kept = tuple(row for row in rows if any(cell.text != BLANK for cell in row[1:-1]))
-    return Table(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
+    return DocumentTable(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
 
 
 def _span_cell(value: Any, scale: float) -> Cell:
@@ -153,7 +160,7 @@ def share(value: float) -> str:
     return f"{plain(f'{100 * value:.3g}')} %" if abs(value) > _ROUNDING else "0 %"
 
 
-def in_words(run: Run) -> str:
+def in_words(run: ReportRun) -> str:
     """Return what came out of an inference, of bands, modes or a transmission."""
     kind = str(run.summary.get("kind"))
     summary = dict(run.summary)
@@ -176,7 +183,7 @@ def in_words(run: Run) -> str:
     )
 
 
-def _of_transmission(run: Run) -> str:
+def _of_transmission(run: ReportRun) -> str:
     """Return at which frequencies at least half of the motion of the drive comes through."""
     try:
         with h5py.File(regular(run.directory / SPECTRA_FILE), "r") as file:

@@ -10,13 +10,13 @@ from collections.abc import Sequence
 from granwave.analysis.document.model import (
     Block,
     Cell,
-    Column,
+    DocumentSection,
+    DocumentTable,
     Figure,
     Group,
     Note,
     Report,
-    Section,
-    Table,
+    TableColumn,
     Tone,
     column_table,
     named,
@@ -31,7 +31,7 @@ from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.figures import figures_section
-from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
 from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
@@ -86,7 +86,7 @@ _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissip
            "energy_dissipated_holder_J", "energy_absorbed_J", "support_energy_J", "support_lost_J")  # fmt: skip
 
 
-def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
+def build_report(inputs: ReportInputs, named: Sequence[str] = ()) -> Report:
     """Build the report of runs and scans.
 
     Parameters
@@ -108,14 +108,14 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     )
     sections = (
         _answer(inputs, failures.slug, studies, picture),
-        Section("Verdict", "verdict", verdicts(studies)),
+        DocumentSection("Verdict", "verdict", verdicts(studies)),
         studies_section(inputs, studies),
         comparison_section(inputs),
         figures_section(inputs, above, main_figures(inputs, picture)),
         failures,
         results_section(inputs),
         balance_section(inputs),
-        Section(
+        DocumentSection(
             "Settings and versions", "inputs", (what, *settings_blocks(inputs), *_versions(inputs))
         ),
     )
@@ -128,7 +128,7 @@ def build_report(inputs: Inputs, named: Sequence[str] = ()) -> Report:
     )
 
 
-def _lead(inputs: Inputs) -> str:
+def _lead(inputs: ReportInputs) -> str:
     n_runs = len(inputs.runs)
     n_scans = len(inputs.scans)
     parts = []
@@ -145,20 +145,20 @@ def _lead(inputs: Inputs) -> str:
 
 
 def _answer(
-    inputs: Inputs, failures: str, studies: Sequence[Study], picture: Figure | None
-) -> Section:
+    inputs: ReportInputs, failures: str, studies: Sequence[Study], picture: Figure | None
+) -> DocumentSection:
     """Make the first section: what must not be overlooked, what came out, and notes on it."""
     notes = _notes(inputs, failures)
     bad, others = (
         [note for note in notes if (note.tone == "bad") is wanted] for wanted in (True, False)
     )
     answer = answer_blocks(inputs, picture, judged=any(study.verdict for study in studies))
-    return Section(
+    return DocumentSection(
         "In short", "short", (*bad, *leads(studies), *answer, *symbols_note(inputs), *others)
     )
 
 
-def _notes(inputs: Inputs, failures: str) -> list[Note]:
+def _notes(inputs: ReportInputs, failures: str) -> list[Note]:
     """Return notes on points and runs that lack something or are doubtful; if there are none, one
     that says so.
     """
@@ -226,7 +226,7 @@ def _notes(inputs: Inputs, failures: str) -> list[Note]:
     return notes or [Note(_GOOD, "good")] * bool(runs)
 
 
-def _poor_balances(poor: Sequence[Run]) -> list[tuple[str, Sequence[str], Tone, str]]:
+def _poor_balances(poor: Sequence[ReportRun]) -> list[tuple[str, Sequence[str], Tone, str]]:
     """Return the text and the labels of runs with a poor balance, by the error accepted of them."""
     found: list[tuple[str, Sequence[str], Tone, str]] = []
     for accepted in sorted({run.accepted_error for run in poor}):
@@ -237,23 +237,23 @@ def _poor_balances(poor: Sequence[Run]) -> list[tuple[str, Sequence[str], Tone, 
     return found
 
 
-def _beyond_law(run: Run) -> bool:
+def _beyond_law(run: ReportRun) -> bool:
     return (run.number("contacts_beyond_law") or 0) > 0
 
 
-def _error_of(run: Run) -> float:
+def _error_of(run: ReportRun) -> float:
     """Return the error of the balance; infinite where it is no number."""
     error = run.number("energy_balance_error") or 0.0
     return math.inf if math.isnan(error) else error
 
 
-def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
+def _input_row(item: ReportRun | ReportScan, inputs: ReportInputs) -> tuple[str | Cell, ...]:
     place = inputs.link(item.directory)
     if place.text == ".":
         place = inputs.link(item.directory, "that of this report")
     name = Cell(item.label, item.label)
     where = Cell(place.text, place.text, link=place)
-    if isinstance(item, Run):
+    if isinstance(item, ReportRun):
         kind = "inferred forces" if item.is_inference else _KIND[item.kind]
         case = show(item.summary["name"]) if item.summary.get("name") is not None else ""
         return name, kind, case, setting_of(item.case), status_cell(item.status), where
@@ -265,7 +265,7 @@ def _input_row(item: Run | Scan, inputs: Inputs) -> tuple[str | Cell, ...]:
     return name, "scan", str(item.source.case_name), setting, status, where
 
 
-def _versions(inputs: Inputs) -> list[Block]:
+def _versions(inputs: ReportInputs) -> list[Block]:
     """Return tables of versions: those that all runs share, then those that differ, by kind of run."""
     runs = list(inputs.results())
     same = []
@@ -296,7 +296,7 @@ def _versions(inputs: Inputs) -> list[Block]:
     return blocks
 
 
-def verdict(run: Run) -> tuple[str, Tone]:
+def verdict(run: ReportRun) -> tuple[str, Tone]:
     """Assess the energy balance of a run."""
     if run.number("energy_balance_error") is None:
         return "not known", "note"
@@ -308,16 +308,16 @@ def verdict(run: Run) -> tuple[str, Tone]:
     return "good", "good"
 
 
-def _limit(run: Run) -> str:
+def _limit(run: ReportRun) -> str:
     return plain(f"{run.accepted_error:.1g}")
 
 
-def balance_section(inputs: Inputs) -> Section:
+def balance_section(inputs: ReportInputs) -> DocumentSection:
     """Make the section of the report."""
     runs = [run for run in inputs.results() if run.has_balance]
     if not runs:
         nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
-        return Section("Energy balance", _BALANCE, nothing)
+        return DocumentSection("Energy balance", _BALANCE, nothing)
     text = " ".join(
         [
             _ERROR,
@@ -328,16 +328,16 @@ def balance_section(inputs: Inputs) -> Section:
     shown = (
         Group("Energies of all runs", (table,), folded=True) if len(runs) > _MOST_OPEN else table
     )
-    return Section("Energy balance", _BALANCE, (Note(text), shown))
+    return DocumentSection("Energy balance", _BALANCE, (Note(text), shown))
 
 
-def _fitted(run: Run) -> bool:
+def _fitted(run: ReportRun) -> bool:
     """Return True if the law of a run was fitted to finite elements, or is not known."""
     law = run.case.get("contact.law", "elastoplastic")
     return law != LINE and (law not in ALL_LAWS or bool(ALL_LAWS[law].fitted))
 
 
-def _table(runs: Sequence[Run]) -> Table:
+def _table(runs: Sequence[ReportRun]) -> DocumentTable:
     parts = [f"energy_{part}_J" for part in _PARTS]
     shown = [
         key
@@ -356,14 +356,14 @@ def _table(runs: Sequence[Run]) -> Table:
         for run in runs
     ]
     columns = [
-        (Column("Run", key=True), [Cell(run.label, run.label) for run in runs]),
+        (TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]),
         *((value_column(key), [value_cell(run.summary.get(key)) for run in runs]) for key in shown),
-        (Column("Error over input", numeric=True), errors),
-        (Column("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
-        (Column("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),
-        (Column("Timestep", "s", numeric=True), [value_cell(run.summary.get("timestep_s")) for run in runs]),
-        (Column("Timesteps dropped", numeric=True),
+        (TableColumn("Error over input", numeric=True), errors),
+        (TableColumn("Accepted error", numeric=True), [value_cell(run.accepted_error) for run in runs]),
+        (TableColumn("Balance"), [Cell(text, text, tone) for text, tone in verdicts]),
+        (TableColumn("Timestep", "s", numeric=True), [value_cell(run.summary.get("timestep_s")) for run in runs]),
+        (TableColumn("Timesteps dropped", numeric=True),
          [value_cell(len(one) if isinstance(one, list) else None) for one in dropped]),
-        (Column("Contacts beyond the law", numeric=True), beyond),
+        (TableColumn("Contacts beyond the law", numeric=True), beyond),
     ]  # fmt: skip
     return column_table("Energies at the end, and the error of the balance", columns, sortable=True)

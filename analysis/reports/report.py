@@ -22,7 +22,7 @@ import jinja2
 import matplotlib as mpl
 from markupsafe import Markup, escape
 
-from granwave.analysis.document.model import Figure, Report, Table, cleaned
+from granwave.analysis.document.model import DocumentTable, Figure, Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.design import design_report
 from granwave.analysis.reports.inputs import read_inputs
@@ -98,7 +98,7 @@ def breakable(name: str) -> Markup:
     return Markup(text.replace(".", ".<wbr>").replace("_", "_<wbr>"))
 
 
-def parts(table: Table) -> list[Table]:
+def parts(table: DocumentTable) -> list[DocumentTable]:
     """Split a table into tables that are narrow enough for paper, each with the key columns.
 
     The other columns are shared out evenly; the captions count the parts.

@@ -11,12 +11,12 @@ from granwave.analysis.document.model import (
     BLANK,
     Block,
     Cell,
-    Column,
+    DocumentSection,
+    DocumentTable,
     Group,
     Note,
     Part,
-    Section,
-    Table,
+    TableColumn,
     Tone,
     case_column,
     column_table,
@@ -34,7 +34,7 @@ from granwave.analysis.formatting.values import grains_called_in, unique_labels,
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
 from granwave.analysis.reports import other_kinds
-from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
 from granwave.analysis.reports.setting import differing, is_chain, target_of
 from granwave.analysis.scans.table import (
     CONFIDENCE,
@@ -47,7 +47,7 @@ from granwave.analysis.scans.table import (
 )
 from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 
-Columns = list[tuple[Column, list[Cell]]]
+Columns = list[tuple[TableColumn, list[Cell]]]
 
 SLUG = "results"
 MOST_SIDE_BY_SIDE = 6
@@ -59,7 +59,7 @@ MOST_KEYS = 2
 _NO_PHYSICS = ("run.", "output.", "figures.")  # tables of the case
 _LONGEST = 600  # characters of a reason
 _STATUS = "Status"
-_NUMBER = Column("#", numeric=True, key=True)
+_NUMBER = TableColumn("#", numeric=True, key=True)
 _MATERIAL = "material.name"
 _OF_MATERIAL = "material."
 #: Values that packings and blocks do not share, or mean otherwise.
@@ -122,7 +122,7 @@ _OF_ZONE = (
 )  # keys whose values are marked where the zone reaches a bound
 
 
-def results_section(inputs: Inputs) -> Section:
+def results_section(inputs: ReportInputs) -> DocumentSection:
     """Make the section of all values: of runs side by side, and of the points of scans, folded
     away.
     """
@@ -142,10 +142,10 @@ def results_section(inputs: Inputs) -> Section:
             [Group(f"Points of scan {scan.label}", tuple(parts), folded=True)] if folded else parts
         )
     blocks += meanings([run.summary for run in inputs.results()])
-    return Section("All values", SLUG, tuple(blocks))
+    return DocumentSection("All values", SLUG, tuple(blocks))
 
 
-def compact_table(runs: Sequence[Run]) -> Table:
+def compact_table(runs: Sequence[ReportRun]) -> DocumentTable:
     """Make a table of runs with some keys that differ, and the first values, of those that all runs
     have.
 
@@ -172,7 +172,7 @@ def compact_table(runs: Sequence[Run]) -> Table:
     return table.keeping(kept)
 
 
-def value_rows(run: Run) -> Table:
+def value_rows(run: ReportRun) -> DocumentTable:
     """Make a table of the main values of a run, a row each."""
     if not run.has_balance:
         return other_kinds.table_of([run], f"Run {run.label}")
@@ -203,8 +203,12 @@ def value_rows(run: Run) -> Table:
         label, (unit, scale) = label_of(key, called), _readable(key)
         name = Cell(label, label, meaning=meaning_in(key, called))
         rows.append((name, _result_cell(key, summary, scale), Cell(unit)))
-    columns = (Column("Quantity", key=True), Column("Value", numeric=True), Column("Unit"))
-    return Table(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
+    columns = (
+        TableColumn("Quantity", key=True),
+        TableColumn("Value", numeric=True),
+        TableColumn("Unit"),
+    )
+    return DocumentTable(f"Run {run.label}", columns, tuple(rows), captioned=False, by_row=True)
 
 
 def _beside_others(summaries: Sequence[Mapping[str, Any]]) -> set[str]:
@@ -234,7 +238,7 @@ def _readable(key: str) -> tuple[str, float]:
     return _READABLE.get(unit, (unit, 1.0))
 
 
-def _yields(run: Run) -> bool:
+def _yields(run: ReportRun) -> bool:
     """Return False if no contact of a run can yield, so that its zeros say nothing."""
     if run.summary.get("plastic_zone_volume_m3", 0.0) is None:
         return False
@@ -248,15 +252,15 @@ def status_cell(status: str) -> Cell:
 
 
 def _runs_table(
-    runs: Sequence[Run], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False
-) -> Table:
+    runs: Sequence[ReportRun], keys: Sequence[str], shown: Sequence[str], *, readable: bool = False
+) -> DocumentTable:
     cases = [run.case for run in runs]
-    names = Column("Run", key=True), [Cell(run.label, run.label) for run in runs]
+    names = TableColumn("Run", key=True), [Cell(run.label, run.label) for run in runs]
     results = _results([(run.status, run.summary) for run in runs], shown, readable=readable)
     return column_table("Runs", [names, *_settings(keys, cases, cases), *results], sortable=True)
 
 
-def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
+def _scan_blocks(scan: ReportScan, inputs: ReportInputs) -> list[Part]:
     found = [point.result for point in scan.points]
     numbers = [
         Cell(
@@ -284,7 +288,7 @@ def _scan_blocks(scan: Scan, inputs: Inputs) -> list[Part]:
     return blocks
 
 
-def _cases(scan: Scan) -> list[Mapping[str, Any]]:
+def _cases(scan: ReportScan) -> list[Mapping[str, Any]]:
     """Return the cases of the finished points, by dotted key."""
     return [point.run.case for point in scan.points if point.run]
 
@@ -329,7 +333,7 @@ def _results(
         Lengths and times are in the units of sentences and figures, else in those of summary.json.
     """
     called = grains_called_in(summary for _, summary in results)
-    columns: Columns = [(Column(_STATUS), [status_cell(status) for status, _ in results])]
+    columns: Columns = [(TableColumn(_STATUS), [status_cell(status) for status, _ in results])]
     for key in shown:
         unit, scale = _readable(key) if readable else (unit_of_value(key), 1.0)
         cells = [_result_cell(key, summary, scale) for _, summary in results]
@@ -365,7 +369,7 @@ def _result_cell(key: str, summary: Mapping[str, Any], scale: float = 1.0) -> Ce
     )
 
 
-def _side_by_side(runs: Sequence[Run]) -> Table:
+def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     """Make a table of all values of the summaries, with a column for each run, and the difference
     of two runs.
     """
@@ -375,9 +379,9 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
     pair = len(runs) == 2
     numbers = [*(run.label for run in runs), *["Difference"] * pair]
     columns = [
-        Column("Quantity", key=True),
-        Column("Unit", key=True),
-        *(Column(one, numeric=True) for one in numbers),
+        TableColumn("Quantity", key=True),
+        TableColumn("Unit", key=True),
+        *(TableColumn(one, numeric=True) for one in numbers),
     ]
     rows = []
     called = grains_called_in([run.summary for run in runs])
@@ -395,7 +399,7 @@ def _side_by_side(runs: Sequence[Run]) -> Table:
             row.append(_difference(runs[0].summary.get(key), runs[1].summary.get(key)))
         rows.append(tuple(row))
     caption = "Values side by side" if len(runs) > 1 else f"Run {runs[0].label}"
-    return Table(caption, tuple(columns), tuple(rows), by_row=True)
+    return DocumentTable(caption, tuple(columns), tuple(rows), by_row=True)
 
 
 def _difference(first: Any, second: Any) -> Cell:
@@ -411,7 +415,7 @@ def _difference(first: Any, second: Any) -> Cell:
     return Cell(percent(value), value)
 
 
-def _replicates(scan: Scan) -> list[Table]:
+def _replicates(scan: ReportScan) -> list[DocumentTable]:
     """Make a table of means over the seeds with confidence intervals, for points that are otherwise
     equal.
     """
@@ -420,7 +424,9 @@ def _replicates(scan: Scan) -> list[Table]:
     if not any(row[COUNT] > 1 for row in rows):
         return []
     columns = _settings([key for key in scan.source.varied if key != SEED], rows, _cases(scan))
-    columns.append((Column("Replicates", numeric=True), [value_cell(row[COUNT]) for row in rows]))
+    columns.append(
+        (TableColumn("Replicates", numeric=True), [value_cell(row[COUNT]) for row in rows])
+    )
     for key in _worth_showing(
         [{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows]
     ):
@@ -437,7 +443,7 @@ def _replicates(scan: Scan) -> list[Table]:
     ]
 
 
-def failures_section(inputs: Inputs) -> Section:
+def failures_section(inputs: ReportInputs) -> DocumentSection:
     """Make the section of points that failed or are missing, with reasons."""
     blocks: list[Block] = []
     for scan in inputs.scans:
@@ -446,20 +452,23 @@ def failures_section(inputs: Inputs) -> Section:
             columns = [
                 (_NUMBER, [value_cell(one.number) for one in found]),
                 *_settings(scan.source.varied, [one.labels for one in found], ()),
-                (Column(_STATUS), [status_cell(one.status) for one in found]),
-                (Column("Attempts", numeric=True), [value_cell(one.attempts) for one in found]),
-                (Column("Why"), [Cell(_short(point.reason)) for point in points]),
-                (Column("Directory"), [_where(one.directory, inputs) for one in found]),
+                (TableColumn(_STATUS), [status_cell(one.status) for one in found]),
+                (
+                    TableColumn("Attempts", numeric=True),
+                    [value_cell(one.attempts) for one in found],
+                ),
+                (TableColumn("Why"), [Cell(_short(point.reason)) for point in points]),
+                (TableColumn("Directory"), [_where(one.directory, inputs) for one in found]),
             ]
             blocks.append(column_table(f"Scan {scan.label}: points that are not done", columns))
     for run in inputs.runs:
         if run.status != "done":
             reason = run.record.get("reason") or "its energy balance did not close"
             blocks.append(Note(f"Run {run.label} was {run.status}: {_short(str(reason))}", "bad"))
-    return Section("Failed and missing", "failures", tuple(blocks))
+    return DocumentSection("Failed and missing", "failures", tuple(blocks))
 
 
-def _where(directory: Path | None, inputs: Inputs) -> Cell:
+def _where(directory: Path | None, inputs: ReportInputs) -> Cell:
     """Return the cell of the log of a point, or of its directory."""
     if directory is None:
         return Cell(BLANK)

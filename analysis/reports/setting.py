@@ -11,7 +11,7 @@ from typing import Any
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
-from granwave.analysis.reports.inputs import Inputs, Run, Scan
+from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
 from granwave.lammps_inputs.case.boundary import SUPPORTS
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Wording
@@ -49,7 +49,7 @@ _OF_LAW = ("material", "contact", "packing.diameter", "packing.shape", "packing.
 _REMARKS = ("material.source",)  # keys of the case that change nothing
 
 
-def first_line(inputs: Inputs) -> str:
+def first_line(inputs: ReportInputs) -> str:
     """Return what was run: of few inputs each, of many what they share; empty if nothing is known."""
     if len(inputs.items) == 1:
         return _of_item(inputs.items[0])
@@ -119,7 +119,7 @@ def _ids_of(index: Any) -> set[int]:
     return set()
 
 
-def symbols_note(inputs: Inputs) -> list[Note]:
+def symbols_note(inputs: ReportInputs) -> list[Note]:
     """Define the symbols in which figures and tables of these runs give forces, energies and
     velocities.
     """
@@ -174,8 +174,8 @@ def range_in(values: Sequence[float], unit: str) -> str:
     )
 
 
-def _of_item(item: Run | Scan) -> str:
-    if isinstance(item, Run):
+def _of_item(item: ReportRun | ReportScan) -> str:
+    if isinstance(item, ReportRun):
         if item.is_inference:
             return _of_inference(item)
         loaded = item.kind != "spectra"  # else the load plays no part
@@ -191,7 +191,7 @@ def _of_item(item: Run | Scan) -> str:
     return "; ".join(filter(None, (text, varied)))
 
 
-def _of_inference(run: Run) -> str:
+def _of_inference(run: ReportRun) -> str:
     grains = run.summary.get("n_grains")
     source = run.summary.get("measurement")
     count = grains[0] if isinstance(grains, list) and grains else grains
@@ -202,7 +202,7 @@ def _of_inference(run: Run) -> str:
     return ", ".join(part for part in parts if part)
 
 
-def _shared(runs: Sequence[Run]) -> dict[str, Any]:
+def _shared(runs: Sequence[ReportRun]) -> dict[str, Any]:
     if not runs:
         return {}
     return {
@@ -294,7 +294,7 @@ def _contacts(case: Mapping[str, Any]) -> list[str]:
     return ["" if law is None else _LAWS.get(law, str(law)), *(there or ["ideal"] * known)]
 
 
-def _law_of(run: Run) -> Any:
+def _law_of(run: ReportRun) -> Any:
     tables = read_tables(run.directory / CASE_FILE)
     try:
         case = None if tables is None else stored_case(tables, run.directory / CASE_FILE)
@@ -303,15 +303,15 @@ def _law_of(run: Run) -> Any:
         return None
 
 
-def _unit_of_block(run: Run) -> float:
+def _unit_of_block(run: ReportRun) -> float:
     keys = ("punch.diameter", "material.yield_strength", "material.youngs_modulus")
     diameter, strength, modulus = (run.case.get(key) for key in keys)
     return strength**2 * diameter**3 / modulus if strength and diameter and modulus else 0.0
 
 
-def settings_blocks(inputs: Inputs) -> list[Block]:
+def settings_blocks(inputs: ReportInputs) -> list[Block]:
     """Make tables of the settings that runs share, for each scan and for the runs given directly."""
-    groups: list[tuple[str, Sequence[Run | None], Sequence[str]]] = [
+    groups: list[tuple[str, Sequence[ReportRun | None], Sequence[str]]] = [
         (f"scan {scan.label}", [point.run for point in scan.points], scan.source.varied)
         for scan in inputs.scans
     ]
@@ -335,7 +335,7 @@ def settings_blocks(inputs: Inputs) -> list[Block]:
     return blocks
 
 
-def differing(runs: Sequence[Run]) -> list[str]:
+def differing(runs: Sequence[ReportRun]) -> list[str]:
     """Return the keys of the case that differ between runs, in the order of the cases."""
     keys = list(dict.fromkeys(key for run in runs for key in run.case))
     keys = [key for key in keys if key not in _REMARKS]

@@ -13,13 +13,13 @@ from granwave.analysis.document.model import (
     BLANK,
     Block,
     Cell,
-    Column,
+    DocumentSection,
+    DocumentTable,
     Figure,
     Gallery,
     Group,
     Note,
-    Section,
-    Table,
+    TableColumn,
     column_table,
     named,
     percent,
@@ -30,7 +30,7 @@ from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
-from granwave.analysis.reports.inputs import Inputs, Run
+from granwave.analysis.reports.inputs import ReportInputs, ReportRun
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.packing_and_block.impacts import collect, not_ideal
 from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS, is_study_file
@@ -54,7 +54,7 @@ _VERIFIES = (
 )
 
 
-def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
+def studies_section(inputs: ReportInputs, found: Sequence[Study]) -> DocumentSection:
     """The section of the report; without blocks where there is no study, and without the picture at
     the top of all.
     """
@@ -62,16 +62,16 @@ def studies_section(inputs: Inputs, found: Sequence[Study]) -> Section:
     groups = []
     for n, study in enumerate(found):
         pictures = study.pictures[1:] if study is above else study.pictures
-        blocks: list[Table | Gallery | Note] = [*row_tables(study), *study.tables]
+        blocks: list[DocumentTable | Gallery | Note] = [*row_tables(study), *study.tables]
         blocks += pictures_of(dataclasses.replace(study, pictures=pictures), inputs, SLUG)
         if not blocks or study.text not in [one.text for one in found[:n]]:
             blocks.insert(0, Note(study.text))
         title = f"{study.title}: tables and figures" if study.verdict else study.title
         groups.append(Group(title, tuple(blocks)))
-    return Section("Studies", SLUG, tuple(groups))
+    return DocumentSection("Studies", SLUG, tuple(groups))
 
 
-def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
+def main_picture(found: Sequence[Study], inputs: ReportInputs) -> Figure | None:
     """Return the first picture of the studies of a scan, for the top of the report; None beside
     other inputs.
     """
@@ -84,7 +84,7 @@ def main_picture(found: Sequence[Study], inputs: Inputs) -> Figure | None:
     return first.figures[0] if isinstance(first, Gallery) else None
 
 
-def _with_main_picture(found: Sequence[Study], inputs: Inputs) -> Study | None:
+def _with_main_picture(found: Sequence[Study], inputs: ReportInputs) -> Study | None:
     alone = len(inputs.scans) == len(inputs.items) == 1
     return next((study for study in found if study.pictures), None) if alone else None
 
@@ -134,7 +134,7 @@ def _firsts(found: Sequence[Study]) -> dict[str, str]:
     }
 
 
-def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
+def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
     """Studies that the scans of a report name, of all runs of the scans that name them but those
     that are damaged.
 
@@ -146,7 +146,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     offered: dict[str, dict[Path, Any]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
     read: dict[Path, FinishedRun | SphereContactRun | None] = {}
-    asked: list[tuple[Run | None, Mapping[str, Any], Sequence[str]]] = [
+    asked: list[tuple[ReportRun | None, Mapping[str, Any], Sequence[str]]] = [
         (run, {}, named) for run in inputs.runs
     ]
     asked += [
@@ -177,7 +177,7 @@ def studies_of(inputs: Inputs, named: Sequence[str] = ()) -> list[Study]:
     return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
 
 
-def _read(run: Run) -> FinishedRun | SphereContactRun | None:
+def _read(run: ReportRun) -> FinishedRun | SphereContactRun | None:
     """Read a run for studies; None if there are none of its kind, or it was refused or cannot be
     read.
     """
@@ -188,24 +188,24 @@ def _read(run: Run) -> FinishedRun | SphereContactRun | None:
     return found if isinstance(found, FinishedRun | SphereContactRun) else None
 
 
-def row_tables(study: Study) -> list[Table | Note]:
+def row_tables(study: Study) -> list[DocumentTable | Note]:
     """Tables of the rows of a study, one for each kind; a report leaves out columns without a
     value.
     """
-    blocks: list[Table | Note] = []
+    blocks: list[DocumentTable | Note] = []
     for kind, (caption, theory) in _KINDS.items():
         rows = [row for row in study.rows if row.kind == kind]
         if not rows:
             continue
         names = [f"{row.quantity} ({row.unit})" if row.unit else row.quantity for row in rows]
         columns = [
-            (Column("Quantity", key=True), [Cell(name, name) for name in names]),
-            (Column("Source", numeric=True), [_source(row) for row in rows]),
-            (Column("Ours", numeric=True), [_number(row.ours, row.digits) for row in rows]),
-            (Column("Difference", numeric=True), [_difference(row.deviation) for row in rows]),
-            (Column(theory, numeric=True), [value_cell(row.theory) for row in rows]),
-            (Column("Where"), [Cell(row.where, row.where) for row in rows]),
-            (Column("Remark"), [Cell(row.remark, row.remark) for row in rows]),
+            (TableColumn("Quantity", key=True), [Cell(name, name) for name in names]),
+            (TableColumn("Source", numeric=True), [_source(row) for row in rows]),
+            (TableColumn("Ours", numeric=True), [_number(row.ours, row.digits) for row in rows]),
+            (TableColumn("Difference", numeric=True), [_difference(row.deviation) for row in rows]),
+            (TableColumn(theory, numeric=True), [value_cell(row.theory) for row in rows]),
+            (TableColumn("Where"), [Cell(row.where, row.where) for row in rows]),
+            (TableColumn("Remark"), [Cell(row.remark, row.remark) for row in rows]),
         ]
         blocks += [Note(_VERIFIES)] if kind == "verification" else []
         blocks.append(
@@ -228,7 +228,7 @@ def _difference(deviation: float | None) -> Cell:
     return Cell(BLANK) if deviation is None else Cell(percent(100 * deviation), deviation)
 
 
-def pictures_of(study: Study, inputs: Inputs, section: str) -> tuple[Gallery | Note, ...]:
+def pictures_of(study: Study, inputs: ReportInputs, section: str) -> tuple[Gallery | Note, ...]:
     """Pictures of a study, with links to their data where it was saved, and what of it could not be
     made.
 
@@ -260,7 +260,7 @@ _ELSEWHERE = (
 )
 
 
-def comparison_section(inputs: Inputs) -> Section:
+def comparison_section(inputs: ReportInputs) -> DocumentSection:
     """The section of the report; without blocks where there is nothing to compare.
 
     Runs that are left out are named with the reason.
@@ -281,10 +281,10 @@ def comparison_section(inputs: Inputs) -> Section:
     if blocks and (others := _left_out(runs)):
         listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in others.items())
         blocks.append(Note(f"{_ELSEWHERE}: {listed}.", "note"))
-    return Section("Comparison", _COMPARISON, tuple(blocks))
+    return DocumentSection("Comparison", _COMPARISON, tuple(blocks))
 
 
-def comparison_of(inputs: Inputs) -> list[Study]:
+def comparison_of(inputs: ReportInputs) -> list[Study]:
     """Comparison of a report's runs; empty if none can be compared."""
     return _studies(_compared(inputs))
 
@@ -296,7 +296,7 @@ def _studies(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Study]:
     return make_studies(dict.fromkeys(COMPARISON, runs))
 
 
-def _compared(inputs: Inputs) -> list[FinishedRun | ContinuumRun]:
+def _compared(inputs: ReportInputs) -> list[FinishedRun | ContinuumRun]:
     """Return the runs of grains and of blocks with a closed balance."""
     whole = [run for run in inputs.whole() if run.has_balance and run.status != "refused"]
     found = [read_run(run.label, run.directory, run.summary) for run in whole]

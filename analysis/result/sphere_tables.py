@@ -23,7 +23,7 @@ from granwave.analysis.result import contacts as pairs
 from granwave.analysis.result import hdf5_file as hdf5
 from granwave.analysis.result.contacts import Contacts
 from granwave.analysis.result.hdf5_file import Encoded
-from granwave.analysis.result.start import Dents, Start, periodic
+from granwave.analysis.result.start import DentRecord, Start, periodic
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -44,7 +44,7 @@ class AfterStaticStage(NamedTuple):
     (id, force).
     """
 
-    contacts: Dents
+    contacts: DentRecord
     planes: Mapping[str, Frame]
     folder: Path
 
@@ -60,7 +60,7 @@ def after_static_stage(
     planes = dumps.read_wall_contacts(results, after_static_stage=True)
     for name, frame in planes.items():
         start.check_ids(folder / INITIAL_WALL_FORCES_FILE.format(name), frame)
-    return AfterStaticStage(Dents(start, dump, scratch, processes), planes, folder)
+    return AfterStaticStage(DentRecord(start, dump, scratch, processes), planes, folder)
 
 
 def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
@@ -97,7 +97,7 @@ def write_tables(
     file: h5py.File,
     assembly: Assembly,
     start: Start,
-    dents: Dents,
+    dents: DentRecord,
     planes: Mapping[str, Frame],
     initial: AfterStaticStage | None,
     processes: Processes = ALONE,

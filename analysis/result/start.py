@@ -173,7 +173,7 @@ class Start:
         return self.read(sorted_once(np.concatenate(rows)))
 
 
-class Dents:
+class DentRecord:
     """Contacts at one instant of a run, by the parts of the spheres, in scratch files.
 
     Attributes

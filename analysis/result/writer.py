@@ -41,7 +41,7 @@ from granwave.analysis.lammps_output.time_series import Table, read_energy, read
 from granwave.analysis.result.hdf5_file import AT_ONCE, new_hdf5, write_group
 from granwave.analysis.result.histories import Groups, line_groups, read_chain
 from granwave.analysis.result.sphere_tables import after_static_stage, write_tables
-from granwave.analysis.result.start import Dents, Start
+from granwave.analysis.result.start import DentRecord, Start
 from granwave.analysis.result.trajectory import write_metadata, write_trajectory
 from granwave.analysis.versions import RESULTS_FORMAT
 from granwave.lammps_inputs import run_directory as files
@@ -152,7 +152,7 @@ def write_result(
         planes = read_wall_contacts(results)
         for name, frame in planes.items():
             start.check_ids(directory / files.DUMPS / files.WALL_CONTACTS_FILE.format(name), frame)
-        dents = Dents(start, contacts, scratch, processes)
+        dents = DentRecord(start, contacts, scratch, processes)
         initial = (
             after_static_stage(results, start, scratch, processes) if case.precompression else None
         )

@@ -38,7 +38,7 @@ from granwave.analysis.figures.style import (
     new_figure,
 )
 from granwave.analysis.measures.zone_size import LABELS, Mark
-from granwave.analysis.scans.keys import Key, shown
+from granwave.analysis.scans.keys import VariedKey, shown
 
 _COLOURS = (BLUE, ORANGE, GREEN, PURPLE, SKY, "#E69F00", GREY, "black")
 _MARKERS = "os^DvPX*"
@@ -66,7 +66,7 @@ def draw_curves(
     found: DataFrame,
     x_title: str,
     y_title: str,
-    others: Sequence[Key],
+    others: Sequence[VariedKey],
     columns: Titles,
     *,
     scale: float = 1.0,
@@ -151,7 +151,7 @@ def draw_bars(
     ticks: Sequence[str],
     x_title: str,
     y_title: str,
-    others: Sequence[Key],
+    others: Sequence[VariedKey],
     columns: Titles,
 ) -> Drawing:
     """Draw bars by category, one below the other, and those of each curve.
@@ -203,7 +203,7 @@ def draw_bars(
 def draw_map(
     table: NDArray[np.float64],
     values: tuple[Sequence[float], Sequence[float]],
-    keys: tuple[Key, Key],
+    keys: tuple[VariedKey, VariedKey],
     title: str,
     column: str,
 ) -> Drawing:
@@ -325,7 +325,7 @@ def _scale_values(axes: Axes, found: DataFrame) -> None:
 
 
 def _columns(
-    found: DataFrame, others: Sequence[Key], columns: Titles, x: NDArray
+    found: DataFrame, others: Sequence[VariedKey], columns: Titles, x: NDArray
 ) -> dict[str, ArrayLike]:
     table: dict[str, ArrayLike] = {columns[0]: x}
     for key in others:

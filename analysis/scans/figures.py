@@ -24,7 +24,7 @@ from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
 from granwave.analysis.quantities import QUANTITIES, scan_figures
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
-from granwave.analysis.scans.keys import Key, key_of
+from granwave.analysis.scans.keys import VariedKey, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
 from granwave.analysis.scans.table import TIMES, determines, independent_keys, physical
 from granwave.analysis.statistics import estimate
@@ -285,7 +285,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
     return drawn
 
 
-def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
+def _abscissae(keys: dict[str, VariedKey], free: Sequence[str]) -> list[str]:
     """Return the independent numeric keys, and those that are equivalent to one of them, except run
     times.
     """
@@ -298,7 +298,7 @@ def _abscissae(keys: dict[str, Key], free: Sequence[str]) -> list[str]:
     return chosen
 
 
-def _others(keys: dict[str, Key], free: Sequence[str], x: str) -> list[Key]:
+def _others(keys: dict[str, VariedKey], free: Sequence[str], x: str) -> list[VariedKey]:
     """Return the keys that distinguish curves over ``x``: all but those that its values determine.
 
     A key with fewer values than ``x`` groups the points, even if no abscissa occurs with two of its
@@ -323,7 +323,9 @@ def _others(keys: dict[str, Key], free: Sequence[str], x: str) -> list[Key]:
     return chosen
 
 
-def _curve_rows(rows: Iterable[int], others: Sequence[Key]) -> dict[tuple[Any, ...], list[int]]:
+def _curve_rows(
+    rows: Iterable[int], others: Sequence[VariedKey]
+) -> dict[tuple[Any, ...], list[int]]:
     """Group the points by curve: equal values of ``others``, numbers by size, text in the order of
     the scan.
     """
@@ -336,7 +338,7 @@ def _curve_rows(rows: Iterable[int], others: Sequence[Key]) -> dict[tuple[Any, .
     return {place: curves[place] for place in sorted(curves)}
 
 
-def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
+def _is_one_line(rows: Sequence[int], x: VariedKey, keys: Iterable[VariedKey]) -> bool:
     """True if all other varying keys are monotonic in the abscissa, so that points may be joined."""
     for key in keys:
         if not key.numeric or not determines(
@@ -351,7 +353,7 @@ def _is_one_line(rows: Sequence[int], x: Key, keys: Iterable[Key]) -> bool:
     return True
 
 
-def points_of(x: Series, y: Series, others: Sequence[Key], marks: Series) -> DataFrame:
+def points_of(x: Series, y: Series, others: Sequence[VariedKey], marks: Series) -> DataFrame:
     """Return the points of curves, as `granwave.analysis.scans.drawing` takes them; those at one
     abscissa are averaged.
 
@@ -384,8 +386,8 @@ def points_of(x: Series, y: Series, others: Sequence[Key], marks: Series) -> Dat
 
 
 def _curves(
-    x: Key,
-    others: Sequence[Key],
+    x: VariedKey,
+    others: Sequence[VariedKey],
     quantity: Ordinate,
     values: Series,
     marks: Series,
@@ -408,7 +410,7 @@ def _curves(
 
 
 def _bars(
-    x: Key, others: Sequence[Key], quantity: Ordinate, values: Series, marks: Series
+    x: VariedKey, others: Sequence[VariedKey], quantity: Ordinate, values: Series, marks: Series
 ) -> Drawing | None:
     categories = list(dict.fromkeys(x.values))
     places = Series([categories.index(value) for value in x.values])
@@ -419,7 +421,7 @@ def _bars(
     return draw_bars(table, ticks, x.title, quantity.title, others, (x.column, quantity.column))
 
 
-def _map(x: Key, y: Key, quantity: Ordinate, values: Series) -> Drawing | None:
+def _map(x: VariedKey, y: VariedKey, quantity: Ordinate, values: Series) -> Drawing | None:
     columns = sorted(set(x.values))
     lines = sorted(set(y.values))
     if len(set(zip(x.values, y.values, strict=True))) != len(columns) * len(lines):

@@ -99,7 +99,7 @@ _PLANE_SYMBOLS = (r"$n_x$", r"$n_\mathrm{rows}$")
 
 
 @dataclasses.dataclass(frozen=True)
-class Key:
+class VariedKey:
     """Varied key with its values at all points of the scan.
 
     Attributes
@@ -163,7 +163,7 @@ def shown(value: float) -> str:
     return tick(float(f"{value:.4g}"))
 
 
-def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
+def key_of(name: str, labels: Sequence[Any], unit: str = "") -> VariedKey:
     """Make the key of this name from its labels, one for each point.
 
     Parameters
@@ -173,12 +173,12 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
     """
     naming = _amplitude(labels, unit) if name == AMPLITUDE else _NAMES.get(name)
     if name == "packing.size" and (sizes := _sizes(labels)):
-        return Key(name, *_size(sizes), tuple(labels))
+        return VariedKey(name, *_size(sizes), tuple(labels))
     if naming is None:
         naming = _of_entry(name) or Naming(name, unit=shown_unit(name))
     if components := _along_one_axis(labels):
         axis, along = components
-        return Key(
+        return VariedKey(
             name,
             dataclasses.replace(naming, label=f"{naming.label} along {axis}"),
             along,
@@ -189,7 +189,7 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> Key:
         float(f"{label / naming.scale:.12g}") if is_number(label) else text
         for label, text in zip(labels, texts, strict=True)
     )
-    return Key(name, naming, values, tuple(labels), unit)
+    return VariedKey(name, naming, values, tuple(labels), unit)
 
 
 def _amplitude(labels: Sequence[Any], unit: str) -> Naming:
@@ -304,7 +304,7 @@ class Means:
         What the grains of its runs are called.
     """
 
-    keys: tuple[Key, ...]
+    keys: tuple[VariedKey, ...]
     counts: tuple[int, ...]
     values: Mapping[str, Sequence[float | None]]
     half_widths: Mapping[str, Sequence[float | None]]

@@ -41,7 +41,7 @@ NEAR_TOP = 0.25
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Surface:
+class PlaneWaves:
     """Waves in a plane.
 
     Attributes
@@ -91,7 +91,7 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     return np.where(there, np.sqrt(np.where(there, square, 0.0)) / (_LONG / size), np.nan)
 
 
-def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | None:
+def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | None:
     """Return slowness and frequencies over a plane; None for large cells, and if the packing does
     not repeat there.
     """
@@ -116,7 +116,7 @@ def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> Surface | Non
         frequency = np.sqrt(square[:, :n_bands]) / (2 * np.pi)
     centre = np.argmin(np.abs(grid).sum(axis=1))
     frequency[centre] = np.nan_to_num(frequency[centre])
-    return Surface(
+    return PlaneWaves(
         plane,
         angle,
         long_wave_speeds(stiffness, directions),
@@ -152,7 +152,7 @@ class BandStructure:
     bands: Bands
     gaps: tuple[Gap, ...]
     complex_bands: ComplexBands | None
-    surface: Surface | None
+    surface: PlaneWaves | None
     speeds: Array
     note: str = ""
 

@@ -28,7 +28,7 @@ _UNLOADED = 1e-7
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Contacts:
+class NeighbourPairs:
     """Grains near each other, each pair once, or near walls.
 
     Attributes
@@ -143,7 +143,7 @@ class Bodies:
 
     def pairs(
         self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
-    ) -> tuple[Contacts, NDArray[np.bool_]]:
+    ) -> tuple[NeighbourPairs, NDArray[np.bool_]]:
         """Return pairs of rows from the vectors between their centres (n, 3), m, and True where
         nothing touches.
 
@@ -178,7 +178,7 @@ class Bodies:
         names = np.full(len(first), "", dtype=object)
         overlap = radii.sum(axis=1) - distance
         shift = image @ self.periods
-        return Contacts(
+        return NeighbourPairs(
             first, second, image, normal, distance, turns, names, overlap, radii, shift
         ), beyond
 
@@ -187,7 +187,7 @@ class Bodies:
         """Mean diameter, m."""
         return float(2 * self.radius.mean())
 
-    def _at_walls(self, position: Array, gap: float) -> Iterator[Contacts]:
+    def _at_walls(self, position: Array, gap: float) -> Iterator[NeighbourPairs]:
         """Give the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do not
         touch.
         """
@@ -215,7 +215,7 @@ class Bodies:
                 around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
             else:
                 normal[:, wall.axis] = wall.outward
-            yield Contacts(
+            yield NeighbourPairs(
                 rows, np.full(n, -1), np.zeros((n, len(self.periods)), dtype=np.int64), normal, distance,
                 around[:, :, None] * around[:, None, :], np.full(n, wall.name, dtype=object), -gaps[rows],
                 np.stack([self.radius[rows], np.full(n, np.inf)], axis=1), np.zeros((n, 3)),
@@ -223,7 +223,7 @@ class Bodies:
 
     def near(
         self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
-    ) -> Contacts:
+    ) -> NeighbourPairs:
         """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than
         ``wall_gap``.
         """
@@ -266,7 +266,7 @@ class Bodies:
         return joined([joined([near], (-near.overlap <= gap) & ~beyond), *at_walls])
 
     def network(
-        self, position: Array, periods: Array, peak: Callable[[Contacts], Array] | None = None
+        self, position: Array, periods: Array, peak: Callable[[NeighbourPairs], Array] | None = None
     ) -> Network:
         """Return the springs of the contacts that bear force in a state.
 
@@ -292,7 +292,7 @@ class Bodies:
         given = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
         return Network(*given, springs).without_idle()
 
-    def springs(self, contacts: Contacts, peak: Array | None = None) -> Springs:
+    def springs(self, contacts: NeighbourPairs, peak: Array | None = None) -> Springs:
         """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by
         default those now.
         """
@@ -311,7 +311,7 @@ class Bodies:
             tangential, lever, contacts.turns, contacts.wall, rolling, twisting,
         )  # fmt: skip
 
-    def laws_of(self, contacts: Contacts) -> Iterator[Part]:
+    def laws_of(self, contacts: NeighbourPairs) -> Iterator[Part]:
         """Give the laws of contacts, each with its rows and their scales."""
         pairs = np.flatnonzero(contacts.second >= 0)
         kind = self.kind[contacts.first]

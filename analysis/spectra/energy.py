@@ -15,7 +15,7 @@ from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
-from granwave.analysis.spectra.bodies import Bodies, Contacts
+from granwave.analysis.spectra.bodies import Bodies, NeighbourPairs
 from granwave.analysis.spectra.network import Array, Ints
 from granwave.analysis.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
@@ -37,7 +37,7 @@ class Evaluation:
 
     energy: float
     gradient: Array
-    contacts: Contacts  # of grains near each other, and near walls
+    contacts: NeighbourPairs  # of grains near each other, and near walls
     tables: list[
         tuple[Array, sparse.csr_array]
     ]  # slopes of forces with the derivatives of distances, which are first
@@ -52,7 +52,7 @@ class Evaluation:
         )
 
 
-class Problem:
+class EnergyProblem:
     """Unknowns and their energy."""
 
     def __init__(self, bodies: Bodies, *, with_turning: bool = False) -> None:
@@ -150,7 +150,7 @@ class Problem:
         return newton_step(static_stiffness(bodies.assembly) * (stretch.T @ stretch), gradient)
 
     def _stretch(
-        self, contacts: Contacts, direction: Array, *, walls: bool = False
+        self, contacts: NeighbourPairs, direction: Array, *, walls: bool = False
     ) -> sparse.csr_array:
         """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,
         n_unknowns).

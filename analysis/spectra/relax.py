@@ -1,4 +1,4 @@
-"""Static state of grains under load, by Newton's method on their `Problem`.
+"""Static state of grains under load, by Newton's method on their `EnergyProblem`.
 
 As in the static stage of a run, walls move in to their force with elastic contacts, and stay there.
 
@@ -20,8 +20,8 @@ from granwave.analysis.spectra.energy import (
     DIRECT_UP_TO,
     MARGIN,
     SOFT,
+    EnergyProblem,
     Evaluation,
-    Problem,
     newton_step,
 )
 from granwave.analysis.spectra.network import Array, Network
@@ -57,11 +57,11 @@ _LARGEST_STRAIN = 0.05
 _HALVINGS = 5  # of the interval in which the first strain is sought
 
 
-_Way: TypeAlias = "Callable[[Problem, Array], tuple[Array, Evaluation]]"
+_Way: TypeAlias = "Callable[[EnergyProblem, Array], tuple[Array, Evaluation]]"
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Balance:
+class StaticState:
     """Static state of grains.
 
     Attributes
@@ -85,7 +85,7 @@ class Balance:
         return self.bodies.network(self.position, self.periods)
 
 
-def relax(bodies: Bodies) -> Balance:
+def relax(bodies: Bodies) -> StaticState:
     """Find the static state of grains under their loads, or, if they buckle, the balance from which
     they do.
 
@@ -97,17 +97,17 @@ def relax(bodies: Bodies) -> Balance:
         No balance was found.
     """
     if not bodies.presses:
-        return _balance(Problem(bodies))[0]
+        return _balance(EnergyProblem(bodies))[0]
     elastic = PairLaws(elastic_case(bodies.case), bodies.laws.bodies)
-    pressed, x = _balance(Problem(dataclasses.replace(bodies, laws=elastic)))
+    pressed, x = _balance(EnergyProblem(dataclasses.replace(bodies, laws=elastic)))
     n = len(x) - len(bodies.presses)
     held = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
-    state = _balance(Problem(held), x[:n])[0]
+    state = _balance(EnergyProblem(held), x[:n])[0]
     _check_presses(bodies, state, x[n:])
     return state
 
 
-def _check_presses(bodies: Bodies, state: Balance, distances: Array) -> None:
+def _check_presses(bodies: Bodies, state: StaticState, distances: Array) -> None:
     """Check that walls bear the forces to which they have moved in, and have not moved out.
 
     Parameters
@@ -142,7 +142,7 @@ def _check_presses(bodies: Bodies, state: Balance, distances: Array) -> None:
             )
 
 
-def _balance(problem: Problem, start: Array | None = None) -> tuple[Balance, Array]:
+def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[StaticState, Array]:
     """Return the static state of a problem and its unknowns there."""
     first = _start(problem) if start is None else start
     x, now = _search(problem, first)
@@ -163,22 +163,22 @@ def _balance(problem: Problem, start: Array | None = None) -> tuple[Balance, Arr
             "rigid; or run the case, and give the directory of the run"
         )
     moved = problem.bodies.with_walls_in(x[problem.n_of_grains :])
-    return Balance(moved, *problem.state(x), residual), x
+    return StaticState(moved, *problem.state(x), residual), x
 
 
-def _other_ways(problem: Problem) -> Iterator[tuple[Problem, _Way]]:
+def _other_ways(problem: EnergyProblem) -> Iterator[tuple[EnergyProblem, _Way]]:
     """Give the problems and the searches that find a balance where Newton's method does not."""
     if problem.n <= _BUCKLED_UP_TO:
-        yield Problem(problem.bodies, with_turning=True), _search
+        yield EnergyProblem(problem.bodies, with_turning=True), _search
     if problem.n <= _FALLEN_UP_TO:
         yield problem, _fall
 
 
-def _balanced(problem: Problem, now: Evaluation) -> bool:
+def _balanced(problem: EnergyProblem, now: Evaluation) -> bool:
     return now.largest > 0 and _net(problem, now) <= max(_TOLERATED * now.largest, now.rounding)
 
 
-def _search(problem: Problem, x: Array) -> tuple[Array, Evaluation]:
+def _search(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
     """Return the unknowns and the state that Newton's method reaches from a start."""
     now = problem.at(x)
     progress = _Progress(problem)
@@ -199,7 +199,7 @@ def _search(problem: Problem, x: Array) -> tuple[Array, Evaluation]:
 class _Progress:
     """Progress of a search, which tells when it is over."""
 
-    def __init__(self, problem: Problem) -> None:
+    def __init__(self, problem: EnergyProblem) -> None:
         self.problem = problem
         self.balanced = _BALANCED if problem.n <= DIRECT_UP_TO else _BALANCED_OF_MANY
         self.best = np.inf
@@ -218,7 +218,7 @@ class _Progress:
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
 
-def _fall(problem: Problem, x: Array) -> tuple[Array, Evaluation]:
+def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
     """Return the same as `_search`, by the method of Levenberg and Marquardt, which follows grains
     that nothing resists until something does.
 
@@ -252,7 +252,7 @@ def _fall(problem: Problem, x: Array) -> tuple[Array, Evaluation]:
 
 
 def _downhill(
-    problem: Problem, x: Array, now: Evaluation, move: Array
+    problem: EnergyProblem, x: Array, now: Evaluation, move: Array
 ) -> tuple[Array, Evaluation] | None:
     """Return the unknowns after so much of a step that energy or net force falls; None if neither
     does.
@@ -272,7 +272,7 @@ def _downhill(
     return None
 
 
-def _net(problem: Problem, now: Evaluation) -> float:
+def _net(problem: EnergyProblem, now: Evaluation) -> float:
     """Largest net force on a grain, or that on the cell over the mean of its periods, N."""
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
@@ -281,7 +281,7 @@ def _net(problem: Problem, now: Evaluation) -> float:
     return max(motions, walls, cell / float(lengths.mean()) if len(lengths) else 0.0)
 
 
-def _start(problem: Problem) -> Array:
+def _start(problem: EnergyProblem) -> Array:
     """Unknowns at which the even strain of the cell bears the load: contacts are closed there."""
     diagonal = [
         place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b

@@ -12,7 +12,7 @@ import numpy as np
 import pandas as pd
 
 from granwave.analysis.result.reader import Result
-from granwave.analysis.spectra.bodies import Bodies, Contacts
+from granwave.analysis.spectra.bodies import Bodies, NeighbourPairs
 from granwave.analysis.spectra.cells import UnitCell, moving, packing_bodies, unit_cell, walls_along
 from granwave.analysis.spectra.finite import refuse_pushed, whole
 from granwave.analysis.spectra.network import Array, Ints, Network, Springs, joined
@@ -42,7 +42,7 @@ class AsLeft(NamedTuple):
 
     bodies: Bodies
     network: Network
-    peaks: Callable[[Contacts | Springs], Array]
+    peaks: Callable[[NeighbourPairs | Springs], Array]
 
 
 def as_left(result: Result) -> AsLeft:
@@ -63,7 +63,7 @@ def as_left(result: Result) -> AsLeft:
     return AsLeft(bodies, network, peaks)
 
 
-def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
+def _peaks(result: Result, ids: Ints) -> Callable[[NeighbourPairs | Springs], Array]:
     """Return a function that gives the largest overlaps of contacts before the impact, given rows
     of these ids.
     """
@@ -76,7 +76,7 @@ def _peaks(result: Result, ids: Ints) -> Callable[[Contacts | Springs], Array]:
             table = pd.Series(result[f"{group}/initial_overlap"], index)
             known = table if known.empty else pd.concat([known, table])
 
-    def peaks(contacts: Contacts | Springs) -> Array:
+    def peaks(contacts: NeighbourPairs | Springs) -> Array:
         if known.empty:
             return np.zeros(len(contacts))
         low, high = np.sort([ids[contacts.first], ids[contacts.second]], axis=0)

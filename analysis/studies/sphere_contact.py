@@ -12,7 +12,7 @@ from collections.abc import Iterator, Sequence
 import h5py
 import numpy as np
 
-from granwave.analysis.document.model import Cell, Column, Table, percent
+from granwave.analysis.document.model import Cell, DocumentTable, TableColumn, percent
 from granwave.analysis.figures.series import MARKS, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
@@ -32,7 +32,7 @@ _SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Contact:
+class SphereLoading:
     """Loading of two finite-element spheres beside the law.
 
     Attributes
@@ -63,14 +63,14 @@ class Contact:
         return float(self.over_law[chosen].mean()) if chosen.any() else math.nan
 
 
-def select(runs: Sequence[SphereContactRun]) -> list[list[Contact]]:
+def select(runs: Sequence[SphereContactRun]) -> list[list[SphereLoading]]:
     """All runs whose contacts yield, spheres alike first."""
     found = [_measured(run) for run in runs if math.isfinite(run.value("yield_overlap_m"))]
     found = [one for one in found if one.scaled[-1] > _SPOTS[-1]]
     return [sorted(found, key=lambda one: one.place)] if found else []
 
 
-def tables(found: Sequence[Contact]) -> Iterator[Table]:
+def tables(found: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
     """Differences from the law at two overlaps and over two ranges, unloading exponents, share of
     the softer sphere.
     """
@@ -83,7 +83,7 @@ def tables(found: Sequence[Contact]) -> Iterator[Table]:
         "Largest unloading exponent",
         "Energy of yielding in the softer sphere",
     )
-    columns = (Column("Spheres", key=True), *numeric(*spots, *spans, *others))
+    columns = (TableColumn("Spheres", key=True), *numeric(*spots, *spans, *others))
     rows = []
     for one in found:
         deep = one.scaled > _SPOTS[-1]
@@ -104,7 +104,7 @@ def tables(found: Sequence[Contact]) -> Iterator[Table]:
     yield table_of("Finite elements over the contact law, less 1", columns, rows)
 
 
-def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
+def pictures(found: Sequence[SphereLoading]) -> Iterator[Picture]:
     """Difference from the law against overlap."""
     figure, axes = panels(2.6)
     data = {}
@@ -130,7 +130,7 @@ def pictures(found: Sequence[Contact]) -> Iterator[Picture]:
     yield Picture("", caption, Drawing(figure, data))
 
 
-def _measured(run: SphereContactRun) -> Contact:
+def _measured(run: SphereContactRun) -> SphereLoading:
     """Read what the study shows of a run."""
     own = run.case["material"]
     partner = run.case.get("partner", {})
@@ -150,7 +150,7 @@ def _measured(run: SphereContactRun) -> Contact:
     first = own.get("name", "one material")
     materials = first if like else f"{first} and {other.get('name', 'another')}"
     name = materials + (f", radii {ratio:g} to 1" if ratio != 1 else ", like radii" if like else "")
-    return Contact(
+    return SphereLoading(
         run,
         name,
         (not like, ratio, name),

@@ -10,7 +10,14 @@ from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, Literal, TypeAlias
 
-from granwave.analysis.document.model import BLANK, Cell, Column, Note, Table, value_cell
+from granwave.analysis.document.model import (
+    BLANK,
+    Cell,
+    DocumentTable,
+    Note,
+    TableColumn,
+    value_cell,
+)
 from granwave.analysis.errors import MissingDataError
 from granwave.analysis.formatting.numbers import with_interval
 from granwave.analysis.statistics import Estimate
@@ -182,7 +189,7 @@ class Study:
     text: str
     rows: tuple[Row, ...] = ()
     pictures: tuple[Picture, ...] = ()
-    tables: tuple[Table | Note, ...] = ()
+    tables: tuple[DocumentTable | Note, ...] = ()
     verdict: tuple[str, ...] = ()
     failed: tuple[NotDrawn, ...] = ()
 
@@ -343,15 +350,15 @@ def span(label: str, values: Mapping[str, Estimate], unit: str = "") -> str:
     return f"{label}: from {low} to {high}."
 
 
-def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[Column, ...]:
+def numeric(*heads: str | tuple[str, str], key: bool = False) -> tuple[TableColumn, ...]:
     """Columns of numbers, by heading, or by heading and unit."""
     pairs = [(head, "") if isinstance(head, str) else head for head in heads]
-    return tuple(Column(heading, unit, numeric=True, key=key) for heading, unit in pairs)
+    return tuple(TableColumn(heading, unit, numeric=True, key=key) for heading, unit in pairs)
 
 
 def table_of(
-    caption: str, columns: Iterable[Column], rows: Iterable[Iterable[Any]], **options: Any
-) -> Table:
+    caption: str, columns: Iterable[TableColumn], rows: Iterable[Iterable[Any]], **options: Any
+) -> DocumentTable:
     """A table of values; what is a cell already stays as it is.
 
     Parameters
@@ -362,7 +369,7 @@ def table_of(
     cells = tuple(
         tuple(one if isinstance(one, Cell) else value_cell(one) for one in row) for row in rows
     )
-    return Table(caption, tuple(columns), cells, **options)
+    return DocumentTable(caption, tuple(columns), cells, **options)
 
 
 def as_block(one: Any) -> Any:
@@ -383,8 +390,8 @@ def as_block(one: Any) -> Any:
             name.removesuffix(")").partition(" (") if name.endswith(")") else (name, "", "")
         )
         text = any(isinstance(value, str) for value in values)
-        heads.append(Column(heading, unit, numeric=not text, key=text and not place))
-    return Table(
+        heads.append(TableColumn(heading, unit, numeric=not text, key=text and not place))
+    return DocumentTable(
         caption,
         tuple(heads),
         tuple(tuple(map(_cell, row)) for row in zip(*columns.values(), strict=True)),

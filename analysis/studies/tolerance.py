@@ -19,7 +19,7 @@ import numpy as np
 import pandas as pd
 
 from granwave.analysis import statistics
-from granwave.analysis.document.model import BLANK, Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, DocumentTable, TableColumn
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.figures.scales import not_to_scale, numbered_map, spread_scales, ticks_at
 from granwave.analysis.figures.series import COLOURS, label, legend_outside, panels
@@ -64,7 +64,7 @@ IDEAL = Setting()
 
 
 @dataclasses.dataclass(frozen=True)
-class Quantity:
+class ToleranceQuantity:
     """A number of a run, or an imperfection.
 
     Attributes
@@ -104,7 +104,7 @@ class Quantity:
 
 
 AXES = (
-    Quantity(
+    ToleranceQuantity(
         "scatter",
         "diameter scatter",
         "µm",
@@ -113,22 +113,26 @@ AXES = (
         "diameter_scatter_m",
         "packing.diameter_scatter",
     ),
-    Quantity("friction", "friction coefficient", "", 1.0, "", "friction", "contact.friction"),
-    Quantity("vacancies", "vacancies", "%", 0.01, "", "vacancies", "packing.vacancies"),
+    ToleranceQuantity(
+        "friction", "friction coefficient", "", 1.0, "", "friction", "contact.friction"
+    ),
+    ToleranceQuantity("vacancies", "vacancies", "%", 0.01, "", "vacancies", "packing.vacancies"),
 )
-FORCE = Quantity("wall_peak_force_N", "peak force on the bottom", "N", better="less")
-DISSIPATED = Quantity("dissipated_fraction", "dissipated share of the energy", better="more")
-_REDUCTION = Quantity(
+FORCE = ToleranceQuantity("wall_peak_force_N", "peak force on the bottom", "N", better="less")
+DISSIPATED = ToleranceQuantity(
+    "dissipated_fraction", "dissipated share of the energy", better="more"
+)
+_REDUCTION = ToleranceQuantity(
     "peak_reduction", "peak force without the packing over that with it", better="more"
 )
-_PLASTIC = Quantity("plastic_fraction", "share dissipated by yielding", better="more")
-_FRICTION = Quantity("friction_fraction", "share dissipated by friction")
-_SPHERES = Quantity("n_plastic_spheres", "yielded spheres")
-_ARRIVAL = Quantity("base_arrival_s", "arrival at the bottom", "µs", 1e-6)
+_PLASTIC = ToleranceQuantity("plastic_fraction", "share dissipated by yielding", better="more")
+_FRICTION = ToleranceQuantity("friction_fraction", "share dissipated by friction")
+_SPHERES = ToleranceQuantity("n_plastic_spheres", "yielded spheres")
+_ARRIVAL = ToleranceQuantity("base_arrival_s", "arrival at the bottom", "µs", 1e-6)
 _ALL = (
-    FORCE, _REDUCTION, DISSIPATED, _PLASTIC, _FRICTION, Quantity("n_plastic_contacts", "yielded contacts"), _SPHERES,
-    Quantity("plastic_zone_volume_m3", "plastic volume", "cm³", 1e-6),
-    Quantity("plastic_zone_depth_m", "plastic depth", "mm", 1e-3), _ARRIVAL,
+    FORCE, _REDUCTION, DISSIPATED, _PLASTIC, _FRICTION, ToleranceQuantity("n_plastic_contacts", "yielded contacts"), _SPHERES,
+    ToleranceQuantity("plastic_zone_volume_m3", "plastic volume", "cm³", 1e-6),
+    ToleranceQuantity("plastic_zone_depth_m", "plastic depth", "mm", 1e-3), _ARRIVAL,
 )  # fmt: skip
 _PERFORMANCE = (FORCE, DISSIPATED, _PLASTIC)  # how much of it is left is told
 _PANELS = (FORCE, DISSIPATED, _PLASTIC, _FRICTION, _SPHERES, _ARRIVAL)
@@ -137,7 +141,7 @@ Means = dict[Setting, statistics.Estimate]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Packing:
+class PackingRuns:
     """All runs of one impact on one packing, ideal and not.
 
     Attributes
@@ -169,7 +173,7 @@ class Packing:
         return next(iter(self.runs.values()))[0].assembly
 
     @cached_property
-    def axes(self) -> list[Quantity]:
+    def axes(self) -> list[ToleranceQuantity]:
         """Imperfections that any setting has."""
         return [axis for axis in AXES if any(axis.of(setting) for setting in self.runs)]
 
@@ -178,7 +182,7 @@ class Packing:
         """End of a caption: the packing, where there are several."""
         return f" ({self.label})" if self.label else ""
 
-    def along(self, axis: Quantity) -> dict[Setting, list[Setting]]:
+    def along(self, axis: ToleranceQuantity) -> dict[Setting, list[Setting]]:
         """Settings of several values of one imperfection, by that of the others; all in rising
         order.
         """
@@ -191,13 +195,13 @@ class Packing:
         """Values differ from seed to seed."""
         return is_random(self.runs[setting][0].case)
 
-    def values(self, quantity: Quantity, setting: Setting) -> list[float]:
+    def values(self, quantity: ToleranceQuantity, setting: Setting) -> list[float]:
         """Values of the replicates that have one, SI, in the order of the seeds."""
         return [
             value for run in self.runs[setting] if math.isfinite(value := run.value(quantity.name))
         ]
 
-    def means(self, quantity: Quantity) -> Means:
+    def means(self, quantity: ToleranceQuantity) -> Means:
         """Estimates, SI, of the settings that have a value."""
         found = {
             setting: values for setting in self.runs if (values := self.values(quantity, setting))
@@ -207,7 +211,7 @@ class Packing:
             for s, values in found.items()
         }
 
-    def over_ideal(self, quantity: Quantity) -> Means:
+    def over_ideal(self, quantity: ToleranceQuantity) -> Means:
         """Ratios to the ideal packing's value; nothing where that is random, zero or not known."""
         means = self.means(quantity)
         ideal = means.get(IDEAL)
@@ -217,7 +221,7 @@ class Packing:
             else {}
         )
 
-    def left(self, quantity: Quantity) -> Means:
+    def left(self, quantity: ToleranceQuantity) -> Means:
         """Shares of the ideal packing's performance: of a force that shall be small its value over
         the present one.
         """
@@ -233,8 +237,8 @@ class Packing:
         }
 
     def shown(
-        self, quantities: Sequence[Quantity], settings: Sequence[Setting] = ()
-    ) -> list[Quantity]:
+        self, quantities: Sequence[ToleranceQuantity], settings: Sequence[Setting] = ()
+    ) -> list[ToleranceQuantity]:
         """Quantities that have a value anywhere; without friction all is dissipated by yielding."""
         settings = settings or list(self.runs)
         has_friction = any(setting.friction for setting in settings)
@@ -244,7 +248,7 @@ class Packing:
         return [one for one in there if has_friction or one not in (_PLASTIC, _FRICTION)]
 
 
-def select(runs: Sequence[FinishedRun]) -> list[Packing]:
+def select(runs: Sequence[FinishedRun]) -> list[PackingRuns]:
     """Packings that were run with two settings at least, named and told apart; of equal runs the
     longest counts.
     """
@@ -266,7 +270,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Packing]:
     groups = [
         group.groupby("setting")["run"].agg(list).to_dict() for _, group in longest.groupby("what")
     ]
-    found = [Packing(group) for group in groups if len(group) > 1]
+    found = [PackingRuns(group) for group in groups if len(group) > 1]
     titles = [
         f"{impact_title(packing.assembly)}, {bottom_label(packing.case)}" for packing in found
     ]
@@ -278,7 +282,7 @@ def select(runs: Sequence[FinishedRun]) -> list[Packing]:
     labels = [f"{words or 'packing'} ({own[:n].count(words) + 1})" if own.count(words) > 1 else words
               for n, words in enumerate(own)]  # fmt: skip
     return [
-        Packing(
+        PackingRuns(
             packing.runs,
             "tolerances" + (f"-{n}" if n > 1 else ""),
             title,
@@ -307,19 +311,19 @@ def imperfections(case: Case) -> dict[str, Any]:
     }
 
 
-def name(packing: Packing) -> str:
+def name(packing: PackingRuns) -> str:
     """``tolerances``, ``tolerances-2``."""
     return packing.name
 
 
-def title(packing: Packing) -> str:
+def title(packing: PackingRuns) -> str:
     """Title with packing and impact."""
     return f"Tolerances: {packing.title}" + (
         "" if packing.label in packing.title else packing.suffix
     )
 
 
-def verdict(packing: Packing) -> Iterator[str]:
+def verdict(packing: PackingRuns) -> Iterator[str]:
     """Say between which values performance lies, and how many runs ended too early; the tables tell
     the rest.
     """
@@ -339,7 +343,7 @@ def verdict(packing: Packing) -> Iterator[str]:
         )
 
 
-def missing(packing: Packing, undone: Sequence[Mapping[str, Any]]) -> Iterator[str]:
+def missing(packing: PackingRuns, undone: Sequence[Mapping[str, Any]]) -> Iterator[str]:
     """Say that the ideal packing has not finished, where a point of a scan asked for it."""
     fixed = imperfections(packing.case)["setting"]
     asked = (
@@ -353,7 +357,7 @@ def missing(packing: Packing, undone: Sequence[Mapping[str, Any]]) -> Iterator[s
         )
 
 
-def tables(packing: Packing) -> Iterator[Table]:
+def tables(packing: PackingRuns) -> Iterator[DocumentTable]:
     """Means of all settings, those of performance against the ideal packing, largest tolerances,
     and doubts.
     """
@@ -361,7 +365,7 @@ def tables(packing: Packing) -> Iterator[Table]:
 
     def by_setting(
         caption: str, columns: Mapping[Any, Mapping[Setting, Cell]], settings: Sequence[Setting]
-    ) -> Table:
+    ) -> DocumentTable:
         rows = [
             (
                 *(Cell(f"{axis.of(s):g}", axis.of(s)) for axis in packing.axes),
@@ -424,12 +428,12 @@ def tables(packing: Packing) -> Iterator[Table]:
         if found := list(rows):
             yield table_of(
                 caption + packing.suffix,
-                [Column(head, key=n < 2) for n, head in enumerate(heads)],
+                [TableColumn(head, key=n < 2) for n, head in enumerate(heads)],
                 found,
             )
 
 
-def pictures(packing: Packing) -> Iterator[Picture]:
+def pictures(packing: PackingRuns) -> Iterator[Picture]:
     """Quantities against each imperfection, maps of two, and the confidence that the seeds give."""
     for axis in packing.axes:
         if drawing := _against(packing, axis):
@@ -470,7 +474,7 @@ def _told(setting: Setting) -> str:
     return ", ".join(parts) or "ideal"
 
 
-def _seeds(packing: Packing, setting: Setting) -> str:
+def _seeds(packing: PackingRuns, setting: Setting) -> str:
     return str(len(packing.runs[setting])) if packing.random(setting) else "not random"
 
 
@@ -484,7 +488,7 @@ def _share_cell(share: statistics.Estimate) -> Cell:
     )
 
 
-def _kept(packing: Packing) -> Iterator[tuple[str, ...]]:
+def _kept(packing: PackingRuns) -> Iterator[tuple[str, ...]]:
     """Values without and with most of each imperfection, and up to which nearly all performance is
     kept.
     """
@@ -514,7 +518,7 @@ def _kept(packing: Packing) -> Iterator[tuple[str, ...]]:
             )  # fmt: skip
 
 
-def _alike(packing: Packing) -> Iterator[tuple[str, ...]]:
+def _alike(packing: PackingRuns) -> Iterator[tuple[str, ...]]:
     """Neighbouring settings whose means may be equal."""
     for axis, quantity in itertools.product(packing.axes, (FORCE, DISSIPATED)):
         means = packing.means(quantity)
@@ -542,7 +546,7 @@ def _cut_short(run: FinishedRun) -> bool:
     )
 
 
-def _against(packing: Packing, axis: Quantity) -> Drawing | None:
+def _against(packing: PackingRuns, axis: ToleranceQuantity) -> Drawing | None:
     """Every quantity against one imperfection, a curve for each setting of the others; None without
     two values.
     """
@@ -602,7 +606,9 @@ def _against(packing: Packing, axis: Quantity) -> Drawing | None:
     return Drawing(figure, dict(zip(heads, map(np.array, zip(*points, strict=True)), strict=True)))
 
 
-def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing | None:
+def _left_of_ideal(
+    packing: PackingRuns, across: ToleranceQuantity, up: ToleranceQuantity
+) -> Drawing | None:
     """Maps of what is left by two imperfections; None where they do not fill a grid."""
     fixed = [axis for axis in AXES if axis not in (across, up)]
     settings = [setting for setting in packing.runs if not any(axis.of(setting) for axis in fixed)]
@@ -630,7 +636,7 @@ def _left_of_ideal(packing: Packing, across: Quantity, up: Quantity) -> Drawing 
     return Drawing(figure, table)
 
 
-def _convergence(packing: Packing, setting: Setting) -> Drawing | None:
+def _convergence(packing: PackingRuns, setting: Setting) -> Drawing | None:
     """Half-width of the confidence interval of the first n seeds; None for few of them, or where
     nothing is random.
     """

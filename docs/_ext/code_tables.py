@@ -29,7 +29,7 @@ from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library
 from granwave.workflows.cli.json_schema import schema_of
-from granwave.workflows.cli.keys import CASE, FILES, Key, Table, state, tables
+from granwave.workflows.cli.keys import CASE, FILES, Key, KeyTable, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
 
 ROOT = Path(__file__).parents[2]
@@ -45,7 +45,7 @@ def keys_of(file: str) -> str:
     return "\n\n".join(_section(table) for table in tables() if table.file == file)
 
 
-def _section(table: Table) -> str:
+def _section(table: KeyTable) -> str:
     title = f"`{table.heading}`" if table.heading else "Keys above all tables"
     anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
     text = f"{table.description[:1].upper()}{table.description[1:]}."
@@ -55,7 +55,7 @@ def _section(table: Table) -> str:
     )
 
 
-def _entry(table: Table, key: Key) -> str:
+def _entry(table: KeyTable, key: Key) -> str:
     anchor = f"{table.file}.{table.name}.{key.name}".replace(".", "-").replace("_", "-")
     unit = f" in {printed_unit(key.unit)}" if key.unit else ""
     facts = [

@@ -28,7 +28,7 @@ import results_table
 from packaging.version import Version
 
 import granwave
-from granwave.analysis.reports.inputs import Inputs, read_inputs
+from granwave.analysis.reports.inputs import ReportInputs, read_inputs
 from granwave.analysis.reports.studies import comparison_of, studies_of
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.analysis.studies.study import Study
@@ -171,7 +171,7 @@ def collect(suite: Suite, runs: Path) -> dict[str, Any] | None:
     }
 
 
-def _complete(suite: Suite, inputs: Inputs) -> bool:
+def _complete(suite: Suite, inputs: ReportInputs) -> bool:
     """Return True if every point that the scans have at present is done, and every single run."""
     if suite.command != library.SCAN:
         return all(run.status == "done" for run in inputs.runs)
@@ -296,7 +296,7 @@ def _same_numbers(version: str) -> bool:
     return since <= made <= now
 
 
-def studies(inputs: Inputs, suite: Suite) -> list[Study]:
+def studies(inputs: ReportInputs, suite: Suite) -> list[Study]:
     """Studies of the runs of a suite."""
     return [
         *studies_of(inputs, suite.studies),

@@ -21,11 +21,11 @@ import results_picture
 
 from granwave.analysis.document.model import (
     Cell,
-    Column,
+    DocumentSection,
+    DocumentTable,
     Note,
     Report,
-    Section,
-    Table,
+    TableColumn,
     cleaned,
     percent,
     significant,
@@ -332,7 +332,9 @@ def as_stored(study: Study) -> dict[str, Any]:
         "text": study.text,
         "verdict": list(study.verdict),
         "rows": [record_of(row) | {"digits": row.digits, "bound": row.bound} for row in study.rows],
-        "tables": [_table(one) if isinstance(one, Table) else one.text for one in study.tables],
+        "tables": [
+            _table(one) if isinstance(one, DocumentTable) else one.text for one in study.tables
+        ],
     }
 
 
@@ -557,13 +559,13 @@ def _suite_page(suite: Mapping[str, Any]) -> str:
         ]
         parts = (*notes, *row_tables(found), *tables)
         if len(parts) > len(notes):
-            sections.append(Section(study["title"], name, parts))
+            sections.append(DocumentSection(study["title"], name, parts))
     text, _ = markdown(cleaned(tidied(Report(suite["title"], lead, tuple(sections)))), "")
     title, _, rest = text.partition("\n")
     return f"{title}\n\nA page of [{_TITLE.lower()}](../results.md), which tells what the words mean.\n{rest}"
 
 
-def _table(table: Table) -> dict[str, Any]:
+def _table(table: DocumentTable) -> dict[str, Any]:
     columns = [[column.heading, column.unit, column.numeric] for column in table.columns]
     return {
         "caption": table.caption,
@@ -572,12 +574,12 @@ def _table(table: Table) -> dict[str, Any]:
     }
 
 
-def _read_table(stored: Mapping[str, Any]) -> Table:
+def _read_table(stored: Mapping[str, Any]) -> DocumentTable:
     columns = tuple(
-        Column(heading, unit, numeric=numeric) for heading, unit, numeric in stored["columns"]
+        TableColumn(heading, unit, numeric=numeric) for heading, unit, numeric in stored["columns"]
     )
     rows: Sequence[Sequence[str]] = stored["rows"]
-    return Table(stored["caption"], columns, tuple(tuple(map(Cell, row)) for row in rows))
+    return DocumentTable(stored["caption"], columns, tuple(tuple(map(Cell, row)) for row in rows))
 
 
 if __name__ == "__main__":

@@ -45,7 +45,7 @@ from granwave.lammps_inputs.case.run import (
     Figures,
     Output,
     Probe,
-    Run,
+    RunSettings,
 )
 from granwave.lammps_inputs.case.schema import (
     declared_fields,
@@ -80,7 +80,7 @@ _TABLES: dict[str, type] = {
     "[contact]": Contact,
     "[load]": LoadSection,
     "[boundary]": Boundary,
-    "[run]": Run,
+    "[run]": RunSettings,
     "[output]": Output,
     f"[{FIGURES_TABLE}]": Figures,
     f"[{PRECOMPRESSION}]": Precompression,
@@ -141,7 +141,7 @@ class Case:
     contact: Contact = dataclasses.field(default_factory=Contact)
     load: Load = dataclasses.field(default_factory=ImpactLoad)
     boundary: Boundary = dataclasses.field(default_factory=Boundary)
-    run: Run = dataclasses.field(default_factory=Run)
+    run: RunSettings = dataclasses.field(default_factory=RunSettings)
     output: Output = dataclasses.field(default_factory=Output)
     figures: Figures = dataclasses.field(default_factory=Figures)
     precompression: Precompression | None = None

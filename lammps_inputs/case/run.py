@@ -77,7 +77,7 @@ def parse_share(text: str, expected: str) -> float:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Run:
+class RunSettings:
     """``[run]``: end time, timestep and snapshots."""
 
     end_time: float | str = schema.positive_or_auto(

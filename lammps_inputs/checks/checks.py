@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.material import Material, check_shape
 from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_size
-from granwave.lammps_inputs.case.run import Run
+from granwave.lammps_inputs.case.run import RunSettings
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
@@ -355,7 +355,11 @@ def _check_times(case: Case, errors: ErrorList) -> None:
         and isinstance(run.end_time, str)
     )
     names = ("smallest_timestep", "largest_timestep", "energy_tolerance")
-    given = {name: getattr(run, name) for name in names if getattr(run, name) != getattr(Run, name)}
+    given = {
+        name: getattr(run, name)
+        for name in names
+        if getattr(run, name) != getattr(RunSettings, name)
+    }
     least = given.get("smallest_timestep", 0.0)
     most = given.get("largest_timestep", math.inf)
     errors.check(

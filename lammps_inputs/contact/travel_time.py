@@ -32,7 +32,7 @@ _STEP = 1e-5  # of a frequency, for the slope of the phase
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
-class Row:
+class WaveRow:
     """Row that waves run along.
 
     Attributes
@@ -72,7 +72,7 @@ class Row:
         kinds, counts = np.unique(
             np.stack([self.mass, self.stiffness], axis=1), axis=0, return_counts=True
         )
-        each = [Row(one[:1], one[1:]).per_bead(frequency) for one in kinds]
+        each = [WaveRow(one[:1], one[1:]).per_bead(frequency) for one in kinds]
         return np.asarray(np.average(each, axis=0, weights=counts))
 
     def _cosine(self, frequency: Array) -> Array:
@@ -87,7 +87,7 @@ class Row:
         return np.asarray(np.trace(product, axis1=1, axis2=2) / 2)
 
 
-def row_of(assembly: Assembly) -> Row | None:
+def row_of(assembly: Assembly) -> WaveRow | None:
     """Return the row that plane waves along z are in; None where the static force is not known
     beforehand.
 
@@ -104,12 +104,12 @@ def row_of(assembly: Assembly) -> Row | None:
         if not assembly.sites.uniform or not len(cosines):
             return None
         along = static_stiffness(assembly) * float(np.sum(cosines**2))
-        return Row(np.array([case.sphere_mass]), np.array([along]))
+        return WaveRow(np.array([case.sphere_mass]), np.array([along]))
     force = force_on_top(assembly)
     n = lattice.n_spheres
     sites = assembly.sites
     if sites.uniform:
-        return Row(
+        return WaveRow(
             np.array([case.sphere_mass]), np.array([_stiffness(sphere_contact(case), force)])
         )
     if not sites.present.all():
@@ -123,7 +123,7 @@ def row_of(assembly: Assembly) -> Row | None:
     known = {
         key: _stiffness(pair_contact(assembly, *pair), force) for key, pair in of_kinds.items()
     }
-    return Row(
+    return WaveRow(
         mass,
         np.array([known[kinds[a - 1], kinds[b - 1]] for a, b in pairs]),
         repeats=period is not None,

@@ -79,10 +79,10 @@ class Plan:
     peak_overlap_radius: float
     times: cost.WallTime
     zone: cost.ExpectedZone | None = None
-    limits: tuple[steps.Limit, ...] = ()
+    limits: tuple[steps.TimestepLimit, ...] = ()
 
     @property
-    def limit(self) -> steps.Limit | None:
+    def limit(self) -> steps.TimestepLimit | None:
         """Bound that makes the timestep far shorter than some contacts would; None if there is
         none.
         """

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import chain_history, line_history
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.timestep import (
-    Limit,
+    TimestepLimit,
     auto_timestep,
     largest_timestep,
     timestep_limits,
@@ -319,7 +319,9 @@ def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, i
     return duration / (n_units * up * down), up * down, up, in_ledger, n_units
 
 
-def check_steps(name: str, duration: float, timestep: float, limit: Limit | None = None) -> None:
+def check_steps(
+    name: str, duration: float, timestep: float, limit: TimestepLimit | None = None
+) -> None:
     """Raise InputError if a run has more steps than `MOST_STEPS`.
 
     Parameters

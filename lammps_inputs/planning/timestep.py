@@ -91,7 +91,7 @@ def auto_timestep(assembly: Assembly, *, tolerance: float = ENERGY_TOLERANCE) ->
 
 
 @dataclasses.dataclass(frozen=True)
-class Limit:
+class TimestepLimit:
     """Bound on the timestep.
 
     Attributes
@@ -115,7 +115,7 @@ class Limit:
     against_wall: bool = False
 
 
-def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[Limit]:
+def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[TimestepLimit]:
     """Return the bounds on the timestep, the smallest first, those of contacts by kind of
     collision.
 
@@ -133,7 +133,7 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
         )
         step = factor * math.sqrt(one.mass / one.stiffness)
         remedy = _REMEDIES.get(one.body, "a heavier plate") if one.body else "larger grains there"
-        step_of_contact = Limit(
+        step_of_contact = TimestepLimit(
             step, one.body or cause, remedy, of_contact=True, against_wall=one.against_wall
         )
         found.append(step_of_contact)
@@ -143,10 +143,10 @@ def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> 
         overlap = law.balanced_overlap
         stiffness = 2 * law.effective_modulus * float(law.contact_radius(overlap, overlap))
         step = _OF_COHESION * factor * math.sqrt(mass / stiffness)
-        found.append(Limit(step, "contact.cohesion", "a smaller work of adhesion"))
+        found.append(TimestepLimit(step, "contact.cohesion", "a smaller work of adhesion"))
     share = _OF_LOAD_ON_BAR if assembly.case.incident_bar else _OF_LOAD
     if (limit := load.timestep_limit(share)) is not None:
-        found.append(Limit(*limit))
+        found.append(TimestepLimit(*limit))
     return sorted(found, key=lambda limit: limit.step)
 
 
@@ -157,7 +157,7 @@ def largest_timestep(assembly: Assembly) -> float:
     return min((limit.step for limit in _limits_at_any_time(assembly)), default=math.inf)
 
 
-def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
+def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
     """Return the bounds by losses, bars, and whatever moves beside the grains.
 
     Of given stiffnesses K and dampings gamma of resistance to rolling: with the smallest effective
@@ -172,7 +172,8 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
     radius = min(one.law.effective_radius for one in found)
     lossy = [one for one in found if one.loss is not None]
     limits = [
-        Limit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss") for one in lossy
+        TimestepLimit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss")
+        for one in lossy
     ]
     for contact in (case.contact, *(pair.contact for pair in case.pair)):
         for key, arm in (("rolling", 1.0), ("twisting", radius)):
@@ -181,18 +182,18 @@ def _limits_at_any_time(assembly: Assembly) -> list[Limit]:
                 continue
             if one.stiffness:
                 step = _OF_ROLLING * math.sqrt(mass * arm**2 / (2.5 * one.stiffness))
-                limits.append(Limit(step, f"contact.{key}", "a smaller stiffness"))
+                limits.append(TimestepLimit(step, f"contact.{key}", "a smaller stiffness"))
             if one.damping:
                 step = _OF_VISCOUS_DECAY * mass * arm**2 / (2.5 * one.damping)
-                limits.append(Limit(step, f"contact.{key}", "a smaller damping"))
+                limits.append(TimestepLimit(step, f"contact.{key}", "a smaller damping"))
     for bar in assembly.bars:
         step = BAR_COURANT_NUMBER * bar.pitch / bar.wave_speed
-        limits.append(Limit(step, f"{bar.name}.elements", "fewer elements"))
-    limits.append(Limit(support_timestep(assembly, stiffness), BOTTOM, _REMEDIES[BOTTOM]))
+        limits.append(TimestepLimit(step, f"{bar.name}.elements", "fewer elements"))
+    limits.append(TimestepLimit(support_timestep(assembly, stiffness), BOTTOM, _REMEDIES[BOTTOM]))
     if (plate := case.load.plate) is not None:
         on_plate = len(assembly.lattice.top_layer) * stiffness
         step = PLATE_OSCILLATION * math.sqrt(plate.mass / on_plate)
-        limits.append(Limit(step, plate.key, "a heavier plate"))
+        limits.append(TimestepLimit(step, plate.key, "a heavier plate"))
     return limits
 
 

@@ -19,7 +19,7 @@ from granwave.workflows.finite_elements.material import RR, ZZ, Elastoplastic
 from granwave.workflows.finite_elements.punch import ContinuumCase, kernels
 from granwave.workflows.finite_elements.punch.mesh import Mesh, block_mesh, contact_end, punch_gap
 from granwave.workflows.finite_elements.punch.run import BlockRun, run_continuum
-from granwave.workflows.finite_elements.punch.solver import Solver, library_basis
+from granwave.workflows.finite_elements.punch.solver import PunchSolver, library_basis
 from granwave.workflows.finite_elements.runner import advance, digits_of
 
 BRASS = Elastoplastic(115e9, 0.30, 8500.0, 550e6)
@@ -72,7 +72,7 @@ def move(solver, radial, axial):
 def column(material, velocity, *, sides, radius, length, n_r, n_z):
     """Cylinder whose whole top is driven at constant velocity."""
     mesh = Mesh(np.linspace(0, radius, n_r + 1), np.linspace(0, length, n_z + 1))
-    return Solver(
+    return PunchSolver(
         mesh, material, gap=np.zeros(n_r + 1), punch_mass=1e9, punch_velocity=velocity, sides=sides
     )
 
@@ -84,7 +84,7 @@ def go(solver, end):
 
 def test_nodal_forces_are_those_that_scikit_fem_assembles():
     mesh = graded()
-    solver = Solver(mesh, ELASTIC, bottom="free")
+    solver = PunchSolver(mesh, ELASTIC, bottom="free")
     rng = np.random.default_rng(1)
     field = rng.normal(size=(2, *solver.motion.shape[1:])) * 1e-7
     solver.operators.hourglass[:] = 0.0
@@ -109,13 +109,13 @@ def test_nodal_forces_are_those_that_scikit_fem_assembles():
 
 
 def test_mass_is_that_of_the_block():
-    solver = Solver(block_mesh(0.05, 0.1, 0.005, 2000), BRASS)
+    solver = PunchSolver(block_mesh(0.05, 0.1, 0.005, 2000), BRASS)
     assert solver.operators.mass.sum() == pytest.approx(8500 * math.pi * 0.05**2 * 0.1, rel=1e-12)
     assert solver.operators.volume.sum() == pytest.approx(math.pi * 0.05**2 * 0.1, rel=1e-12)
 
 
 def test_rigid_motion_gives_no_stress():
-    solver = Solver(graded(), BRASS, bottom="free")
+    solver = PunchSolver(graded(), BRASS, bottom="free")
     solver.set_velocity(np.zeros(solver.motion.shape[1:]), np.full(solver.motion.shape[1:], 7.0))
     for _ in range(20):
         instant = solver.advance(5)
@@ -129,7 +129,7 @@ def test_patch(radial, axial):
     """A homogeneous strain on a graded mesh that includes the axis gives uniform stress and no
     force on any inner node.
     """
-    solver = Solver(graded(), ELASTIC, bottom="free")
+    solver = PunchSolver(graded(), ELASTIC, bottom="free")
     solver._constants = (*solver._constants[:3], 0.0, 0.0)
     move(solver, lambda r, z: radial * r, lambda r, z: axial * z)
     expected = ELASTIC.stiffness @ [radial, axial, radial, 0.0]
@@ -149,7 +149,7 @@ def test_timestep_is_just_below_the_limit(elements):
     1.4 times that.
     """
     for factor, stable in ((1.0, True), (1.4, False)):
-        solver = Solver(block_mesh(0.05, 0.1, 0.005, elements), ELASTIC)
+        solver = PunchSolver(block_mesh(0.05, 0.1, 0.005, elements), ELASTIC)
         solver.timestep *= factor
         shape = solver.motion.shape[1:]
         rng = np.random.default_rng(0)
@@ -224,7 +224,7 @@ def test_plastic_flow_does_not_lock():
     """
     soft = Elastoplastic(115e9, 0.30, 8500.0, 50e6)
     mesh = block_mesh(0.02, 0.02, 0.005, 2500)
-    solver = Solver(
+    solver = PunchSolver(
         mesh, soft, gap=punch_gap(mesh, 0.005, 1e-4), punch_mass=1e6, punch_velocity=1.0
     )
     pressures = [

@@ -10,7 +10,7 @@ import h5py
 import numpy as np
 from PIL import Image
 
-from granwave.analysis.document.model import Beside, Group, Note, Report, Table
+from granwave.analysis.document.model import Beside, DocumentTable, Group, Note, Report
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from tests.helpers.synthetic_scan import case_of, grid, summary_of, write_json, write_scan
@@ -119,7 +119,9 @@ def blocks(report: Report, slug: str) -> list:
 
 def table(report: Report, slug: str, caption: str) -> list[dict]:
     """Rows of a table: cells by heading."""
-    part = next(b for b in blocks(report, slug) if isinstance(b, Table) and b.caption == caption)
+    part = next(
+        b for b in blocks(report, slug) if isinstance(b, DocumentTable) and b.caption == caption
+    )
     return [dict(zip([c.heading for c in part.columns], row, strict=True)) for row in part.rows]
 
 

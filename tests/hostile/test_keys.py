@@ -35,9 +35,9 @@ from granwave.lammps_inputs.case import (
 from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
 from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import Material
-from granwave.workflows.finite_elements.punch.case import Block, ContinuumRun, Punch
-from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactRun
-from granwave.workflows.scanning.header import Header
+from granwave.workflows.finite_elements.punch.case import Block, Punch, PunchRunSettings
+from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactRunSettings
+from granwave.workflows.scanning.header import ScanHeader
 from granwave.workflows.scanning.slurm import Profile
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer
 
@@ -85,7 +85,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "boundary.bottom.bar", boundary.SupportBar, SPHERES
         | {"boundary": {"bottom": {"bar": BAR, "material": BRASS}}}),
     (CASE, "precompression", precompression.Precompression, SPHERES | {"precompression": {"kind": "uniform", "pressure": 1e4}}),
-    (CASE, "run", run.Run, SPHERES),
+    (CASE, "run", run.RunSettings, SPHERES),
     (CASE, "output", run.Output, SPHERES | {"output": {}}),
     (CASE, "figures", run.Figures, SPHERES | {"figures": {}}),
     (CASE, "absorb.1", bodies.Absorb, SPHERES | {"absorb": [{"layers": 1, "rate": 1e4}]}),
@@ -121,10 +121,10 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "incident_bar", bodies.Bar, CHAIN | {"incident_bar": BAR, "load": PULSE}),
     (CASE, "block", Block, BLOCK),
     (CASE, "punch", Punch, BLOCK),
-    (CASE, "run", ContinuumRun, BLOCK),
+    (CASE, "run", PunchRunSettings, BLOCK),
     (CASE, "sphere", Sphere, CONTACT),
-    (CASE, "run", SphereContactRun, CONTACT),
-    ("scan.toml", "", Header, SCAN),
+    (CASE, "run", SphereContactRunSettings, CONTACT),
+    ("scan.toml", "", ScanHeader, SCAN),
     (SLURM, "slurm", Profile, {"slurm": {}}),
 ]  # fmt: skip
 

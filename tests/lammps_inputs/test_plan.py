@@ -23,7 +23,7 @@ from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import batches
 from granwave.workflows.scanning.batches import Machine, Outlook
 from granwave.workflows.scanning.engine import submission
-from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.scanning.scan_file import ScanPoint
 from granwave.workflows.scanning.slurm import Profile
 from tests.helpers.scan_texts import SMALL, reader
 
@@ -129,7 +129,7 @@ def test_runs_that_end_by_themselves_are_not_planned_to_their_limit() -> None:
 
 
 @pytest.fixture
-def points(tmp_path: Path) -> list[Point]:
+def points(tmp_path: Path) -> list[ScanPoint]:
     """Six points, the last of which is expected to take longest."""
     scan = reader(tmp_path)(
         SMALL
@@ -146,7 +146,7 @@ def clock(monkeypatch: pytest.MonkeyPatch) -> list[float]:
     return now
 
 
-def test_a_scan_takes_its_points_and_what_is_around_them(points: list[Point]) -> None:
+def test_a_scan_takes_its_points_and_what_is_around_them(points: list[ScanPoint]) -> None:
     alone = sum(point.plan.wall_time for point in points)
     assert alone + 4 < Machine(1).time(points) < alone + 40
     assert Machine(2, None, 50).time(points) < Machine(1, None, 50).time(points)
@@ -155,7 +155,7 @@ def test_a_scan_takes_its_points_and_what_is_around_them(points: list[Point]) ->
     assert Machine(1, Profile()).time(points) > Machine(1).time(points)
 
 
-def test_ranks_share_the_cores_of_this_machine(points: list[Point]) -> None:
+def test_ranks_share_the_cores_of_this_machine(points: list[ScanPoint]) -> None:
     both = [dataclasses.replace(point, ranks=2) for point in points]
     assert Machine(2, None, 50).time(both) > 1.5 * Machine(2, None, 50).time(points)
     assert Machine(2, Profile(), 50).time(both) < 1.5 * Machine(2, Profile(), 50).time(points)
@@ -174,7 +174,9 @@ def test_a_job_may_last_as_long_as_its_points_can(tmp_path: Path) -> None:
     assert minutes * 60 >= batch.longest
 
 
-def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: list[float]) -> None:
+def test_until_a_point_is_done_the_plan_is_shown(
+    points: list[ScanPoint], clock: list[float]
+) -> None:
     outlook = Outlook(points, Machine(2, slowness=100.0))
     clock[0] = 101.0
     soon = outlook.text(points, {})
@@ -186,7 +188,7 @@ def test_until_a_point_is_done_the_plan_is_shown(points: list[Point], clock: lis
     ).endswith("are next")
 
 
-def test_then_the_points_that_are_done_tell(points: list[Point], clock: list[float]) -> None:
+def test_then_the_points_that_are_done_tell(points: list[ScanPoint], clock: list[float]) -> None:
     fresh = Outlook(points[1:], Machine(1))
     fresh.done(points[0], 1e6)  # of an earlier start, which does not tell
     assert fresh.text(points[1:], {}).startswith("0 s of about ")

@@ -27,7 +27,7 @@ from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.workflows import library, load_scan
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.scanning.driver import run_scan
-from granwave.workflows.scanning.scan_file import Point, Scan
+from granwave.workflows.scanning.scan_file import Scan, ScanPoint
 from granwave.workflows.scanning.suite import is_suite
 from granwave.workflows.solvers import GRANULAR
 from tests.helpers import second_solver
@@ -256,7 +256,7 @@ def smallest(scan: Scan) -> Scan:
     return dataclasses.replace(scan, points=tuple(map(short, points)))
 
 
-def short(point: Point) -> Point:
+def short(point: ScanPoint) -> ScanPoint:
     """The point in a second or so, as far as its case allows: it ends sooner, on a coarser mesh."""
     tables = point.case.to_dict()
     struck = tables.get("load", {}).get("kind") == "impact"  # other loads may begin late

@@ -22,7 +22,7 @@ from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.counterpart import (
-    Inputs,
+    ImpactInput,
     continuum_of,
     inputs_of_continuum,
     inputs_of_packing,
@@ -151,13 +151,13 @@ def table(rows: Rows) -> str:
 
 
 def plan_table(
-    assembly: Assembly, plan: Plan, inputs: Inputs | None = None, waves: Rows = ()
+    assembly: Assembly, plan: Plan, inputs: ImpactInput | None = None, waves: Rows = ()
 ) -> str:
     """Return the table of a planned run; ``waves`` are rows on small waves."""
     return table(_plan_rows(assembly, plan, inputs, waves))
 
 
-def _plan_rows(assembly: Assembly, plan: Plan, inputs: Inputs | None, waves: Rows) -> Rows:
+def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, waves: Rows) -> Rows:
     case = assembly.case
     schedule = plan.schedule
     times = plan.times
@@ -263,7 +263,7 @@ def _is_bound(case: Case) -> bool:
     return case.load.energy_is_bound
 
 
-def _inputs(inputs: Inputs | None, at_most: str = "") -> Rows:
+def _inputs(inputs: ImpactInput | None, at_most: str = "") -> Rows:
     """Return rows of energy and velocity, as far as they apply."""
     if inputs is None or not inputs.energy:
         return

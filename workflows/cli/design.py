@@ -20,9 +20,9 @@ from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.design.driver import run_design
 from granwave.workflows.design.points import default_jobs
-from granwave.workflows.design.problem import Problem
+from granwave.workflows.design.problem import DesignProblem
 from granwave.workflows.design.search import random_designs
-from granwave.workflows.design.study import FAILED, REFUSED, Study, first_design, new_design
+from granwave.workflows.design.study import FAILED, REFUSED, DesignStudy, first_design, new_design
 
 _DRAWN = 64  # designs that a plan is made of
 
@@ -64,13 +64,13 @@ def plan_of_design(path: Path, options: argparse.Namespace) -> int:
     if options.overrides:
         raise InputError(f"--set: {path} is a search for a design; set keys in its [set]")
     problem = load_problem(path)
-    first_design(Study(problem, Path(problem.name)))
+    first_design(DesignStudy(problem, Path(problem.name)))
     values = plan_values(problem, default_jobs(options.ranks), options.ranks)
     print_json(values) if options.json else print(plan_text(problem, values))
     return 0
 
 
-def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
+def plan_values(problem: DesignProblem, jobs: int, ranks: int) -> dict[str, Any]:
     """Return the values of a planned search; units are part of the names."""
     designs = [
         new_design(problem, n, values)
@@ -97,7 +97,7 @@ def plan_values(problem: Problem, jobs: int, ranks: int) -> dict[str, Any]:
     }
 
 
-def plan_text(problem: Problem, values: dict[str, Any]) -> str:
+def plan_text(problem: DesignProblem, values: dict[str, Any]) -> str:
     """Return the table of a planned search."""
     goals = [
         f"{'smallest' if one.sign > 0 else 'largest'} {one.name}" for one in problem.objectives

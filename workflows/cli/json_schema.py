@@ -16,7 +16,7 @@ from typing import Any
 from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
 from granwave.lammps_inputs.case.material import MATERIAL, MATERIALS
-from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, Table, tables
+from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, KeyTable, tables
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
 _MAY_BE_MISSING = (*OPTIONAL, "partner", "ranks", "uncertainty", "search", "slurm")
@@ -56,7 +56,7 @@ def schema_of(file: str) -> Schema:
     }
 
 
-def _put(root: Schema, table: Table) -> None:
+def _put(root: Schema, table: KeyTable) -> None:
     """Enter a table; those in it are in the types of its keys."""
     made = _object(table)
     if table.heading.startswith("[["):
@@ -66,7 +66,7 @@ def _put(root: Schema, table: Table) -> None:
     root["properties"][table.name] = made
 
 
-def _object(table: Table | None) -> Schema:
+def _object(table: KeyTable | None) -> Schema:
     found: Schema = {"type": "object", "additionalProperties": False, "properties": {}}
     if table is None:
         return found

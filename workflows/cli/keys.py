@@ -36,7 +36,7 @@ from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.design.problem import DESIGN_TABLES
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import Partner, SphereContactCase
-from granwave.workflows.scanning.header import Header, RanksBySize
+from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 
@@ -88,7 +88,7 @@ class Key:
 
 
 @dataclasses.dataclass(frozen=True)
-class Table:
+class KeyTable:
     """One table of a file.
 
     Attributes
@@ -112,7 +112,7 @@ _HEAD = "name, material and the tables below"
 
 
 @cache
-def tables() -> tuple[Table, ...]:
+def tables() -> tuple[KeyTable, ...]:
     """Return all tables of all kinds of files."""
     elements = {CONTINUUM: ContinuumCase.SECTIONS, SPHERE_CONTACT: SphereContactCase.SECTIONS}
     found = [_of_section(CASE, "", CaseHead, _HEAD)]
@@ -122,7 +122,7 @@ def tables() -> tuple[Table, ...]:
         found.append(_of_section(file, "", CaseHead, _HEAD))
         found += _of_sections(file, sections)
     found.append(_of_section(SPHERE_CONTACT, "[partner]", Partner))
-    found.append(_of_section(SCAN, "", Header, "top-level keys and the tables of what varies"))
+    found.append(_of_section(SCAN, "", ScanHeader, "top-level keys and the tables of what varies"))
     found.append(_of_section(SCAN, "[ranks]", RanksBySize))
     found.append(_of_section(SUITE, "", SuiteFile))
     how = "how the cluster is used; every key may be left out"
@@ -133,12 +133,12 @@ def tables() -> tuple[Table, ...]:
     return tuple(found)
 
 
-def _of_sections(file: str, sections: Mapping[str, type]) -> list[Table]:
+def _of_sections(file: str, sections: Mapping[str, type]) -> list[KeyTable]:
     """Return the tables of sections by name."""
     return [_of_section(file, f"[{name}]", section) for name, section in sections.items()]
 
 
-def find(*words: str) -> list[Table]:
+def find(*words: str) -> list[KeyTable]:
     """Return the tables of this name, or the table with one key alone; for other words the keys
     that these stand in.
 
@@ -190,7 +190,7 @@ def overview() -> str:
     return "\n\n".join(parts)
 
 
-def as_text(table: Table) -> str:
+def as_text(table: KeyTable) -> str:
     """Return a table and its keys for the terminal."""
     heading = coloured(table.heading or "top level", BOLD, sys.stdout)
     lines = [f"{heading}  {table.description}  ({TITLES[table.file]})"]
@@ -210,7 +210,7 @@ def state(key: Key) -> str:
     return f"default {key.default}" if key.default else "optional"
 
 
-def _of_section(file: str, heading: str, section: type, description: str = "") -> Table:
+def _of_section(file: str, heading: str, section: type, description: str = "") -> KeyTable:
     """Return the table of a section."""
     fields = declared_fields(section)
     listed = [_key_of(name, field) for name, field in fields.items()]
@@ -244,17 +244,17 @@ def _default_of(field: dataclasses.Field[Any]) -> str:
     return _written(default)
 
 
-def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> Table:
+def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> KeyTable:
     """Return a table with an example of each key; where none is given it is the default."""
     name = heading.strip("[]") or file
     given = _examples()[file].get(name, {})
     shown = {key.name: key.example or key.default for key in found}
     shown |= {key.name: _written(given[key.name]) for key in found if key.name in given}
     keys = (dataclasses.replace(key, example=f"{key.name} = {shown[key.name]}") for key in found)
-    return Table(file, name, heading, description, tuple(keys))
+    return KeyTable(file, name, heading, description, tuple(keys))
 
 
-def _pair() -> Table:
+def _pair() -> KeyTable:
     """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
     contact = _of_section(CASE, "[contact]", TABLES["[contact]"])
     own = _of_section(CASE, "[[pair]]", Pair)

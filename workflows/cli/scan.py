@@ -26,7 +26,7 @@ from granwave.workflows.scanning.batches import Machine, slowness_of
 from granwave.workflows.scanning.directory import check_points, decide, points_left
 from granwave.workflows.scanning.driver import STOPPED, ScanOutcome, default_jobs, run_scan
 from granwave.workflows.scanning.engine import EXECUTORS, LOCAL
-from granwave.workflows.scanning.scan_file import Point, Scan, load_scan
+from granwave.workflows.scanning.scan_file import Scan, ScanPoint, load_scan
 from granwave.workflows.scanning.slurm import Profile, load_profile
 from granwave.workflows.scanning.suite import Suite, check_suite, is_suite, load_suite, run_suite
 
@@ -186,7 +186,7 @@ def _executor(options: argparse.Namespace) -> Profile | None:
 
 
 def plan_values(
-    scan: Scan, directory: Path, left: Sequence[Point], machine: Machine
+    scan: Scan, directory: Path, left: Sequence[ScanPoint], machine: Machine
 ) -> dict[str, Any]:
     """Return the values of a planned scan with these points left to be run; units are part of the
     names.
@@ -214,7 +214,7 @@ def plan_values(
 
 
 def plan_text(
-    scan: Scan, left: Sequence[Point], values: Mapping[str, Any], slowness: float | None
+    scan: Scan, left: Sequence[ScanPoint], values: Mapping[str, Any], slowness: float | None
 ) -> str:
     """Return the table of a planned scan of these `plan_values`."""
     points = scan.distinct.values()

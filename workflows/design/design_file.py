@@ -35,11 +35,11 @@ from granwave.lammps_inputs.planning.plan import plan
 from granwave.workflows import library
 from granwave.workflows.design.problem import (
     KNOWN_BEFORE,
-    Header,
-    Limit,
+    DesignHeader,
+    DesignLimit,
+    DesignProblem,
     Objective,
     ObjectiveTable,
-    Problem,
     SearchTable,
     UncertaintyTable,
     ids_of,
@@ -79,7 +79,9 @@ _OF_TARGET = (
 )
 
 
-def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = None) -> Problem:
+def load_problem(
+    source: str | Path | Mapping[str, Any], budget: int | None = None
+) -> DesignProblem:
     """Read a design file.
 
     Parameters
@@ -103,7 +105,7 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
     known = ("set", "variables", "limits", "objective", "uncertainty", "search")
     errors = ErrorList(str(path), vocabulary=[*known, *vocabulary])
     tables: dict[str, Any] = {name: data.pop(name, {}) for name in known}
-    header = read_table(Header, {"name": path.stem, **data}, "", errors)
+    header = read_table(DesignHeader, {"name": path.stem, **data}, "", errors)
     search = read_table(SearchTable, tables["search"], "search", errors)
     objective = read_table(ObjectiveTable, tables["objective"], "objective", errors)
     fixed, base = _base(header, path, tables["set"], errors)
@@ -125,7 +127,7 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
         raise InputError(errors.items)
     if budget is not None:
         search = dataclasses.replace(search, evaluations=budget)
-    problem = Problem(
+    problem = DesignProblem(
         name=header.name,
         base=base,
         path=path,
@@ -145,7 +147,7 @@ def load_problem(source: str | Path | Mapping[str, Any], budget: int | None = No
 
 
 def _base(
-    header: Header | None, path: Path, table: Any, errors: ErrorList
+    header: DesignHeader | None, path: Path, table: Any, errors: ErrorList
 ) -> tuple[dict[str, Any], dict[str, Any]]:
     """Return the keys of ``[set]``, dotted, and the tables of the case that they are set in."""
     if not isinstance(table, Mapping):
@@ -368,7 +370,7 @@ def _layers(
     return read_variables(written, "variables", errors)
 
 
-def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
+def _limits(tables: Any, errors: ErrorList) -> tuple[DesignLimit, ...]:
     found = []
     if not isinstance(tables, Mapping):
         errors.add(
@@ -397,7 +399,7 @@ def _limits(tables: Any, errors: ErrorList) -> tuple[Limit, ...]:
         except ValidationError as error:
             errors.add_wrong(f"limits.{name}", value, error)
         else:
-            found.append(Limit(name, low, high))
+            found.append(DesignLimit(name, low, high))
     return tuple(found)
 
 
@@ -461,7 +463,7 @@ def _uncertainty(
 
 
 def _samples(
-    problem: Problem, ranges: Mapping[str, tuple[float, float]], replicates: int
+    problem: DesignProblem, ranges: Mapping[str, tuple[float, float]], replicates: int
 ) -> Iterator[dict[str, Any]]:
     """Give the changes of the case for each run of a design: evenly spread over the ranges, and the
     seeds.

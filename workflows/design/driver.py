@@ -28,7 +28,7 @@ from granwave.lammps_inputs.run_directory import (
 from granwave.workflows.design import guards
 from granwave.workflows.design.guards import check_best
 from granwave.workflows.design.points import Ended, Points, default_jobs, load, names
-from granwave.workflows.design.problem import Problem, with_derived
+from granwave.workflows.design.problem import DesignProblem, with_derived
 from granwave.workflows.design.search import n_first, ordered, promising
 from granwave.workflows.design.study import (
     COMPLETE,
@@ -38,7 +38,7 @@ from granwave.workflows.design.study import (
     REFUSED,
     RUNNING,
     Design,
-    Study,
+    DesignStudy,
     first_design,
     new_design,
     publish,
@@ -61,7 +61,7 @@ _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS
 
 
 def run_design(
-    problem: Problem,
+    problem: DesignProblem,
     directory: str | Path,
     *,
     jobs: int | None = None,
@@ -69,7 +69,7 @@ def run_design(
     resume: bool = False,
     force: bool = False,
     progress: bool = False,
-) -> tuple[Study, bool]:
+) -> tuple[DesignStudy, bool]:
     """Search for the best design, check it by further runs, and write report and cases.
 
     Parameters
@@ -109,7 +109,7 @@ def run_design(
         if not resume and not force:
             results.refuse_results()
         results.refuse_foreign([*_FILES, f"{POINTS}/"])
-        study = Study(problem, results.path) if force else read_study(problem, results.path)
+        study = DesignStudy(problem, results.path) if force else read_study(problem, results.path)
         first_design(study)
         if force:
             results.make_room(force=True)
@@ -122,7 +122,7 @@ def run_design(
 class _Search:
     def __init__(
         self,
-        study: Study,
+        study: DesignStudy,
         results: ResultDirectory,
         jobs: int,
         ranks: int,
@@ -174,7 +174,7 @@ class _Search:
                     self._take()
         study.write()
         best = next(iter(study.best()), None)
-        findings: list[guards.Finding] = []
+        findings: list[guards.GuardOutcome] = []
         if best is not None and not self.stop.count:
             findings = check_best(study, best, self.points, self.jobs, self.stop, show=self.show)
         if not self.stop.count:

@@ -31,12 +31,12 @@ from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_
 from granwave.workflows.design.points import Points, names
 from granwave.workflows.design.problem import (
     KNOWN_BEFORE,
-    Problem,
+    DesignProblem,
     examined,
     with_derived,
     with_values,
 )
-from granwave.workflows.design.study import COMPLETE, Design, Study
+from granwave.workflows.design.study import COMPLETE, Design, DesignStudy
 from granwave.workflows.run.progress import Progress
 
 Tables = dict[str, Any]
@@ -48,7 +48,7 @@ _TOLERANCE = 5e-4  # of the diameter
 
 
 @dataclasses.dataclass(frozen=True)
-class Finding:
+class GuardOutcome:
     """Outcome of a check.
 
     Attributes
@@ -73,8 +73,8 @@ class Finding:
 
 
 def check_best(
-    study: Study, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
-) -> list[Finding]:
+    study: DesignStudy, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
+) -> list[GuardOutcome]:
     """Check the best design by its own run and by further ones; return the findings, warnings
     first.
     """
@@ -149,7 +149,7 @@ def _is_periodic(boundary: Tables) -> bool:
 
 
 def further_runs(
-    problem: Problem, best: Design, longer: float
+    problem: DesignProblem, best: Design, longer: float
 ) -> Iterator[tuple[str, str, Tables]]:
     """Give the further runs of a design that make a case: name, what is changed, and the tables.
 
@@ -165,7 +165,7 @@ def further_runs(
 
 
 def _compared(
-    problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]
+    problem: DesignProblem, before: Mapping[str, Any], after: Mapping[str, Any]
 ) -> tuple[dict[str, float], str]:
     """Return the relative changes of the objectives that have two values, and a text of them."""
     changes = {}
@@ -180,20 +180,26 @@ def _compared(
 
 
 def finding_of(
-    name: str, what: str, problem: Problem, before: Mapping[str, Any], after: Mapping[str, Any]
-) -> Finding:
+    name: str,
+    what: str,
+    problem: DesignProblem,
+    before: Mapping[str, Any],
+    after: Mapping[str, Any],
+) -> GuardOutcome:
     """Compare the objectives of a further run with those of the run of the best design."""
     changes, text = _compared(problem, before, after)
     if not changes:
-        return Finding(name, what, f"{what}: gives no value", warning=True)
+        return GuardOutcome(name, what, f"{what}: gives no value", warning=True)
     of_runs = [one for one in problem.limits if one.name not in KNOWN_BEFORE and one.name in after]
     beyond = [fault for one in of_runs if (fault := one.fault(after[one.name] or 0.0))]
     text += "".join(f"; beyond a limit: {fault}" for fault in beyond)
     notable = bool(beyond) or any(abs(change) > NOTABLE for change in changes.values())
-    return Finding(name, what, f"{what}: {text}", changes, notable)
+    return GuardOutcome(name, what, f"{what}: {text}", changes, notable)
 
 
-def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> Iterator[Finding]:
+def of_neighbours(
+    problem: DesignProblem, best: Design, designs: Sequence[Design]
+) -> Iterator[GuardOutcome]:
     """Give what was found next to the best design, and how it was moved there."""
     first = problem.objectives[0]
     by_values = {repr(one.values): one for one in designs}
@@ -204,7 +210,7 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
         said = f"{first.name} {before:.4g} of design {start.number} became {after:.4g}"
         text = f"the best design was found next to that of the search: {said}"
         change = after / before - 1 if before else 0.0
-        yield Finding(
+        yield GuardOutcome(
             "moved", "moves to neighbours", text, {first.name: change}, abs(change) > NOTABLE
         )
     left = []
@@ -220,26 +226,26 @@ def of_neighbours(problem: Problem, best: Design, designs: Sequence[Design]) -> 
         text = f"{said} (design {tried.number})"
         if tried.state != COMPLETE:
             text = f"{tried.state} (design {tried.number}): {tried.reason}"
-        yield Finding(f"neighbour-{n}", what, f"{what}: {text}", changes)
+        yield GuardOutcome(f"neighbour-{n}", what, f"{what}: {text}", changes)
     if left and problem.search.guards:
         text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
-        yield Finding("neighbours", "neighbours", text, warning=True)
+        yield GuardOutcome("neighbours", "neighbours", text, warning=True)
 
 
 def findings_without_runs(
-    problem: Problem, best: Design, summary: Mapping[str, Any], place: Path
-) -> Iterator[Finding]:
+    problem: DesignProblem, best: Design, summary: Mapping[str, Any], place: Path
+) -> Iterator[GuardOutcome]:
     """Give what is to be said of the best design from its own run."""
     for note in best.notes:
-        yield Finding("end", "the end of the run", note, warning=True)
+        yield GuardOutcome("end", "the end of the run", note, warning=True)
     for one in problem.space.variables:
         if end := one.edge(best.values[one.key]):
             chosen = f"{one.key} = {show(best.values[one.key])}"
             text = f"{chosen} is at the {end} end of its range: a wider range may hold better"
-            yield Finding("edge", one.key, text, warning=True)
+            yield GuardOutcome("edge", one.key, text, warning=True)
     if beyond := summary.get("contacts_beyond_law"):
         text = f"{beyond} contacts are pressed beyond the range of the contact law"
-        yield Finding("law", "overlaps", text, warning=True)
+        yield GuardOutcome("law", "overlaps", text, warning=True)
     case = problem.case(problem.tables_of(best.values))
     yields = (
         case.contact.yields and not case.packing.rule.is_chain
@@ -250,13 +256,15 @@ def findings_without_runs(
         share = kinetic / given
         moving = "beads that rattle or fly off, or a target that moves"
         text = f"{100 * share:.0f} % of the energy is kinetic at the end: {moving}"
-        yield Finding("flight", "energy in free flight", text, warning=share > _MOVING and yields)
+        yield GuardOutcome(
+            "flight", "energy in free flight", text, warning=share > _MOVING and yields
+        )
     if (series := target_force(place)) is not None:
         share = late_impulse(*series)
         text = (
             f"{100 * share:.0f} % of the impulse on the target comes in the last tenth of the run"
         )
-        yield Finding("impulse", "impulse", text, warning=share > _STILL)
+        yield GuardOutcome("impulse", "impulse", text, warning=share > _STILL)
 
 
 def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:

@@ -58,7 +58,7 @@ def is_value(name: str) -> bool:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Header:
+class DesignHeader:
     """Top-level keys of a design file."""
 
     name: str = schema.typed("name of the search", schema.PLAIN_NAME, default="")
@@ -176,7 +176,7 @@ class SearchTable:
 
 #: Tables of a design file: class and description.
 DESIGN_TABLES: dict[str, tuple[type, str]] = {
-    "": (Header, "top-level keys, what may vary, and limits"),
+    "": (DesignHeader, "top-level keys, what may vary, and limits"),
     "[objective]": (
         ObjectiveTable,
         "what the best design has; two values in all make a Pareto front",
@@ -190,7 +190,7 @@ DESIGN_TABLES: dict[str, tuple[type, str]] = {
 
 
 @dataclasses.dataclass(frozen=True)
-class Limit:
+class DesignLimit:
     """Bounds of a value; None where there is none."""
 
     name: str
@@ -225,7 +225,7 @@ class Objective:
 
 
 @dataclasses.dataclass(frozen=True)
-class Problem:
+class DesignProblem:
     """A checked design file.
 
     Attributes
@@ -249,7 +249,7 @@ class Problem:
     path: Path
     tables: dict[str, Any]
     space: Space
-    limits: tuple[Limit, ...]
+    limits: tuple[DesignLimit, ...]
     objectives: tuple[Objective, ...]
     search: SearchTable
     statistic: str | float = "mean"
@@ -304,7 +304,9 @@ class Problem:
         return float(np.quantile(values, share if objective.sign > 0 else 1 - share))
 
 
-def examined(problem: Problem, values: Values) -> tuple[dict[str, float], dict[str, float], str]:
+def examined(
+    problem: DesignProblem, values: Values
+) -> tuple[dict[str, float], dict[str, float], str]:
     """Return what is known of a design before a run: values, margins of limits, and why it is
     refused; empty if not.
     """

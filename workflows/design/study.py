@@ -32,7 +32,7 @@ from granwave.lammps_inputs.run_directory import (
     SCAN_REPORT,
 )
 from granwave.workflows.design.points import names
-from granwave.workflows.design.problem import Objective, Problem, examined
+from granwave.workflows.design.problem import DesignProblem, Objective, examined
 from granwave.workflows.design.search import Known, expected_random, front, importance, ordered
 from granwave.workflows.design.variables import Space, Values
 from granwave.workflows.run.record import versions
@@ -106,10 +106,10 @@ class Design:
 
 
 @dataclasses.dataclass
-class Study:
+class DesignStudy:
     """All designs of a search, in their order."""
 
-    problem: Problem
+    problem: DesignProblem
     directory: Path
     designs: list[Design] = dataclasses.field(default_factory=list)
     exhausted: int = 0  # evaluations that were asked for when no more designs were found
@@ -223,7 +223,7 @@ class Study:
         return stream.getvalue()
 
 
-def first_design(study: Study) -> None:
+def first_design(study: DesignStudy) -> None:
     """Raise InputError if no design can be found that meets the limits known before a run; changes
     nothing.
     """
@@ -247,7 +247,7 @@ def first_design(study: Study) -> None:
     )
 
 
-def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Design:
+def new_design(problem: DesignProblem, number: int, values: Mapping[str, Any]) -> Design:
     """Return a design with what is known before a run; refused where its case is wrong, or beyond a
     limit.
     """
@@ -257,7 +257,7 @@ def new_design(problem: Problem, number: int, values: Mapping[str, Any]) -> Desi
     )
 
 
-def read_study(problem: Problem, directory: Path) -> Study:
+def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
     """Read the designs of an earlier start of the same search.
 
     Raises
@@ -278,7 +278,7 @@ def read_study(problem: Problem, directory: Path) -> Study:
 
     path = directory / DESIGN_STUDY
     if not path.exists():
-        return Study(problem, directory)
+        return DesignStudy(problem, directory)
     content = read_json(path)
     try:
         if content is None:
@@ -295,7 +295,7 @@ def read_study(problem: Problem, directory: Path) -> Study:
             f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to resume=True, "
             f"{ResultDirectory(directory).by_force}"
         )
-    return Study(problem, directory, designs, exhausted)
+    return DesignStudy(problem, directory, designs, exhausted)
 
 
 def _differences(
@@ -312,7 +312,7 @@ def _differences(
             yield f"{name} was {was}, is {now_is}"
 
 
-def publish(study: Study, findings: Iterable[Any]) -> None:
+def publish(study: DesignStudy, findings: Iterable[Any]) -> None:
     """Write the cases of the best designs, design.json with the findings of `check_best`, and the
     report.
     """

@@ -22,7 +22,7 @@ from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import read_toml, with_absolute_paths
 from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows import library
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Kind, solver_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, CaseKind, solver_of
 
 CaseLike = str | Path | Mapping[str, Any] | AnyCase
 
@@ -34,7 +34,7 @@ _OWN_NAMES = {
 
 def read_case(
     source: CaseLike, changes: Mapping[str, Any] | None, keys: Mapping[str, Any]
-) -> tuple[Any, Kind]:
+) -> tuple[Any, CaseKind]:
     """Make a case of a source with changes; return it with its kind.
 
     Raises

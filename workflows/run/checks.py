@@ -24,7 +24,7 @@ class Balance:
     Attributes
     ----------
     accepted
-        Largest error that is accepted, see `granwave.lammps_inputs.case.run.Run`.
+        Largest error that is accepted, see `granwave.lammps_inputs.case.run.RunSettings`.
     error
         Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if
         any value is NaN.

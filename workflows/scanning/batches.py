@@ -27,7 +27,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import open_engine
 from granwave.workflows.run.leftovers import scratch_directory
-from granwave.workflows.scanning.scan_file import Point
+from granwave.workflows.scanning.scan_file import ScanPoint
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.solvers import GRANULAR
 
@@ -55,7 +55,7 @@ class Batch:
     """
 
     id: str
-    points: tuple[Point, ...]
+    points: tuple[ScanPoint, ...]
     ranks: int
     memory: float
     wall_time: float
@@ -93,7 +93,7 @@ class Machine:
     profile: Profile | None = None
     slowness: float = 1.0
 
-    def batches(self, points: Iterable[Point], prefix: str) -> list[Batch]:
+    def batches(self, points: Iterable[ScanPoint], prefix: str) -> list[Batch]:
         """Distribute points over batches, the longest first.
 
         A batch lasts about ``sqrt(2 s T / jobs)``, with the time s to start a job and the total
@@ -110,7 +110,7 @@ class Machine:
         length = min(
             max(math.sqrt(2 * self._start * sum(times.values()) / self.jobs), self._start), _LONGEST
         )
-        groups: list[list[Point]] = []
+        groups: list[list[ScanPoint]] = []
         lasts = 0.0  # the last group
         for point in sorted(points, key=lambda point: (-times[point.id], point.number)):
             if (
@@ -139,7 +139,7 @@ class Machine:
             for n, group in enumerate(groups)
         ]
 
-    def time(self, points: Iterable[Point]) -> float:
+    def time(self, points: Iterable[ScanPoint]) -> float:
         """Return the expected wall time of a scan with these points left, without waiting in a
         queue, s.
         """
@@ -172,20 +172,20 @@ class Outlook:
         Where they run.
     """
 
-    def __init__(self, points: Sequence[Point], machine: Machine) -> None:
+    def __init__(self, points: Sequence[ScanPoint], machine: Machine) -> None:
         self._machine = machine
         self._ids = {point.id for point in points}
         self._planned = machine.time(points)
         self._taken = self._expected = 0.0  # by the points that are done, s
         self._begin = time.monotonic()
 
-    def done(self, point: Point, seconds: float) -> None:
+    def done(self, point: ScanPoint, seconds: float) -> None:
         """Register a finished point and its wall time (s); points done earlier are ignored."""
         if point.id in self._ids:
             self._taken += seconds
             self._expected += point.plan.wall_time
 
-    def text(self, left: Sequence[Point], ages: Mapping[str, float]) -> str:
+    def text(self, left: Sequence[ScanPoint], ages: Mapping[str, float]) -> str:
         """Return elapsed and remaining time as text.
 
         Parameters
@@ -215,7 +215,7 @@ _PIECE = 50  # steps between looks at the clock
 _MEASURED_WITHIN = 60.0  # s after which the measurement is given up
 
 
-def slowness_of(point: Point, jobs: int) -> float | None:
+def slowness_of(point: ScanPoint, jobs: int) -> float | None:
     """Measure the wall time of a granular point over the planned one; None if not possible.
 
     The first part of the impact is timed, in which nearly all contacts are elastic, without the

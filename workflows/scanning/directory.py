@@ -20,10 +20,10 @@ from granwave.lammps_inputs.files import replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SCAN, SCAN_FILE, SCAN_INDEX, SCAN_WORK, is_scan
 from granwave.workflows.scanning import layout, slurm
-from granwave.workflows.scanning.scan_file import Point, Scan
+from granwave.workflows.scanning.scan_file import Scan, ScanPoint
 
 
-def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[Point]:
+def points_left(scan: Scan, directory: Path, *, fresh: bool = False) -> list[ScanPoint]:
     """Return the points still to be run or analysed again; all if the scan starts ``fresh``.
 
     Raises

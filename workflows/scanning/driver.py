@@ -24,8 +24,8 @@ from granwave.workflows.run.progress import Progress
 from granwave.workflows.scanning import layout, slurm
 from granwave.workflows.scanning.batches import Machine, Outlook
 from granwave.workflows.scanning.directory import decide, prepare
-from granwave.workflows.scanning.engine import SLURM, Jobs, Processes, SlurmJobs, launcher_of
-from granwave.workflows.scanning.scan_file import Point, Scan
+from granwave.workflows.scanning.engine import SLURM, Jobs, LocalJobs, SlurmJobs, launcher_of
+from granwave.workflows.scanning.scan_file import Scan, ScanPoint
 from granwave.workflows.scanning.slurm import Profile, note_ended, note_refused
 
 logger = logging.getLogger(__name__)
@@ -193,14 +193,14 @@ class _ScanRun:
             _draw(self.result)
             publish(self.results, self.scan.study)
 
-    def _round(self, points: Sequence[Point], prefix: str) -> None:
+    def _round(self, points: Sequence[ScanPoint], prefix: str) -> None:
         batches = self.machine.batches(points, prefix)
         profile = self.machine.profile
         stop = self.directory / layout.STOP
         for batch in batches:
             path = self.directory / layout.BATCHES / f"{batch.id}.json"
             batch.write(path, figures=self.scan.figures, launcher=launcher_of(profile, batch))
-        jobs: Jobs = Processes(self.directory, batches, self.machine.jobs)
+        jobs: Jobs = LocalJobs(self.directory, batches, self.machine.jobs)
         if profile:
             jobs = SlurmJobs(self.directory, batches, self.machine.jobs, profile, self.scan.name)
         before = self._states(points)
@@ -237,7 +237,7 @@ class _ScanRun:
                 note_ended(self.directory, [point.id for point in points])
         self._update_points()
 
-    def _states(self, points: Sequence[Point]) -> list[tuple[bool, dict[str, Any]]]:
+    def _states(self, points: Sequence[ScanPoint]) -> list[tuple[bool, dict[str, Any]]]:
         return [
             (layout.is_done(self.directory, p.id), layout.state(self.directory, p.id))
             for p in points
@@ -325,7 +325,7 @@ def _draw(result: ScanResult, *, pdf: bool = True) -> None:
     draw_scan_figures(result, pdf=pdf)
 
 
-def _labels_of(point: Point) -> str:
+def _labels_of(point: ScanPoint) -> str:
     """Return the main labels of a point."""
     shown = list(point.labels.items())[:_MOST_SHOWN]
     return ", ".join(

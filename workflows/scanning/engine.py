@@ -104,7 +104,7 @@ class Jobs:
         raise NotImplementedError
 
 
-class Processes(Jobs):
+class LocalJobs(Jobs):
     """Jobs on so many cores of this machine, and in its memory."""
 
     def __init__(self, directory: Path, batches: Sequence[Batch], cores: int) -> None:

@@ -77,7 +77,7 @@ _LISTS = (
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class Header:
+class ScanHeader:
     """Top-level keys of a scan file."""
 
     name: str = schema.typed("name of the scan", schema.PLAIN_NAME, default="")
@@ -154,7 +154,7 @@ def _values_of(value: Any) -> list[Any]:
 
 
 def variations_of(
-    tables: Mapping[str, Any], header: Header | None, errors: ErrorList
+    tables: Mapping[str, Any], header: ScanHeader | None, errors: ErrorList
 ) -> list[dict[str, Any]]:
     """Make the values of each point, by dotted key, out of [grid], [[zip]] and [[points]]; a
     product of the first two.

@@ -29,8 +29,8 @@ from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import library
 from granwave.workflows.run.progress import Progress, each_warning_once
 from granwave.workflows.run.record import versions
-from granwave.workflows.scanning.header import Header, flat, studies_beside, variations_of
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, Cost, Kind, solver_of
+from granwave.workflows.scanning.header import ScanHeader, flat, studies_beside, variations_of
+from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, CaseKind, Cost, solver_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -39,7 +39,7 @@ _MANY = 300  # points from which reading them, some 5 ms each, shows a bar
 
 
 @dataclasses.dataclass(frozen=True)
-class Point:
+class ScanPoint:
     """One point of a scan.
 
     Attributes
@@ -66,7 +66,7 @@ class Point:
     id: str
     labels: dict[str, Scalar]
     case: AnyCase
-    kind: Kind
+    kind: CaseKind
     plan: Cost
     ranks: int
     size: int
@@ -93,7 +93,7 @@ class Scan:
     name: str
     case_name: str
     varied: tuple[str, ...]
-    points: tuple[Point, ...]
+    points: tuple[ScanPoint, ...]
     figures: bool
     text: str
     study: tuple[str, ...] = ()
@@ -110,7 +110,7 @@ class Scan:
         return self.n_values.get(key) or len({str(point.labels[key]) for point in self.points})
 
     @property
-    def distinct(self) -> dict[str, Point]:
+    def distinct(self) -> dict[str, ScanPoint]:
         """Distinct points by id."""
         return {point.id: point for point in reversed(self.points)}
 
@@ -218,7 +218,7 @@ def scan_from_dict(
     tables: dict[str, Any] = {
         name: data.pop(name) for name in ("set", "grid", "zip", "points") if name in data
     }
-    header = read_table(Header, {"name": path.stem, **data}, "", errors)
+    header = read_table(ScanHeader, {"name": path.stem, **data}, "", errors)
     fixed = {
         key: value
         for key, value in flat(tables.get("set", {}), "set", errors).items()
@@ -243,13 +243,13 @@ def scan_of_case(case: str, beside: Path, *, here: bool = True) -> Scan:
         Name of a built-in study, or path of a case file relative to the file ``beside``.
     """
     text = f'case = "{case}"\nfigures = true\n'
-    header = Header(name=Path(case).stem, case=case, figures=True)
+    header = ScanHeader(name=Path(case).stem, case=case, figures=True)
     return _build(beside, header, {}, {}, [{}], here, text)
 
 
 def _build(
     path: Path,
-    header: Header,
+    header: ScanHeader,
     fixed: Mapping[str, Any],
     changes: Mapping[str, Any],
     variations: Sequence[Mapping[str, Any]],
@@ -296,7 +296,7 @@ def _build(
             raise InputError(f"{path}: case: {fault}") from None
         template = {"name": base.stem, **read_toml(base)}
     kind = solver_of(template)
-    points: list[Point] = []
+    points: list[ScanPoint] = []
     errors: list[tuple[int, Mapping[str, Any], list[InputFault]]] = []
 
     def read(values: Mapping[str, Any]) -> AnyCase:
@@ -359,10 +359,10 @@ def _point(
     number: int,
     values: Mapping[str, Any],
     case: AnyCase,
-    kind: Kind,
-    header: Header,
+    kind: CaseKind,
+    header: ScanHeader,
     varied: Sequence[str],
-) -> Point:
+) -> ScanPoint:
     assembled = kind.assemble(case)
     size = kind.size(assembled)
     ranks = header.ranks.of(size) if kind.parallel else 1
@@ -376,7 +376,7 @@ def _point(
         for name in one.split("."):
             found = found.get(name, "") if isinstance(found, Mapping) else ""
         labels[one] = values.get(one, found)
-    return Point(
+    return ScanPoint(
         number,
         hashlib.sha256(key).hexdigest()[:_ID_LENGTH],
         labels,
@@ -388,7 +388,7 @@ def _point(
     )
 
 
-def _labelled(points: Sequence[Point], varied: Sequence[str], folder: Path) -> list[Point]:
+def _labelled(points: Sequence[ScanPoint], varied: Sequence[str], folder: Path) -> list[ScanPoint]:
     """Replace the varied values of points by labels, with paths relative to the folder of the scan
     file.
     """

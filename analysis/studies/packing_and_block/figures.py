@@ -19,7 +19,7 @@ import pandas as pd
 from numpy.typing import NDArray
 from pandas import DataFrame, Series
 
-from granwave.analysis.document.model import Table, show
+from granwave.analysis.document.model import DocumentTable, show
 from granwave.analysis.figures.series import label, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.geometry import preferred_directions
@@ -342,7 +342,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
         yield Picture("front", _FRONT, partial(_front_by_depth, there))
 
 
-def tables(impacts: Impacts) -> Iterator[Table]:
+def tables(impacts: Impacts) -> Iterator[DocumentTable]:
     """Exponents of force against impulse over fifths of the depth, and the front."""
     if found := linear(impacts.fast):
         numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")

@@ -11,7 +11,15 @@ import numpy as np
 import pandas as pd
 from pandas import DataFrame
 
-from granwave.analysis.document.model import Cell, Column, Note, Table, percent, show, spread_cell
+from granwave.analysis.document.model import (
+    Cell,
+    DocumentTable,
+    Note,
+    TableColumn,
+    percent,
+    show,
+    spread_cell,
+)
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.studies.packing_and_block import figures, zone
 from granwave.analysis.studies.packing_and_block.impacts import (
@@ -126,7 +134,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
             yield sketch("continuum_mass", figures.by_mass, curves)
 
 
-def tables(impacts: Impacts) -> Iterator[Table | Note]:
+def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Packings and blocks side by side, then each of them, with notes."""
     listed = [
         _dissipating(impacts.reference, _GRANULAR_LISTED),
@@ -143,7 +151,10 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
             f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
         )
         yield table_of(
-            caption, (Column("Run", key=True), Column("What"), *numbers), rows, sortable=True
+            caption,
+            (TableColumn("Run", key=True), TableColumn("What"), *numbers),
+            rows,
+            sortable=True,
         )
     yield from zone.tables(impacts)
     if len(impacts.reference):
@@ -186,12 +197,15 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
     return run.label, Cell(zone.what_of(run.what, run.packing)), *values
 
 
-def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
+def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Quadratic law, collapse of the scaling, and loading area."""
     if fit := quadratic_fit(impacts):
         ours = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
         caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
-        columns = (Column("Constant", key=True), *numeric("Value, with its standard deviation"))
+        columns = (
+            TableColumn("Constant", key=True),
+            *numeric("Value, with its standard deviation"),
+        )
         yield table_of(caption, columns, zip(("D0", "D1", "D2"), ours, strict=True), by_row=True)
         fractions = impacts.fast.dissipated_fraction
         remark = _FIT_REMARK.format(fractions.min(), fractions.max())
@@ -207,7 +221,7 @@ def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
             rows.append((name, len(pairs), float(gaps.max())))
     if rows:
         numbers = numeric("Points", "Largest difference in dissipated fraction")
-        columns = (Column("Differs from the reference in", key=True), *numbers)
+        columns = (TableColumn("Differs from the reference in", key=True), *numbers)
         yield table_of("Granular scaling: at equal normalised velocity", columns, rows)
     areas = area_table(by_area(impacts))
     if len(areas):
@@ -224,7 +238,7 @@ def _of_packings(impacts: Impacts) -> Iterator[Table | Note]:
         yield table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
 
 
-def _of_blocks(impacts: Impacts) -> Iterator[Table]:
+def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:
     """Collapse of the scaling, and influence of the taper.
 
     With one ratio of yield strength to modulus the differences are nothing but rounding. With
@@ -241,7 +255,7 @@ def _of_blocks(impacts: Impacts) -> Iterator[Table]:
                 rows.append((name, pair.energy_normalised, _percent(fraction), _percent(volume)))
     if rows:
         columns = (
-            Column("Differs from the reference in", key=True),
+            TableColumn("Differs from the reference in", key=True),
             *numeric("Input over sigma_y^2 D^3/E", key=True),
             *numeric("Difference in fraction", "Difference in volume"),
         )

@@ -18,7 +18,15 @@ from matplotlib.lines import Line2D
 from numpy.typing import ArrayLike, NDArray
 from pandas import DataFrame, concat
 
-from granwave.analysis.document.model import Cell, Column, Note, Table, Tone, show, value_cell
+from granwave.analysis.document.model import (
+    Cell,
+    DocumentTable,
+    Note,
+    TableColumn,
+    Tone,
+    show,
+    value_cell,
+)
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
@@ -80,7 +88,7 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
 
-def tables(impacts: Impacts) -> Iterator[Table | Note]:
+def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Sizes of all runs, and remarks on those that a bound or the end of the run decides."""
     found = [zone for side in zones(impacts).values() for zone in side.to_dict("records")]
     shown = {id(zone["run"]) for zone in found}
@@ -89,13 +97,13 @@ def tables(impacts: Impacts) -> Iterator[Table | Note]:
     if not found:
         return
     columns = (
-        Column("Run", key=True),
-        Column("What", key=True),
+        TableColumn("Run", key=True),
+        TableColumn("What", key=True),
         *numeric("Input over sigma_y^2 D^3/E", key=True),
         *numeric(*((f"Depth {percent} %", "D") for percent in SHARES), ("Outermost depth", "D")),
         *numeric(*((f"Radius {percent} %", "D") for percent in SHARES), ("Outermost radius", "D")),
         *numeric(*((f"Volume {percent} %", "pi D^3/6") for percent in SHARES)),
-        Column("Zone reaches"),
+        TableColumn("Zone reaches"),
         *numeric("Dissipated after waves came back"),
     )
     caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"

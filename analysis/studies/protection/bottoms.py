@@ -7,7 +7,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from itertools import product
 
-from granwave.analysis.document.model import Table
+from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.figures.series import column_name, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
 from granwave.analysis.measures.signals import Array
@@ -44,7 +44,7 @@ def text(runs: Sequence[TargetRun]) -> str:
     )
 
 
-def tables(runs: Sequence[TargetRun]) -> list[Table]:
+def tables(runs: Sequence[TargetRun]) -> list[DocumentTable]:
     """All runs."""
     return [table("What reaches the target, by bottom", runs, "B")]
 

@@ -8,7 +8,7 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 from matplotlib.ticker import ScalarFormatter
 
-from granwave.analysis.document.model import Table
+from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.figures.scales import ticks_at
 from granwave.analysis.figures.series import column_name, legend_outside, panels
 from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
@@ -54,7 +54,7 @@ def title(found: AllSeries) -> str:
     return f"Protected target, by height: {impact_title(found[0][0].assembly, height=False)}"
 
 
-def tables(found: AllSeries) -> list[Table]:
+def tables(found: AllSeries) -> list[DocumentTable]:
     """All runs."""
     return [table("Peak reduction by height", [run for one in found for run in one], "H")]
 

@@ -10,7 +10,7 @@ from functools import cached_property
 
 import numpy as np
 
-from granwave.analysis.document.model import BLANK, Cell, Column, Table
+from granwave.analysis.document.model import BLANK, Cell, DocumentTable, TableColumn
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import Reached, reached
 from granwave.analysis.result.reader import Result
@@ -200,7 +200,7 @@ def _order(run: TargetRun) -> tuple:
     return kind, -mass, -stiffness, run.bottom, run.friction, run.layers
 
 
-def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
+def table(caption: str, runs: Sequence[TargetRun], kind: str) -> DocumentTable:
     """A row for each run: bottom, layers, friction, and the quantities of a kind of table that any
     of the runs has.
     """
@@ -214,7 +214,7 @@ def table(caption: str, runs: Sequence[TargetRun], kind: str) -> Table:
         for name, entry in named.items()
         if any(math.isfinite(run.value(name)) for run in runs)
     }
-    heads = (Column("Bottom", key=True), *numeric("Layers", key=True), *numeric("Friction"))
+    heads = (TableColumn("Bottom", key=True), *numeric("Layers", key=True), *numeric("Friction"))
     rows = [
         (
             run.bottom,

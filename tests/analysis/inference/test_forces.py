@@ -13,7 +13,12 @@ from scipy import sparse
 from granwave.analysis.inference.case import Infer
 from granwave.analysis.inference.equations import make_equations
 from granwave.analysis.inference.freedom import freedom
-from granwave.analysis.inference.grains import Grains, Wall, find_contacts, stiffness
+from granwave.analysis.inference.grains import (
+    MeasuredGrains,
+    StraightWall,
+    find_contacts,
+    stiffness,
+)
 from granwave.analysis.inference.infer import infer, relative_noise
 from granwave.analysis.inference.output import network
 from granwave.analysis.inference.solve import solve, solve_conic
@@ -28,7 +33,7 @@ EXACT = Infer(friction=0.3, repetitions=0)
 def discs(x, stress, acceleration=0.0, spin=0.0, turning=0.0):
     """Equal discs of a metre's length with given stresses (xx, yy, xy)."""
     n = len(x)
-    return Grains(
+    return MeasuredGrains(
         np.arange(1, n + 1), np.array(x, float), np.full(n, RADIUS), np.full(n, MASS), np.full(n, np.pi * RADIUS**2),
         np.zeros((n, 2)) + acceleration, np.zeros((n, 1)) + spin, np.zeros((n, 1)) + turning, np.zeros((n, 2)),
         np.array(stress, float),
@@ -38,7 +43,7 @@ def discs(x, stress, acceleration=0.0, spin=0.0, turning=0.0):
 def test_a_disc_between_two_walls():
     """Stress -2 F/(pi R) across it."""
     force = 1234.5
-    walls = {"left": Wall((0, 0), (1, 0)), "right": Wall((2 * RADIUS, 0), (-1, 0))}
+    walls = {"left": StraightWall((0, 0), (1, 0)), "right": StraightWall((2 * RADIUS, 0), (-1, 0))}
     found = infer(discs([[RADIUS, 0]], [[-2 * force / (np.pi * RADIUS), 0, 0]]), walls, EXACT)
     assert found.contacts.walls == ("left", "right")
     np.testing.assert_allclose(found.force, [[force, 0], [force, 0]], rtol=1e-12, atol=1e-9)
@@ -56,7 +61,7 @@ def test_a_row_of_three_that_is_pushed():
     grains = discs(
         x, np.stack([across, 0 * across, 0 * across], axis=1), acceleration=[acceleration, 0.0]
     )
-    walls = {"piston": Wall((0, 0), (1, 0)), "end": Wall((6 * RADIUS, 0), (-1, 0))}
+    walls = {"piston": StraightWall((0, 0), (1, 0)), "end": StraightWall((6 * RADIUS, 0), (-1, 0))}
     found = infer(grains, walls, EXACT)
     by_place = sorted(zip(found.grains.position[found.contacts.first] + found.contacts.arm, found.force, strict=True),
                       key=lambda pair: pair[0][0])  # fmt: skip
@@ -70,7 +75,9 @@ def test_a_spinning_disc_bears_the_stress_of_the_closed_form():
     spin = 500.0
     hoop = MASS / (np.pi * RADIUS**2) * spin**2 * RADIUS**2 / 4
     found = infer(
-        discs([[RADIUS, 0]], [[hoop, hoop, 0]], spin=spin), {"left": Wall((0, 0), (1, 0))}, EXACT
+        discs([[RADIUS, 0]], [[hoop, hoop, 0]], spin=spin),
+        {"left": StraightWall((0, 0), (1, 0))},
+        EXACT,
     )
     np.testing.assert_allclose(found.force, 0, atol=1e-9)
 
@@ -108,13 +115,13 @@ def cube(rng, sliding=0.0):
         )
     )
     width = 2 * radius * n_side
-    walls = {"left": Wall((0, 0, 0), (1, 0, 0)), "right": Wall((width, 0, 0), (-1, 0, 0)),
-             "floor": Wall((0, 0, 0), (0, 0, 1)), "slope": Wall((0, width, 0), (0, -1, 0))}  # fmt: skip
+    walls = {"left": StraightWall((0, 0, 0), (1, 0, 0)), "right": StraightWall((width, 0, 0), (-1, 0, 0)),
+             "floor": StraightWall((0, 0, 0), (0, 0, 1)), "slope": StraightWall((0, width, 0), (0, -1, 0))}  # fmt: skip
     n = len(x)
     spin = 100 * rng.normal(size=(27, 3))
     zero = np.zeros((n, 3))
     volume = np.full(n, 4 / 3 * np.pi * radius**3)
-    bare = Grains(np.arange(1, n + 1), x, np.full(n, radius), np.full(n, mass), volume, zero, spin, zero, zero,
+    bare = MeasuredGrains(np.arange(1, n + 1), x, np.full(n, radius), np.full(n, mass), volume, zero, spin, zero, zero,
                   np.zeros((n, 6)))  # fmt: skip
     contacts = find_contacts(bare, walls, 1e-3)
     normal = rng.exponential(50.0, len(contacts))
@@ -260,7 +267,7 @@ def test_two_solvers_agree_in_the_plane(friction):
 def test_equations_leave_forces_without_matter_alone():
     """Grains that were not measured have no equations."""
     grains = discs([[RADIUS, 0], [3 * RADIUS, 0]], [[-1e3, 0, 0], [np.nan] * 3])
-    contacts = find_contacts(grains, {"left": Wall((0, 0), (1, 0))}, 1e-3)
+    contacts = find_contacts(grains, {"left": StraightWall((0, 0), (1, 0))}, 1e-3)
     equations = make_equations(grains, contacts)
     assert set(equations.stress_grain.tolist()) == {0}
     assert set(equations.motion_grain.tolist()) == {0, 1}
@@ -324,15 +331,15 @@ def state_of(name, time, times=(0.5e-3,)):
     modulus, ratio = (np.full(n, value) for value in (plane_crystal.MODULUS, plane_crystal.POISSON))
     stress = snapshot.stress()
     radius = np.full(n, plane_crystal.RADIUS)
-    grains = Grains(
+    grains = MeasuredGrains(
         np.arange(1, n + 1), snapshot.position, radius, np.full(n, plane_crystal.MASS), np.pi * radius**2,
         snapshot.acceleration, snapshot.spin[:, None], snapshot.angular_acceleration[:, None], np.zeros((n, 2)),
         np.stack([stress[:, 0, 0], stress[:, 1, 1], stress[:, 0, 1]], axis=1),
         np.linalg.inv(stiffness(modulus, ratio, "plane-stress")), modulus,
     )  # fmt: skip
     left, right, floor, plate = snapshot.levels
-    walls = {"left": Wall((left, 0), (1, 0)), "right": Wall((right, 0), (-1, 0)),
-             "floor": Wall((0, floor), (0, -1)), "plate": Wall((0, plate), (0, 1))}  # fmt: skip
+    walls = {"left": StraightWall((left, 0), (1, 0)), "right": StraightWall((right, 0), (-1, 0)),
+             "floor": StraightWall((0, floor), (0, -1)), "plate": StraightWall((0, plate), (0, 1))}  # fmt: skip
     contacts = find_contacts(grains, walls, EQUAL.contact_tolerance)
     partner = np.where(contacts.second >= 0, contacts.second, -1 - contacts.wall)
     row = {

@@ -11,7 +11,7 @@ import numpy as np
 import pytest
 from matplotlib.colors import to_hex
 
-from granwave.analysis.document.model import Table
+from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.figures.dissipation import draw_zone_size
 from granwave.analysis.measures.zone_size import (
     LABELS,
@@ -331,5 +331,5 @@ def test_report_notes_marks_and_explains(tmp_path, scan):
     assert any(
         b.caption == "What these values mean"
         for b in blocks(alone, "results")
-        if isinstance(b, Table)
+        if isinstance(b, DocumentTable)
     )

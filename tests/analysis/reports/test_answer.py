@@ -9,9 +9,9 @@ import shutil
 
 import pytest
 
-from granwave.analysis.document.model import Beside, Figure, Group, Note, Report, Table
+from granwave.analysis.document.model import Beside, DocumentTable, Figure, Group, Note, Report
 from granwave.analysis.reports.answer import _of_runs_in_words, answer_blocks, main_figures
-from granwave.analysis.reports.inputs import Run, read_inputs
+from granwave.analysis.reports.inputs import ReportRun, read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.results import compact_table
 from granwave.analysis.reports.studies import leads, verdicts
@@ -180,7 +180,7 @@ def test_a_packing_and_a_block(tmp_path):
         "run.end_time": "auto",
     }
     runs = [
-        Run(
+        ReportRun(
             "packing",
             "run",
             ResultDirectory(tmp_path),
@@ -189,7 +189,7 @@ def test_a_packing_and_a_block(tmp_path):
             packing,
             {},
         ),
-        Run(
+        ReportRun(
             "block",
             "continuum",
             ResultDirectory(tmp_path),
@@ -216,8 +216,8 @@ def test_a_study_speaks_for_its_scan(tmp_path):
     """The sentence and the figure at the top are those of a study with a verdict."""
     scan = scan_with(tmp_path / "scan", POINTS, lambda p: 0.5 + 0.01 * p["load.velocity"])
     inputs = read_inputs([scan], tmp_path)
-    assert [type(block) for block in answer_blocks(inputs)] == [Note, Table]
-    assert [type(block) for block in answer_blocks(inputs, judged=True)] == [Table]
+    assert [type(block) for block in answer_blocks(inputs)] == [Note, DocumentTable]
+    assert [type(block) for block in answer_blocks(inputs, judged=True)] == [DocumentTable]
     picture = Figure("answer-study", "Study", "Study", b"", (2, 1))
     (shown,) = answer_blocks(inputs, picture, judged=True)
     assert shown.gallery.figures == (picture,) and main_figures(inputs, picture) == set()

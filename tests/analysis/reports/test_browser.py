@@ -12,7 +12,15 @@ import pytest
 from PIL import Image
 
 from granwave.analysis import analyse
-from granwave.analysis.document.model import Block, Figure, Gallery, Group, Note, Report, Table
+from granwave.analysis.document.model import (
+    Block,
+    DocumentTable,
+    Figure,
+    Gallery,
+    Group,
+    Note,
+    Report,
+)
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.studies import studies_of
@@ -201,7 +209,7 @@ def repeated(report: Report) -> dict[str, list[object]]:
     everything = [part for section in report.sections for part in parts(section.blocks)]
     figures, tables, groups, notes = (
         [part for part in everything if isinstance(part, kind)]
-        for kind in (Figure, Table, Group, Note)
+        for kind in (Figure, DocumentTable, Group, Note)
     )
     verdicts = [section for section in report.sections if section.slug == "verdict"]
     said = {id(part) for section in verdicts for part in parts(section.blocks)}  # one per packing

@@ -6,7 +6,7 @@ import h5py
 import numpy as np
 import pytest
 
-from granwave.analysis.document.model import Gallery, Note, Table
+from granwave.analysis.document.model import DocumentTable, Gallery, Note
 from granwave.analysis.reports import figures
 from granwave.analysis.reports.answer import _of_runs_in_words
 from granwave.analysis.reports.inputs import read_inputs
@@ -43,7 +43,7 @@ def test_two_elastic_runs_do_not_lead_with_zero(elastic, tmp_path):
     lead = blocks(report, "short")[0]
     assert isinstance(lead, Note)
     assert lead.text == "Largest force of all contacts: 20 N (soft), 50 N (hard)."
-    (table,) = [block for block in blocks(report, "short") if isinstance(block, Table)]
+    (table,) = [block for block in blocks(report, "short") if isinstance(block, DocumentTable)]
     headings = [column.heading for column in table.columns]
     assert "Dissipated fraction" not in headings
     assert "Yielded contacts" not in headings

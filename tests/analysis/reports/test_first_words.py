@@ -15,7 +15,7 @@ import pytest
 import granwave as gw
 from granwave.analysis.document.model import BLANK, Note
 from granwave.analysis.reports.answer import in_words
-from granwave.analysis.reports.inputs import Run, read_inputs
+from granwave.analysis.reports.inputs import ReportRun, read_inputs
 from granwave.analysis.reports.results import compact_table, value_rows
 from granwave.analysis.reports.setting import setting_of, symbols_note
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -27,7 +27,7 @@ MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 
 
 def run_with(case=None, **summary):
-    return Run("one", "run", ResultDirectory(Path()), "done", summary, case or {}, {})
+    return ReportRun("one", "run", ResultDirectory(Path()), "done", summary, case or {}, {})
 
 
 def labels(run):

@@ -17,7 +17,15 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.document.model import Cell, Column, Gallery, Note, Report, Section, Table
+from granwave.analysis.document.model import (
+    Cell,
+    DocumentSection,
+    DocumentTable,
+    Gallery,
+    Note,
+    Report,
+    TableColumn,
+)
 from granwave.analysis.reports import report as pdf_writer
 from granwave.analysis.reports.report import html_page, markdown, parts, write_report
 from granwave.lammps_inputs.errors import InputError
@@ -114,7 +122,7 @@ def test_markdown_escapes_everything(nasty, tmp_path):
 def test_markdown_has_no_lists_by_accident(text):
     blocks = (Note(text.replace("\\", "")), Note("Answer", "lead", "short"))
     found, _ = markdown(
-        Report("R", "1 run. SI units.", (Section("In short", "short", blocks),)), "r_files"
+        Report("R", "1 run. SI units.", (DocumentSection("In short", "short", blocks),)), "r_files"
     )
     assert f"\n{text}\n\n**Answer** [In short](#in-short)\n" in found
 
@@ -165,10 +173,12 @@ def test_tables_of_a_pdf_fill_its_page():
     """The grounds of the heads of their columns reach from margin to margin, as the line below a
     title does.
     """
-    table = Table(
-        "Two", (Column("A", key=True), Column("B", numeric=True)), ((Cell("x"), Cell("1")),)
+    table = DocumentTable(
+        "Two",
+        (TableColumn("A", key=True), TableColumn("B", numeric=True)),
+        ((Cell("x"), Cell("1")),),
     )
-    drawn = objects(pdf_writer.pdf_file(Report("R", "", (Section("S", "s", (table,)),))))
+    drawn = objects(pdf_writer.pdf_file(Report("R", "", (DocumentSection("S", "s", (table,)),))))
     boxes = [
         tuple(map(float, box))
         for box in re.findall(rb"([\d.]+) ([\d.]+) ([\d.]+) ([\d.]+) re f", drawn)
@@ -223,9 +233,9 @@ def test_pdf_without_its_library(runs, tmp_path, monkeypatch):
 @pytest.mark.parametrize("columns", [3, 12, 13, 40])
 def test_wide_tables_in_parts(columns):
     """Every part has the key columns, no column is lost, and the order stays."""
-    heads = tuple(Column(f"c{n}", key=n in (0, 2)) for n in range(columns))
+    heads = tuple(TableColumn(f"c{n}", key=n in (0, 2)) for n in range(columns))
     rows = tuple(tuple(Cell(f"{row}.{n}") for n in range(columns)) for row in range(2))
-    found = parts(Table("Points", heads, rows))
+    found = parts(DocumentTable("Points", heads, rows))
     assert all(len(part.columns) <= 12 for part in found) and (len(found) > 1) == (columns > 12)
     others = [column for part in found for column in part.columns if not column.key]
     assert others == [column for column in heads if not column.key]

@@ -7,10 +7,10 @@ import json
 import pytest
 
 from granwave.analysis.document.model import (
+    DocumentTable,
     Figure,
     Gallery,
     Note,
-    Table,
     cleaned,
     named,
     percent,
@@ -22,7 +22,7 @@ from granwave.analysis.reports import figures
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
-from granwave.lammps_inputs.case.run import Run as CaseRun
+from granwave.lammps_inputs.case.run import RunSettings as CaseRun
 from tests.helpers.synthetic_report import (
     blocks,
     build,
@@ -61,14 +61,21 @@ def test_sections_and_order_of_the_inputs(both):
         "24 x 24 x 12, brass, 10 mm, 10 m/s, ideal); scan (fcc 24 x 24 x 12, 10 mm, ideal; load.velocity, material "
         "varied)."
     )
-    tables = [block for slug in slugs for block in blocks(report, slug) if isinstance(block, Table)]
+    tables = [
+        block
+        for slug in slugs
+        for block in blocks(report, slug)
+        if isinstance(block, DocumentTable)
+    ]
     assert all(len(row) == len(one.columns) for one in tables for row in one.rows)
 
 
 def test_scan_table_has_the_varied_keys_first_and_every_status(both):
     (_, _, scan), report = both
     part = next(
-        b for b in blocks(report, "results") if isinstance(b, Table) and b.caption == "Scan scan"
+        b
+        for b in blocks(report, "results")
+        if isinstance(b, DocumentTable) and b.caption == "Scan scan"
     )
     heads = ["#", "load.velocity", "material", "Status", quantity(REPORT_COLUMNS[0]).label]
     assert [column.heading for column in part.columns][:5] == heads and part.columns[
@@ -247,7 +254,7 @@ def test_many_runs_have_one_table(tmp_path):
     captions = [
         block.caption
         for block in blocks(report, "results")
-        if isinstance(block, Table) and block.captioned
+        if isinstance(block, DocumentTable) and block.captioned
     ]
     assert captions == ["Runs"] and len(table(report, "results", "Runs")) == 8
 

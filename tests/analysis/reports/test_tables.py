@@ -13,8 +13,8 @@ import pytest
 from granwave.analysis.document.model import (
     BLANK,
     Cell,
-    Column,
-    Table,
+    DocumentTable,
+    TableColumn,
     spread_cell,
     tidied_table,
     value_cell,
@@ -29,19 +29,19 @@ from tests.helpers.synthetic_report import build, notes, table, write_run
 from tests.helpers.synthetic_scan import grid, write_scan
 
 
-def made(heads: list[str], rows: list[list], *, by_row: bool = False) -> Table:
+def made(heads: list[str], rows: list[list], *, by_row: bool = False) -> DocumentTable:
     """Table from headings: ``Energy:J`` is a numeric column with its unit, ``Run`` a column of
     names.
     """
-    columns = [Column(name, unit, numeric=name[0].isupper() and colon == ":") for name, colon, unit in
+    columns = [TableColumn(name, unit, numeric=name[0].isupper() and colon == ":") for name, colon, unit in
                (head.partition(":") for head in heads)]  # fmt: skip
     cells = [
         [value if isinstance(value, Cell) else value_cell(value) for value in row] for row in rows
     ]
-    return Table("t", tuple(columns), tuple(map(tuple, cells)), by_row=by_row)
+    return DocumentTable("t", tuple(columns), tuple(map(tuple, cells)), by_row=by_row)
 
 
-def texts(of: Table) -> list[list[str]]:
+def texts(of: DocumentTable) -> list[list[str]]:
     tidy = tidied_table(of)
     assert all(len(row) == len(tidy.columns) for row in tidy.rows)
     return [[cell.text for cell in row] for row in tidy.rows]
@@ -133,7 +133,9 @@ def test_bottoms_of_runs_are_told_in_one_column(tmp_path):
         for name, text in bottoms.items()
     ]
     results = results_section(read_inputs(runs, tmp_path))
-    shown = tidied_table(next(block for block in results.blocks if isinstance(block, Table)))
+    shown = tidied_table(
+        next(block for block in results.blocks if isinstance(block, DocumentTable))
+    )
     heads = [column.heading for column in shown.columns]
     assert [row[heads.index("boundary.bottom")].text for row in shown.rows] == [
         "wall",
@@ -203,7 +205,7 @@ def test_sections_have_names_of_their_own(tmp_path):
     )
     section = studies_section(inputs, [study])
     assert section.title == "Studies"
-    parts = [block for block in section.blocks[0].blocks if isinstance(block, Table)]
+    parts = [block for block in section.blocks[0].blocks if isinstance(block, DocumentTable)]
     assert [part.caption for part in parts] == [
         "A chain: source against ours",
         "A chain: theory against ours",

@@ -14,7 +14,7 @@ import numpy as np
 import pytest
 from pandas import DataFrame, concat
 
-from granwave.analysis.document.model import Note, Table
+from granwave.analysis.document.model import DocumentTable, Note
 from granwave.analysis.reports import studies as comparison
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
@@ -126,7 +126,7 @@ def rows(impacts: Impacts, caption: str) -> list[list]:
     part = next(
         part
         for part in study.tables(impacts)
-        if isinstance(part, Table) and part.caption.startswith(caption)
+        if isinstance(part, DocumentTable) and part.caption.startswith(caption)
     )
     return [[cell.text if cell.value is None else cell.value for cell in row] for row in part.rows]
 

@@ -19,7 +19,7 @@ from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names, series
 from granwave.analysis.studies.runs import finished_runs
 from granwave.analysis.studies.study import draw_studies, make_studies
-from granwave.lammps_inputs.case.run import Run
+from granwave.lammps_inputs.case.run import RunSettings
 from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import load_scan, run_case
 
@@ -229,7 +229,7 @@ def test_only_runs_that_compare_make_a_study(packings: Found, tmp_path: Path) ->
     )  # a series needs more than two heights on a rigid wall
     assert len(collect([by_name["wall2"], by_name["plate2"]])) == 1
     _, path, summary = by_name["wall2"]
-    shorter = dataclasses.replace(load_case(path / "case.toml"), run=Run(end_time=1e-4))
+    shorter = dataclasses.replace(load_case(path / "case.toml"), run=RunSettings(end_time=1e-4))
     (tmp_path / "case.toml").write_text(shorter.to_toml(), encoding="utf-8")
     (group,) = collect([("shorter", tmp_path, {**summary, "end_time_s": 1e-4}), *packings])
     assert [run.label for run in group] == [

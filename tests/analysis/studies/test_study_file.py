@@ -14,8 +14,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.document.model import Table
-from granwave.analysis.reports.inputs import Point, Scan, read_inputs
+from granwave.analysis.document.model import DocumentTable
+from granwave.analysis.reports.inputs import ReportPoint, ReportScan, read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.studies import studies_of, studies_section
 from granwave.analysis.studies.runs import (
@@ -212,7 +212,9 @@ def test_a_report_has_a_table_for_each_kind(tmp_path: Path) -> None:
         read_inputs([write_run(tmp_path / "run", figures=False)], tmp_path), [study]
     )
     tables = {
-        block.caption: block for block in section.blocks[0].blocks if isinstance(block, Table)
+        block.caption: block
+        for block in section.blocks[0].blocks
+        if isinstance(block, DocumentTable)
     }
     assert list(tables) == [
         "Chain: source against ours", "Chain: theory against ours", "Chain: verification of the code",
@@ -280,11 +282,11 @@ def test_a_report_shows_the_studies_of_its_runs(tmp_path: Path) -> None:
     inputs = read_inputs(directories, tmp_path / "report.html", [every, none])
     assert studies_of(inputs) == []
     assert [study.name for study in studies_of(inputs, [every, none])] == ["all"]
-    points = tuple(Point(SimpleNamespace(labels={}), "", one) for one in inputs.runs)
+    points = tuple(ReportPoint(SimpleNamespace(labels={}), "", one) for one in inputs.runs)
     scans = (
-        Scan("first", None, points, (none,)),
-        Scan("second", None, points[:1], (every,)),
-        Scan("third", None, points, (every,)),
+        ReportScan("first", None, points, (none,)),
+        ReportScan("second", None, points[:1], (every,)),
+        ReportScan("third", None, points, (every,)),
     )
     (study,) = studies_of(dataclasses.replace(inputs, items=scans))
     assert study.tables[0].rows[0][0].text == "2"

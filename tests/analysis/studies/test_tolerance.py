@@ -25,7 +25,7 @@ from granwave.analysis.studies.tolerance import (
     DISSIPATED,
     FORCE,
     IDEAL,
-    Packing,
+    PackingRuns,
     Setting,
     select,
 )
@@ -109,7 +109,7 @@ def found_in(paths: Iterable[Path], base: Path) -> list[Study]:
     return studies_of(read_inputs(list(paths), base), ["tolerance"])
 
 
-def packings_in(paths: Iterable[Path], base: Path) -> list[Packing]:
+def packings_in(paths: Iterable[Path], base: Path) -> list[PackingRuns]:
     found = [(run.label, run.directory, run.summary) for run in read_inputs(list(paths), base).runs]
     return select(finished_runs(found))
 

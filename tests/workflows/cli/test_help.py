@@ -30,7 +30,7 @@ from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.run.lammps_engine import Engine
-from granwave.workflows.scanning.header import Header, RanksBySize
+from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
 from tests.conftest import BIN, PLAIN
@@ -261,7 +261,7 @@ SECTIONS = {
     **{
         (keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()
     },
-    (keys.SCAN, "scan"): Header,
+    (keys.SCAN, "scan"): ScanHeader,
     (keys.SCAN, "ranks"): RanksBySize,
     (keys.SUITE, "suite"): SuiteFile,
     (keys.PROFILE, "slurm"): Profile,

@@ -35,7 +35,7 @@ from granwave.workflows.design.guards import (
     target_force,
 )
 from granwave.workflows.design.problem import with_values
-from granwave.workflows.design.study import Design, Study, first_design, new_design
+from granwave.workflows.design.study import Design, DesignStudy, first_design, new_design
 from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
@@ -270,7 +270,12 @@ def test_far_worse_designs_are_not_run_further(folder):
         "1-2": {"value": {"target_peak_force_N": 10.0}},
     }
     search = _Search(
-        Study(problem, folder, [best]), ResultDirectory(folder), 1, 1, Interrupts(), show=False
+        DesignStudy(problem, folder, [best]),
+        ResultDirectory(folder),
+        1,
+        1,
+        Interrupts(),
+        show=False,
     )
     for force, lost in ((95.0, False), (200.0, True)):
         design = Design(2, {}, runs={"2-1": {"value": {"target_peak_force_N": force}}})
@@ -580,7 +585,7 @@ def test_limits_known_before_a_run(folder):
 def test_bad_files_are_refused_before_anything_is_run(folder, changes, expected):
     with pytest.raises(InputError) as error:
         problem = problem_of(folder, **changes)
-        first_design(Study(problem, folder / "nowhere"))
+        first_design(DesignStudy(problem, folder / "nowhere"))
     assert expected in str(error.value)
 
 

@@ -58,7 +58,7 @@ class Punch:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class ContinuumRun:
+class PunchRunSettings:
     """``[run]``: end time, mesh, timestep and snapshots."""
 
     end_time: float | Literal["auto"] = positive_or_auto(
@@ -119,12 +119,16 @@ def yield_velocity(material: Material, punch: Punch, elements: int = ELEMENTS) -
 class ContinuumCase(ElementCase):
     """Impact of a punch on a block."""
 
-    SECTIONS: ClassVar[Mapping[str, type]] = {"block": Block, "punch": Punch, "run": ContinuumRun}
+    SECTIONS: ClassVar[Mapping[str, type]] = {
+        "block": Block,
+        "punch": Punch,
+        "run": PunchRunSettings,
+    }
 
     material: Material
     block: Block = dataclasses.field(default_factory=Block)
     punch: Punch = dataclasses.field(default_factory=Punch)
-    run: ContinuumRun = dataclasses.field(default_factory=ContinuumRun)
+    run: PunchRunSettings = dataclasses.field(default_factory=PunchRunSettings)
 
     @property
     def yield_velocity(self) -> float | None:
@@ -142,7 +146,7 @@ class ContinuumCase(ElementCase):
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:
         block: Block | None = parts["block"]
         punch: Punch | None = parts["punch"]
-        run: ContinuumRun | None = parts["run"]
+        run: PunchRunSettings | None = parts["run"]
         material: Material | None = parts.get("material")
         if material is not None:
             if material.yield_strength is None:

@@ -26,7 +26,7 @@ from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zo
 from granwave.workflows.finite_elements.material import PLASTIC, STRAIN, Elastoplastic
 from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.finite_elements.punch.mesh import mesh_of, punch_gap
-from granwave.workflows.finite_elements.punch.solver import Solver
+from granwave.workflows.finite_elements.punch.solver import PunchSolver
 from granwave.workflows.finite_elements.runner import (
     SUMMARY_NAMES,
     ElementRun,
@@ -47,7 +47,7 @@ _IN_SUMMARY = ("kinetic", "elastic", "plastic", "punch", "hourglass", "viscous",
 
 
 class BlockRun(ElementRun):
-    """Run of a punch on a block; rows of its history as of `Solver.advance`.
+    """Run of a punch on a block; rows of its history as of `PunchSolver.advance`.
 
     Attributes
     ----------
@@ -67,7 +67,7 @@ class BlockRun(ElementRun):
         mesh = mesh_of(case)
         punch = case.punch
         run = case.run
-        self.solver = Solver(
+        self.solver = PunchSolver(
             mesh,
             Elastoplastic.of(case.material),
             gap=punch_gap(mesh, punch.diameter / 2, punch.taper),

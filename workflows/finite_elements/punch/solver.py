@@ -137,7 +137,7 @@ def stable_timestep(operators: Operators, material: Elastoplastic) -> float:
     return _SAFETY * 2 / omega * (math.sqrt(1 + damping**2) - damping)
 
 
-class Solver:
+class PunchSolver:
     """Block struck by a rigid punch.
 
     Parameters

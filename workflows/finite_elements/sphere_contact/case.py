@@ -43,7 +43,7 @@ class Partner:
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
-class SphereContactRun:
+class SphereContactRunSettings:
     """``[run]``: largest overlap, unloadings, mesh and speed."""
 
     max_overlap: float = number("largest overlap, over R*", at_least=1e-6, at_most=1.0, default=0.2)
@@ -74,13 +74,13 @@ class SphereContactRun:
 class SphereContactCase(ElementCase):
     """Contact of two spheres pressed together."""
 
-    SECTIONS: ClassVar[Mapping[str, type]] = {"sphere": Sphere, "run": SphereContactRun}
+    SECTIONS: ClassVar[Mapping[str, type]] = {"sphere": Sphere, "run": SphereContactRunSettings}
     REQUIRED: ClassVar[tuple[str, ...]] = ("material", "sphere")
 
     material: Material
     sphere: Sphere
     partner: Partner | None = None
-    run: SphereContactRun = dataclasses.field(default_factory=SphereContactRun)
+    run: SphereContactRunSettings = dataclasses.field(default_factory=SphereContactRunSettings)
 
     @staticmethod
     def _complete(parts: dict[str, Any], data: Mapping[str, Any], errors: ErrorList) -> None:

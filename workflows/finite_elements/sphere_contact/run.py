@@ -64,7 +64,10 @@ from granwave.workflows.finite_elements.sphere_contact.deviations import (
     compare_loading,
     worst,
 )
-from granwave.workflows.finite_elements.sphere_contact.solver import Contact, Solver
+from granwave.workflows.finite_elements.sphere_contact.solver import (
+    SphereContactSolver,
+    SurfaceContact,
+)
 
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
 PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
@@ -105,7 +108,7 @@ class _Refused(Exception):
 class ContactRun(ElementRun):
     """Run of a sphere contact through loading and all cycles.
 
-    Rows of its history hold what `Solver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or
+    Rows of its history hold what `SphereContactSolver.ledger` gives, the ``branch`` (`LOADING`, `UNLOADING` or
     `RELOADING`), the number of the ``cycle`` (from 1; 0: loading), ``contact_radius`` and
     ``penetration`` (m).
 
@@ -129,7 +132,7 @@ class ContactRun(ElementRun):
         core = mesh.core_size(case)
         number = 1 if case.identical else 2
         speed = case.run.speed
-        self.solver: Solver = Solver(
+        self.solver: SphereContactSolver = SphereContactSolver(
             tuple(mesh.half_sphere(radius, core, n) for radius in case.radii[:number]),
             tuple(Elastoplastic.of(material) for material in case.materials[:number]),
             smoothing=mesh.SMOOTHING * n / speed,
@@ -137,7 +140,7 @@ class ContactRun(ElementRun):
             memory=mesh.MEMORY * n,
             velocity=case.run.velocity,
         )
-        self.profiles: list[tuple[float, Contact]] = []
+        self.profiles: list[tuple[float, SurfaceContact]] = []
         self.field: Tables = {}
         self._unit = case.yield_unit
         self._fold = mesh.STEPS_PER_E_FOLD * n / speed

@@ -47,7 +47,7 @@ Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True)
-class Contact:
+class SurfaceContact:
     """Contact along the surface of the first sphere.
 
     Attributes
@@ -66,7 +66,7 @@ class Contact:
     penetration: float
 
 
-class Solver:
+class SphereContactSolver:
     """One half-sphere on the plane of symmetry, or two against each other.
 
     Parameters
@@ -239,7 +239,7 @@ class Solver:
             "balance": sum(energies.values()) - work,
         }
 
-    def contact(self) -> Contact:
+    def contact(self) -> SurfaceContact:
         """Return the present contact."""
         line = self.motion[0, self._surfaces[0].line]
         r = line[:, 0]
@@ -258,7 +258,7 @@ class Solver:
         middle = 0.5 * (r[1:] + r[:-1])
         pressure = force[1:-1] / (math.pi * np.diff(middle**2))
         edge = max(_edge(at, gap) for at, gap in zip(places, gaps, strict=True) if len(gap))
-        return Contact(
+        return SurfaceContact(
             r[1:-1], pressure, edge, float(max(0.0, -min(gap.min() for gap in gaps if len(gap))))
         )
 
