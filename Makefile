@@ -1,7 +1,7 @@
 # make setup     for development: the package in .venv consists of links to the sources; make plugin builds what changed of the C++
 # make demo      set up, then the reference study: impact on the 72 x 72 x 30 FCC packing, analysis and figures
 # make test      set up, then the tests (minutes)
-# make validate  the long validations; make validate-one the first case of each
+# make validate  the long validations; make validate-one the first case of each, without the builds with sanitizers
 # make docs      the site, into build/docs; warnings are errors, links and its search are checked. make gallery runs its scripts alone
 # make results  what is stale of the tables of results, docs/explanation/results.md and README: runs its suites (all: hours)
 # make law       the finite-element contacts of the law elastoplastic-fe that its table lacks, their table, fit and error bars; then the plugin
@@ -79,9 +79,9 @@ test: $(READY)
 validate: $(READY)
 	$(BIN)/python -m pytest -m validation
 
-# the first case of each validation, in CI
+# the first case of each validation, in CI; the builds with sanitizers take as long as all others together
 validate-one: $(READY)
-	$(BIN)/python -m pytest -m validation --one-of-each
+	$(BIN)/python -m pytest -m validation --one-of-each --ignore=tests/validation/test_sanitizers.py
 
 docs: $(READY)
 	$(BIN)/python -m pip install --quiet 'granwave[docs]'  # of the granwave that is there
