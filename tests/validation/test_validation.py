@@ -270,7 +270,9 @@ def short(point: ScanPoint) -> ScanPoint:
         with contextlib.suppress(InputError):
             tables = point.kind.read(apply_overrides(tables, changes), Path("case.toml")).to_dict()
     case = point.kind.read(tables, Path("case.toml"))
-    return dataclasses.replace(point, case=case, plan=point.kind.cost(case, 1, False), ranks=1)
+    return dataclasses.replace(
+        point, case=case, plan=point.kind.cost(point.kind.assemble(case), 1, False), ranks=1
+    )
 
 
 @pytest.mark.parametrize("name", SCANS)
