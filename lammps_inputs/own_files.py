@@ -257,7 +257,7 @@ class OwnFiles(os.PathLike[str]):
 
     @property
     def content(self) -> str:
-        """What the directory holds by its marker, such as ``a run``; empty if nothing is known."""
+        """Content of the directory by its marker, such as ``a run``; empty if nothing is known."""
         return _CONTENTS.get(self.marker.kind, "")
 
     def refuse_other_kind(self, kind: str) -> None:

@@ -233,7 +233,10 @@ class ResultDirectory(OwnFiles):
         if there is None or as_run is None:
             return
         drawn = {run_directory.FIGURES_TABLE: None}
-        changes = list(_changes(there | drawn, as_run | drawn))
+        changes = [
+            f"{name} is {_shown(now)}, was {_shown(then)}"
+            for name, then, now in changed_values(as_run | drawn, there | drawn)
+        ]
         if not changes:
             return
         shown = "; ".join(changes[:_SHOWN]) + ("; ..." if len(changes) > _SHOWN else "")
@@ -412,17 +415,20 @@ def case_digest(tables: Mapping[str, Any]) -> str:
     return digest[:_DIGEST_LENGTH]
 
 
-def _changes(
-    there: Mapping[str, Any], as_run: Mapping[str, Any], prefix: str = ""
-) -> Iterator[str]:
-    for key in dict.fromkeys((*as_run, *there)):
-        now = there.get(key)
-        then = as_run.get(key)
+def changed_values(
+    before: Mapping[str, Any], now: Mapping[str, Any], prefix: str = ""
+) -> Iterator[tuple[str, Any, Any]]:
+    """Yield the dotted key, earlier and present value of each difference of two nested tables; None
+    for a value that is left out.
+    """
+    for key in dict.fromkeys((*before, *now)):
+        old = before.get(key)
+        new = now.get(key)
         name = f"{prefix}{key}"
-        if isinstance(now, Mapping) and isinstance(then, Mapping):
-            yield from _changes(now, then, f"{name}.")
-        elif now != then:
-            yield f"{name} is {_shown(now)}, was {_shown(then)}"
+        if isinstance(old, Mapping) and isinstance(new, Mapping):
+            yield from changed_values(old, new, f"{name}.")
+        elif old != new:
+            yield name, old, new
 
 
 def _shown(value: Any) -> str:

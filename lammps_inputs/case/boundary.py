@@ -389,12 +389,12 @@ class Boundary:
 
     @property
     def bottom_rule(self) -> Bottom:
-        """What the kind of bottom does."""
+        """Properties of the kind of bottom."""
         return BOTTOMS[self.bottom]
 
     @property
     def sides_rule(self) -> Sides:
-        """What the kind of sides does."""
+        """Properties of the kind of sides."""
         return SIDES[self.sides]
 
     @property

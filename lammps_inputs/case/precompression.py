@@ -283,12 +283,12 @@ class Precompression:
 
     @property
     def rule(self) -> StaticLoad:
-        """What its kind does."""
+        """Properties of its kind."""
         return STATIC_LOADS[self.kind]
 
     @property
     def sizes(self) -> list[str]:
-        """Those of the keys ``pressure`` and ``force`` that are given."""
+        """Keys ``pressure`` and ``force``, as far as they are given."""
         return [name for name in _SIZES if getattr(self, name) is not None]
 
     @property

@@ -11,7 +11,7 @@ import dataclasses
 import io
 import json
 from collections import Counter
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Mapping
 from pathlib import Path
 from typing import Any
 
@@ -22,7 +22,7 @@ from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
-from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.result_directory import ResultDirectory, changed_values
 from granwave.lammps_inputs.run_directory import (
     BEST_DESIGNS,
     DESIGN_OUTCOME,
@@ -290,7 +290,11 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
         raise InputError(
             f"{path}: is damaged, so that the search cannot go on; force=True begins it again, or put the file back"
         ) from None
-    if differences := list(_differences(there, comparable(problem.record))):
+    differences = [
+        f"{name} was {_shown(before)}, is {_shown(now)}"
+        for name, before, now in changed_values(there, comparable(problem.record))
+    ]
+    if differences:
         raise InputError(
             f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file to resume=True, "
             f"{ResultDirectory(directory).by_force}"
@@ -298,18 +302,8 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
     return DesignStudy(problem, directory, designs, exhausted)
 
 
-def _differences(
-    there: Mapping[str, Any], here: Mapping[str, Any], prefix: str = ""
-) -> Iterator[str]:
-    for key in dict.fromkeys((*there, *here)):
-        before = there.get(key)
-        now = here.get(key)
-        name = f"{prefix}{key}"
-        if isinstance(before, Mapping) and isinstance(now, Mapping):
-            yield from _differences(before, now, f"{name}.")
-        elif before != now:
-            was, now_is = ("left out" if value is None else show(value) for value in (before, now))
-            yield f"{name} was {was}, is {now_is}"
+def _shown(value: Any) -> str:
+    return "left out" if value is None else show(value)
 
 
 def publish(study: DesignStudy, findings: Iterable[Any]) -> None:

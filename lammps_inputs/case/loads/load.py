@@ -1,4 +1,4 @@
-"""What a load is: the base of all kinds of ``[load]``, and the packing as a load sees it.
+"""Base of all kinds of ``[load]``, and the packing as a load sees it.
 
 A kind of load is a subclass of `Load` in a file beside this one, and its name in the table of
 `granwave.lammps_inputs.case.loads.registry`. Nothing else asks which kind a load is: packing, deck,
@@ -93,7 +93,7 @@ class LoadLimit(NamedTuple):
 
 
 class Wording(NamedTuple):
-    """How a report writes values: a quantity with its unit and prefix, and a number."""
+    """Functions by which a report writes a quantity, with its unit and prefix, and a number."""
 
     quantity: Callable[[float, str], str]
     number: Callable[[Any], str]
@@ -337,7 +337,7 @@ class Load(ABC):
 
     @property
     def no_bare_target(self) -> str:
-        """Why the load cannot act on the bare target of a packing; empty if it can."""
+        """Reason why the load cannot act on the bare target of a packing; empty if it can."""
         return ""
 
     @classmethod

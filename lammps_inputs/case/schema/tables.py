@@ -30,7 +30,7 @@ FURTHER_KEYS = "FURTHER_KEYS"  # class attribute of a section: keys that are no 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class KeyInfo:
-    """What is declared of a key.
+    """Declaration of a key.
 
     Attributes
     ----------
