@@ -377,7 +377,7 @@ def test_fitted_law_holds_for_materials_in_calculix(tmp_path, material):
     error = law.loading_force(overlap[late]) / force[late] - 1
     assert len(error) > 15
     assert abs(error.mean()) < 0.03  # the law's own finite elements are 1 to 2 % stiffer
-    assert np.abs(error).max() < 0.065  # 6.2 % at 1.5 times the overlap at first yield, else 5.7 %
+    assert np.abs(error).max() < 0.045
 
 
 def calculix_curve(folder, case, material=(115e9, 0.3, 550e6, 0.0), fineness=6):
@@ -440,7 +440,7 @@ def calculix_deck(mesh, displacement, modulus, ratio, strength, hardening):
     lines += [
         "*SURFACE INTERACTION,NAME=C",
         "*SURFACE BEHAVIOR,PRESSURE-OVERCLOSURE=LINEAR",
-        "2.4e7,1.0",
+        "2.4e8,1.0",  # MPa/mm: a tenth of it takes 7 % of the force at first yield
     ]
     lines += ["*CONTACT PAIR,INTERACTION=C,TYPE=NODE TO SURFACE", "SLAVE,MASTER"]
     lines += [
