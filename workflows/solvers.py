@@ -116,7 +116,7 @@ def solver_of(tables: Mapping[str, Any]) -> CaseKind:
 
 
 def _afford_mesh(case: Any, expected: Any, directory: Path | None) -> None:
-    from granwave.workflows.finite_elements.frame import check_memory
+    from granwave.extensions.continuum.frame import check_memory
 
     checks: list[Callable[[], None]] = [lambda: check_memory(case)]
     if directory is not None:
@@ -131,7 +131,7 @@ def _continuum_kind(package: str, case: str, run: str) -> CaseKind:
 
     def part(module: str, name: str) -> Any:
         return getattr(
-            importlib.import_module(f"granwave.workflows.finite_elements.{package}.{module}"), name
+            importlib.import_module(f"granwave.extensions.continuum.{package}.{module}"), name
         )
 
     return CaseKind(

@@ -15,7 +15,6 @@ from contextlib import contextmanager
 from pathlib import Path
 
 from granwave.analysis.errors import MissingOutputError, OutputFormatError, did_you_mean
-from granwave.analysis.exports import ovito_scene, to_vtp
 from granwave.analysis.exports.to_tables import (
     OUTDATED_CSV,
     write_run_csv,
@@ -27,6 +26,7 @@ from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.values import wrong_value
 from granwave.analysis.scans.table import read_scan
+from granwave.extensions.pictures import ovito_scene, to_vtp
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import discard, naming

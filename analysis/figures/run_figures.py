@@ -15,11 +15,12 @@ from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import BinaryIO
 
-from granwave.analysis.figures import dissipation, histories, packing3d, rows, sections
+from granwave.analysis.figures import dissipation, histories, rows, sections
 from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
+from granwave.extensions.pictures import packing3d
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly

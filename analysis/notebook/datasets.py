@@ -2,7 +2,7 @@
 ``attrs["units"]``.
 
 Snapshots are read from result.h5 when they are asked for. Bands, modes and transmission are made of
-the groups of spectra.h5, as `granwave.analysis.spectra.files` writes them.
+the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from xarray.core import indexing
 from granwave.analysis.errors import MissingDataError, OutputFormatError
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
-from granwave.analysis.spectra.files import Table, read_spectra
+from granwave.extensions.waves.spectra.files import Table, read_spectra
 from granwave.lammps_inputs.files import plain
 from granwave.lammps_inputs.run_directory import SPECTRA_KINDS
 

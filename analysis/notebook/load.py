@@ -12,7 +12,6 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.errors import MissingDataError, OutputFormatError
-from granwave.analysis.inference.tables import in_words
 from granwave.analysis.notebook.run import Run, Values, frame_of
 from granwave.analysis.quantities import SCAN_COLUMNS
 from granwave.analysis.scans.result import PointResult, ScanResult
@@ -23,6 +22,7 @@ from granwave.analysis.scans.table import (
     scan_statistics,
     scan_table,
 )
+from granwave.extensions.inference.forces.tables import in_words
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json

@@ -28,8 +28,8 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.analysis.scans.keys import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
-from granwave.analysis.spectra.files import recorded
 from granwave.analysis.studies.registry import is_study_file
+from granwave.extensions.waves.spectra.files import recorded
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.errors import InputError, InputFault
 from granwave.lammps_inputs.files import read_json, read_tables, regular

@@ -20,11 +20,11 @@ from granwave.analysis.document.model import (
     value_cell,
 )
 from granwave.analysis.formatting.numbers import plain
-from granwave.analysis.inference import tables as inference
 from granwave.analysis.quantities import quantity
 from granwave.analysis.reports.inputs import ReportRun
 from granwave.analysis.reports.setting import range_in
-from granwave.analysis.spectra import quantities as spectra
+from granwave.extensions.inference.forces import tables as inference
+from granwave.extensions.waves.spectra import quantities as spectra
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 

@@ -24,10 +24,10 @@ from markupsafe import Markup, escape
 
 from granwave.analysis.document.model import DocumentTable, Figure, Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.reports.design import design_report
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
 from granwave.analysis.studies.registry import find_studies
+from granwave.extensions.design.report import design_report
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text

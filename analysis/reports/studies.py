@@ -32,10 +32,10 @@ from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
 from granwave.analysis.reports.inputs import ReportInputs, ReportRun
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.analysis.studies.packing_and_block.impacts import collect, not_ideal
 from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS, is_study_file
 from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, read_run
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
+from granwave.extensions.continuum.packing_and_block.impacts import collect, not_ideal
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"

@@ -54,22 +54,23 @@ from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
 
-#: Module of each study, below this package, in the order of a report.
+_HERE = "granwave.analysis.studies"
+#: Module of each study, in the order of a report.
 STUDIES: dict[str, str] = {
-    "bands": "bands",
-    "protected-height": "protection.heights",
-    "protected-bottoms": "protection.bottoms",
-    "protected-spectrum": "protection.spectrum",
-    "protected-checks": "protection.checks",
-    "tolerance": "tolerance",
-    "sphere-contact": "sphere_contact",
+    "bands": "granwave.extensions.waves.study",
+    "protected-height": f"{_HERE}.protection.heights",
+    "protected-bottoms": f"{_HERE}.protection.bottoms",
+    "protected-spectrum": f"{_HERE}.protection.spectrum",
+    "protected-checks": f"{_HERE}.protection.checks",
+    "tolerance": f"{_HERE}.tolerance",
+    "sphere-contact": "granwave.extensions.continuum.sphere_contact.study",
 }
 
 #: Studies of runs of two finite-element spheres; all others are of packings and chains.
 OF_SPHERE_CONTACTS = ("sphere-contact",)
 
 #: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
-COMPARISON: dict[str, str] = {"comparison": "packing_and_block.study"}
+COMPARISON: dict[str, str] = {"comparison": "granwave.extensions.continuum.packing_and_block.study"}
 
 SUFFIX = ".py"
 _PARTS = ("rows", "pictures", "tables")

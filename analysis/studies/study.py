@@ -213,7 +213,7 @@ def make_studies(
         return []
     with style():
         modules: dict[str, Any] = {
-            name: importlib.import_module(f"{__package__}.{path}")
+            name: importlib.import_module(path)
             for name, path in (STUDIES | COMPARISON).items()
             if name in runs
         }

@@ -21,10 +21,10 @@ from sphinx.application import Sphinx
 
 from granwave._contact_laws import LAWS, LawParameter
 from granwave.analysis.formatting.values import printed_unit
-from granwave.analysis.inference.tables import ENTRIES as OF_INFERENCE
 from granwave.analysis.quantities import ENTRIES, Quantity
-from granwave.analysis.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.analysis.studies.registry import STUDIES
+from granwave.extensions.inference.forces.tables import ENTRIES as OF_INFERENCE
+from granwave.extensions.waves.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.workflows import library

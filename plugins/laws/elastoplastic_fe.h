@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Elastoplastic law fitted to finite elements of spheres and flats of one or two materials with linear isotropic hardening
-   (workflows/finite_elements/sphere_contact/law_table.py). With first yield where von Mises' stress under Hertz's pressure
+   (extensions/continuum/sphere_contact/law_table.py). With first yield where von Mises' stress under Hertz's pressure
    reaches the yield strength (Johnson, Contact Mechanics, 1985, eq. 3.45; C a polynomial in nu), d = alpha/R*, t = sqrt(a) - 1:
 
        loading      f = a^1.5                                                                     a <= 1

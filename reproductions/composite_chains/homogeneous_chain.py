@@ -90,7 +90,7 @@ def rows(runs):
                  where="composite chain, Fig. 5",
                  remark=f"Its elements of 0.025 mm are {one.radius / ELEMENT:.1f} to a contact radius. Such elements "
                  "give 1.43 to 1.62, by their penalty and the range of the fit; resolved ones 1.503, since "
-                 "half-spheres are stiffer than half-spaces (tests/finite_elements/test_coarse_contact.py).")
+                 "half-spheres are stiffer than half-spaces (tests/extensions/continuum/test_coarse_contact.py).")
     for contact, source, remark in ((EARLY, 0.6, late), (LATE, None, "")):
         yield gw.Row(f"Beads {contact + 1} and {contact + 2} part", "ms", source, 1e3 * one.parting(contact),
                      where="composite chain, Fig. 4", remark=remark)

@@ -37,11 +37,11 @@ from granwave.analysis.statistics import (
     half_width,
     seeds_needed,
 )
+from granwave.extensions.continuum.punch import ContinuumCase
+from granwave.extensions.continuum.punch.run import run_continuum
+from granwave.extensions.continuum.sphere_contact import SphereContactCase
+from granwave.extensions.continuum.sphere_contact.run import run_sphere_contact
 from granwave.workflows import load_case, run_case
-from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.punch.run import run_continuum
-from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
-from granwave.workflows.finite_elements.sphere_contact.run import run_sphere_contact
 from tests.golden.outputs import FOLDER, SUMMARIES
 
 

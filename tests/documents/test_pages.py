@@ -14,14 +14,14 @@ import matplotlib.pyplot as plt
 import pytest
 
 from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.inference.case import read_infer_case
 from granwave.analysis.quantities import ENTRIES
+from granwave.extensions.design.search.design_file import load_problem
+from granwave.extensions.inference.forces.case import read_infer_case
 from granwave.lammps_inputs import load_case, load_materials
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.design.design_file import load_problem
 from granwave.workflows.python.api import __all__ as PYTHON_NAMES
 from granwave.workflows.scanning.suite import load_suite
 from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files

@@ -14,7 +14,7 @@ from pathlib import Path
 import pytest
 
 from granwave.analysis.exports.export import FORMATS
-from granwave.analysis.films import QUANTITIES, VIEWS
+from granwave.extensions.pictures.films import QUANTITIES, VIEWS
 from granwave.workflows.cli.parser import make_parser
 from tests.conftest import BIN, PLAIN
 from tests.documents.pages import ROOT, blocks, extension, name_of, pages, write_files

@@ -24,19 +24,19 @@ import tomli_w
 
 import granwave
 from granwave import measures, theory
-from granwave.analysis.inference.output import FIGURES as INFERENCE_FIGURES
-from granwave.analysis.inference.tables import ENTRIES as INFERENCE_QUANTITIES
 from granwave.analysis.quantities import ENTRIES, SCAN_FIGURES
-from granwave.analysis.spectra import quantities as spectra
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
+from granwave.extensions.continuum.punch.figures import FIGURES as PUNCH_FIGURES
+from granwave.extensions.continuum.sphere_contact.figures import FIGURES as CONTACT_FIGURES
+from granwave.extensions.inference.forces.output import FIGURES as INFERENCE_FIGURES
+from granwave.extensions.inference.forces.tables import ENTRIES as INFERENCE_QUANTITIES
+from granwave.extensions.waves.small_waves import FIGURES as SPECTRA_FIGURES
+from granwave.extensions.waves.spectra import quantities as spectra
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.case.run import FIGURE_NAMES
 from granwave.workflows import library
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.finite_elements.punch.figures import FIGURES as PUNCH_FIGURES
-from granwave.workflows.finite_elements.sphere_contact.figures import FIGURES as CONTACT_FIGURES
-from granwave.workflows.spectra import FIGURES as SPECTRA_FIGURES
 
 NAMES = Path(__file__).parent / "names.toml"
 HEADING = """\

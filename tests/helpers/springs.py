@@ -6,7 +6,7 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.spectra.network import Network, Springs, across, joined
+from granwave.extensions.waves.spectra.network import Network, Springs, across, joined
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
 

@@ -21,6 +21,8 @@ from typing import Any, Literal
 import pytest
 import tomli_w
 
+from granwave.extensions.continuum.punch.case import Block, Punch, PunchRunSettings
+from granwave.extensions.continuum.sphere_contact.case import Sphere, SphereContactRunSettings
 from granwave.lammps_inputs.case import (
     added_grains,
     bodies,
@@ -35,8 +37,6 @@ from granwave.lammps_inputs.case import (
 from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
 from granwave.lammps_inputs.case.loads.registry import LoadSection
 from granwave.lammps_inputs.case.material import Material
-from granwave.workflows.finite_elements.punch.case import Block, Punch, PunchRunSettings
-from granwave.workflows.finite_elements.sphere_contact.case import Sphere, SphereContactRunSettings
 from granwave.workflows.scanning.header import ScanHeader
 from granwave.workflows.scanning.slurm import Profile
 from tests.hostile.rows import entries_of, faults_in, run_here, shown_answer

@@ -23,7 +23,7 @@ workflows/package workflows/__main__
 workflows/cli workflows/python
 workflows/bench
 workflows/inference workflows/spectra
-workflows/design
+extensions/design/search
 workflows/scanning
 workflows/run
 workflows/library
@@ -33,12 +33,12 @@ analysis/reports
 analysis/notebook
 analysis/exports
 analysis/studies
-analysis/scans analysis/contact_law analysis/inference
+analysis/scans analysis/contact_law extensions/inference/forces
 analysis/document
 analysis/pipeline
-analysis/films analysis/view
+analysis/films extensions/pictures/view
 analysis/figures analysis/summary analysis/summary_table
-analysis/spectra
+extensions/waves/spectra
 analysis/measures
 analysis/result
 analysis/lammps_output

@@ -14,6 +14,8 @@ from typing import Any
 
 import pytest
 
+from granwave.extensions.continuum.punch import ContinuumCase
+from granwave.extensions.continuum.sphere_contact import SphereContactCase
 from granwave.lammps_inputs import files, make_schedule, plan
 from granwave.lammps_inputs.case import added_grains, case, packing
 from granwave.lammps_inputs.case.case import case_keys
@@ -31,8 +33,6 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library, load_case, load_scan
 from granwave.workflows.cli.main import main
-from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
 from granwave.workflows.solvers import solver_of
 
 _SPARE = 4_000_000_000  # bytes of address space in addition to those in use

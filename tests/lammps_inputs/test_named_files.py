@@ -13,14 +13,14 @@ import numpy as np
 import pytest
 
 from granwave.analysis.figures.style import write_csv
+from granwave.extensions.continuum.punch import ContinuumCase
+from granwave.extensions.continuum.sphere_contact import SphereContactCase
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import with_absolute_paths, with_short_paths, write_csv_rows
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import load_case, load_scan
 from granwave.workflows.cli.main import main
-from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.sphere_contact import SphereContactCase
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.suite import load_suite

@@ -6,8 +6,8 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.workflows.design.design_file import load_problem
-from granwave.workflows.design.search import Known, n_first, ordered
+from granwave.extensions.design.search.design_file import load_problem
+from granwave.extensions.design.search.search import Known, n_first, ordered
 
 pytestmark = pytest.mark.validation
 pytest.importorskip("sklearn")

@@ -12,6 +12,14 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
+from granwave.extensions.continuum.counterpart import (
+    ImpactInput,
+    continuum_of,
+    inputs_of_continuum,
+    inputs_of_packing,
+    packing_of,
+)
+from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -21,14 +29,6 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.cli.plan_values import packing_values, small_waves
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
-from granwave.workflows.counterpart import (
-    ImpactInput,
-    continuum_of,
-    inputs_of_continuum,
-    inputs_of_packing,
-    packing_of,
-)
-from granwave.workflows.finite_elements.punch.case import ContinuumCase
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
 
 Rows = Iterable[tuple[str, str]]
@@ -47,7 +47,7 @@ def check(options: argparse.Namespace) -> int:
     """Plan a case and check that this machine can run it; return the exit status."""
     path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb, library.DESIGN)
     if library.verb_of(path) == library.DESIGN:
-        from granwave.workflows.cli.design import (
+        from granwave.extensions.design.terminal import (
             plan_of_design,
         )  # loads SciPy, which takes longer than most checks
 

@@ -12,6 +12,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
 from granwave._contact_laws import ContactLaw
+from granwave.extensions.inference import run as inference
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.contact_tables import COHESION, Cohesion
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
@@ -21,14 +22,13 @@ from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.workflows import inference
 from granwave.workflows.cli.parser import chosen
 from granwave.workflows.cli.results import as_wrong_input
 from granwave.workflows.cli.terminal import columns, print_json
 from granwave.workflows.run.directory import held
 
 if TYPE_CHECKING:
-    from granwave.analysis.contact_law.fit import Fit
+    from granwave.extensions.continuum.law_fit.fit import Fit
 
 
 def law(options: argparse.Namespace) -> int:
@@ -184,8 +184,8 @@ def _at_most_two(options: argparse.Namespace) -> None:
 def fit(options: argparse.Namespace) -> int:
     """Execute ``granwave fit``."""
     from granwave.analysis.contact_law.curves import read_curve
-    from granwave.analysis.contact_law.fit import fit_law
-    from granwave.analysis.contact_law.fit_output import WRITTEN, pair_toml, write_fit
+    from granwave.extensions.continuum.law_fit.fit import fit_law
+    from granwave.extensions.continuum.law_fit.fit_output import WRITTEN, pair_toml, write_fit
 
     _at_most_two(options)
     if not _are_radii(options.radius):
@@ -222,7 +222,7 @@ def fit(options: argparse.Namespace) -> int:
 
 def fit_summary(found: Fit) -> str:
     """Format the constants with their uncertainties, and the misfits, for the terminal."""
-    from granwave.analysis.contact_law.fit_output import constants_table
+    from granwave.extensions.continuum.law_fit.fit_output import constants_table
 
     rows = [["constant", "value", "+-", "published", ""]]
     for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
@@ -261,7 +261,7 @@ def _material(text: str) -> Material:
 @as_wrong_input()
 def infer(options: argparse.Namespace) -> int:
     """Execute ``granwave infer``."""
-    from granwave.analysis.inference.tables import in_words
+    from granwave.extensions.inference.forces.tables import in_words
 
     directory = inference.results_place(options.directory or "infer", force=options.force)
     how = chosen(options, inference.infer)

@@ -19,7 +19,10 @@ from functools import cache
 from importlib import resources
 from typing import Any
 
-from granwave.analysis.inference.case import InferCase
+from granwave.extensions.continuum.punch.case import ContinuumCase
+from granwave.extensions.continuum.sphere_contact.case import Partner, SphereContactCase
+from granwave.extensions.design.search.problem import DESIGN_TABLES
+from granwave.extensions.inference.forces.case import InferCase
 from granwave.lammps_inputs.case.case import TABLES, CaseHead
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
@@ -33,9 +36,6 @@ from granwave.lammps_inputs.case.schema import (
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.arguments import FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, coloured
-from granwave.workflows.design.problem import DESIGN_TABLES
-from granwave.workflows.finite_elements.punch.case import ContinuumCase
-from granwave.workflows.finite_elements.sphere_contact.case import Partner, SphereContactCase
 from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import argparse
 import dataclasses
-import importlib
 import inspect
 import re
 import sys
@@ -14,10 +13,11 @@ from typing import Any, NoReturn
 
 from granwave import __version__
 from granwave._contact_laws import LawParameter
-from granwave.analysis.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
+from granwave.extensions.waves.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, type_of
 from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
+from granwave.lammps_inputs.extensions import load
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.arguments import BENCH_PARTS, FILE_KINDS
 from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
@@ -44,8 +44,8 @@ class Command:
     what
         Its line in the list, and the description in its own help.
     function
-        ``MODULE.NAME`` in `granwave.workflows.cli` of the function that is called with the parsed
-        options and returns the exit status; its module is loaded then.
+        Reference, "MODULE:NAME", of the function that is called with the parsed options and returns
+        the exit status; its module is loaded then.
     options
         Its options; of those in a list one alone may be given.
     """
@@ -58,10 +58,7 @@ class Command:
 
     def run(self, options: argparse.Namespace) -> int:
         """Call the function; return the exit status."""
-        module, _, function = self.function.partition(".")
-        return int(
-            getattr(importlib.import_module(f"granwave.workflows.cli.{module}"), function)(options)
-        )
+        return int(load(self.function)(options))
 
 
 def _option(*names: str, **settings: Any) -> Option:
@@ -182,31 +179,31 @@ _WAVES = "small waves"
 _CONTACTS = "contacts"
 _PACKAGE = "the installation"
 COMMANDS = (
-    Command("cases", _FIND, "the studies that come with the package", "package.cases", (
+    Command("cases", _FIND, "the studies that come with the package", "granwave.workflows.cli.package:cases", (
         _option("words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"),
         _flag("--all", "list all, with what each is"),
         _json("the list"),
     )),
-    Command("show", _FIND, "an editable copy of a built-in study, on stdout", "package.show", (
+    Command("show", _FIND, "an editable copy of a built-in study, on stdout", "granwave.workflows.cli.package:show", (
         _option("name", metavar="NAME", help="name of a built-in case or scan"),
     )),
-    Command("keys", _FIND, "keys of all files: unit, default, accepted values, example", "package.keys", (
+    Command("keys", _FIND, "keys of all files: unit, default, accepted values, example", "granwave.workflows.cli.package:keys", (
         _option("table", nargs="*", metavar="TABLE", help="a table, as packing; a key, as packing.diameter; or words "
                 "of keys or descriptions (default: a list)"),
         [_json("the tables and their keys"),
          _option("--schema", choices=FILE_KINDS, metavar="FILE",
                  help=f"print the JSON Schema of a kind of files, for editors: {', '.join(FILE_KINDS)}")],
     )),
-    Command("check", _FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "check.check", (
+    Command("check", _FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
         _CASE, _SET, _RANKS, _json("the plan"),
     )),
-    Command("run", _RUNNING, "run a case: deck, LAMMPS, analysis, figures", "running.run", (
+    Command("run", _RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
         _CASE, _SET, _directory(), _RANKS,
         _option("--checkpoint", type=read.seconds, default=60.0, metavar="SECONDS",
                 help="wall time between checkpoints (default: 60)"),
         _NO_FIGURES, _json("the summary"), _RESUME_OR_FORCE,
     )),
-    Command("scan", _RUNNING, "run a case many times with some keys varied; table, figures and report", "scan.scan", (
+    Command("scan", _RUNNING, "run a case many times with some keys varied; table, figures and report", "granwave.workflows.cli.scan:scan", (
         _option("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan"),
         _SET, _directory(),
         _option("--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"),
@@ -218,7 +215,7 @@ COMMANDS = (
         _json("the plan, or at the end all points and their values,"), _RESUME_OR_FORCE,
     )),
     Command("design", _RUNNING, "search for the best packing: variables, limits, an objective, checks of the best",
-            "design.design", (
+            "granwave.extensions.design.terminal:design", (
         _option("file", type=read.input_name, metavar="FILE", help="a design file: base, variables, limits, objective"),
         _directory(), _RANKS,
         _option("--jobs", type=read.positive, metavar="N", help="runs at once (default: the cores of this machine)"),
@@ -227,34 +224,34 @@ COMMANDS = (
         _json("the best design and its checks"), _RESUME_OR_FORCE,
     )),
     Command("continuum", _RUNNING, "the continuum reference: a rigid punch on an elastic-plastic block",
-            "running.continuum", (_CASE, _SET, _directory(), _NO_FIGURES, _json("the summary"), _RESUME_OR_FORCE)),
-    Command("write", _RUNNING, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave", "running.write", (
+            "granwave.workflows.cli.running:continuum", (_CASE, _SET, _directory(), _NO_FIGURES, _json("the summary"), _RESUME_OR_FORCE)),
+    Command("write", _RUNNING, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave", "granwave.workflows.cli.running:write", (
         _CASE, _SET, _directory("where the deck goes; required", required=True), _FORCE,
     )),
-    Command("analyse", _RUNNING, "once more from the dumps: result.h5, figures, summary.json", "running.analyse", (
+    Command("analyse", _RUNNING, "once more from the dumps: result.h5, figures, summary.json", "granwave.workflows.cli.running:analyse", (
         _RUN, _RANKS, _NO_FIGURES, _json("the summary"),
     )),
-    Command("report", _LOOK, "a page that compares any number of runs and scans", "results.report", (
+    Command("report", _LOOK, "a page that compares any number of runs and scans", "granwave.workflows.cli.results:report", (
         _option("directories", nargs="+", type=read.input_name, metavar="DIR", help="directories of runs and scans"),
         _output("a file that ends in .html, .pdf or .md (default: report.html)", default=Path("report.html")),
         _option("--study", action="append", default=[], metavar="NAME|FILE.py",
                 help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite "
                 "files name; may be repeated"),
     )),
-    Command("figures", _LOOK, "draw the figures of a run again, all or some", "results.figures", (
+    Command("figures", _LOOK, "draw the figures of a run again, all or some", "granwave.workflows.cli.results:figures", (
         _RUN,
         _option("--only", type=read.words, metavar="NAME,...",
                 help="names of figures (default: those of the case, or all)"),
         *_figure_options(*FIGURE_KEYS),
     )),
-    Command("view", _LOOK, "a page to turn and cut the packing of a run in a browser", "results.view", (
+    Command("view", _LOOK, "a page to turn and cut the packing of a run in a browser", "granwave.workflows.cli.results:view", (
         _RUN, _output("name of the page, .html (default: DIR/view.html)"),
         [_option("--spheres", type=read.positive, metavar="N",
                  help="at most so many spheres, those nearest to the struck one (default: 250000)"),
          _flag("--all", "all spheres and snapshots, however many")],
         _option("--frames", type=read.positive, metavar="N", help="at most so many snapshots"),
     )),
-    Command("film", _LOOK, "a film of a run: planes, the cut packing, or a chain in space-time", "results.film", (
+    Command("film", _LOOK, "a film of a run: planes, the cut packing, or a chain in space-time", "granwave.workflows.cli.results:film", (
         _RUN, _output("a file that ends in .mp4, .gif or .webp", required=True),
         _option("--quantity", default="force", metavar="NAME",
                 help="what is shown: force, velocity or dissipation (default: force)"),
@@ -266,11 +263,11 @@ COMMANDS = (
         *_figure_options(*FILM_KEYS),
         _option("--rate", type=read.number, metavar="N", help="pictures per second (default: 3 to 25)"),
     )),
-    Command("export", _LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "results.export", (
+    Command("export", _LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "granwave.workflows.cli.results:export", (
         _RUN_OR_SCAN, _option("--to", required=True, metavar="FORMAT", help="one of vtp, csv, netcdf, ovito"),
         _output("where to (default: DIR/export)", "DIR"),
     )),
-    Command("bands", _WAVES, "bands of an endless packing under a static load: gaps, speeds, modes", "spectra.bands", (
+    Command("bands", _WAVES, "bands of an endless packing under a static load: gaps, speeds, modes", "granwave.extensions.waves.terminal:bands", (
         _SOURCE, _SET,
         _option("--path", default="", metavar="PATH", help='wave vectors in rad/m, "0,0,0; 0,0,314", or points of the '
                 "Brillouin zone, G-X-M-G (default: standard)"),
@@ -284,14 +281,14 @@ COMMANDS = (
               "waves"),
         _ALLOW_FLOPPY, *_SMALL_WAVES,
     )),
-    Command("modes", _WAVES, "modes of a finite packing under a static load, density of states", "spectra.modes", (
+    Command("modes", _WAVES, "modes of a finite packing under a static load, density of states", "granwave.extensions.waves.terminal:modes", (
         _SOURCE, _SET,
         _option("--modes", dest="n_modes", type=read.positive, metavar="N",
                 help=f"how many modes (default: all of a small packing, {MOST_MODES} of a large one)"),
         _ALLOW_FLOPPY, *_SMALL_WAVES,
     )),
     Command("transmission", _WAVES, "steady response of a finite packing to a grain that is shaken",
-            "spectra.transmission", (
+            "granwave.extensions.waves.terminal:transmission", (
         _SOURCE, _SET,
         _option("--drive", type=read.ids, required=True, metavar="ID",
                 help="grain that is shaken, or several, with commas, that are shaken alike; required"),
@@ -304,7 +301,7 @@ COMMANDS = (
                 "N grains damped (default: reflecting)"),
         *_SMALL_WAVES,
     )),
-    Command("law", _CONTACTS, "force-overlap curves of a contact: a plot or a table", "contacts.law", (
+    Command("law", _CONTACTS, "force-overlap curves of a contact: a plot or a table", "granwave.workflows.cli.contacts:law", (
         _materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
         _radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
         _option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
@@ -318,7 +315,7 @@ COMMANDS = (
               "and a rigid wall"),
         _output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),
     )),
-    Command("fit", _CONTACTS, "fit the contact law's constants to a measured or computed curve", "contacts.fit", (
+    Command("fit", _CONTACTS, "fit the contact law's constants to a measured or computed curve", "granwave.workflows.cli.contacts:fit", (
         _option("curve", type=read.input_name, metavar="CURVE.csv",
                 help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch"),
         _materials("one or two: a name, or FILE.toml:NAME"),
@@ -330,7 +327,7 @@ COMMANDS = (
         _directory("where everything goes (default: ./fit)"), _flag("--force", "move the fit that is there to DIR.old (DIR.old2, ...)"),
     )),
     Command("infer", _CONTACTS, "contact forces from measured grains, or from measurements made of a run",
-            "contacts.infer", (
+            "granwave.workflows.cli.contacts:infer", (
         _option("measurement", type=read.input_name, metavar="GRAINS.csv|RUN",
                 help="table of measured grains; or directory of a run with output.contact_forces, to plan an "
                 "experiment"),
@@ -348,20 +345,20 @@ COMMANDS = (
                 help="repetitions with noise (default: infer.repetitions; of a run 10)"),
         _directory(), _NO_FIGURES, _json("the summary"), _FORCE,
     )),
-    Command("doctor", _PACKAGE, "versions, plugin, MPI: what works and how to mend what does not", "doctor.doctor", (
+    Command("doctor", _PACKAGE, "versions, plugin, MPI: what works and how to mend what does not", "granwave.workflows.cli.doctor:doctor", (
         _option("--profile", type=read.input_name, metavar="FILE",
                 help="also check the profile of a cluster, on its login node"),
         _json("the findings"),
     )),
     Command("selftest", _PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
-            "selftest.selftest", (
+            "granwave.workflows.cli.selftest:selftest", (
         _option("--np", dest="ranks", type=read.positive, default=2, metavar="N",
                 help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
         _option("--profile", type=read.input_name, metavar="FILE",
                 help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
         _json("the checks"),
     )),
-    Command("bench", _PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "package.bench", (
+    Command("bench", _PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "granwave.workflows.cli.package:bench", (
         _option("--json", type=read.output_name, metavar="FILE", help="write the results there too"),
         _option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each (default: 5)"),
         [_option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
@@ -369,10 +366,10 @@ COMMANDS = (
          _option("--styles-only", action="store_const", const=("styles",), dest="parts",
                  help="the same as --parts styles")],
     )),
-    Command("completion", _PACKAGE, "code that switches on tab completion in a shell", "completion.completion", (
+    Command("completion", _PACKAGE, "code that switches on tab completion in a shell", "granwave.workflows.cli.completion:completion", (
         _option("shell", choices=SHELLS, help="the shell: bash, zsh or fish"),
     )),
-    Command("help", _PACKAGE, "this list, or the options of a command", "package.show_help"),
+    Command("help", _PACKAGE, "this list, or the options of a command", "granwave.workflows.cli.package:show_help"),
 )  # fmt: skip
 
 

@@ -192,7 +192,7 @@ def small_waves(assembly: Assembly) -> dict[str, Any] | None:
     case = assembly.case
     if case.precompression is None or not case.packing.rule.is_chain:
         return None
-    from granwave.analysis.spectra.band_structure import (
+    from granwave.extensions.waves.spectra.band_structure import (
         band_structure,
     )  # takes longer to load than a plan to make
 

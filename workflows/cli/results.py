@@ -119,8 +119,8 @@ def film(options: argparse.Namespace) -> int:
     """Execute ``granwave film``."""
     from tqdm import tqdm
 
-    from granwave.analysis.films import size_of, write_film
     from granwave.analysis.result.reader import Result
+    from granwave.extensions.pictures.films import size_of, write_film
 
     with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
         started = list[float]()
@@ -156,7 +156,7 @@ def film(options: argparse.Namespace) -> int:
 
 def view(options: argparse.Namespace) -> int:
     """Execute ``granwave view``."""
-    from granwave.analysis.view.page import MOST_SPHERES, write_view
+    from granwave.extensions.pictures.view.page import MOST_SPHERES, write_view
 
     spheres = sys.maxsize if options.all else options.spheres or MOST_SPHERES
     frames = sys.maxsize if options.all and options.frames is None else options.frames

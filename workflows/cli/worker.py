@@ -79,7 +79,7 @@ class _Worker:
         elif self.batch["ranks"] == 1 and self.batch["points"][0]["verb"] == GRANULAR.verb:
             forks.load(figures=self.batch["figures"])
         elif self.batch["ranks"] == 1:
-            import granwave.workflows.finite_elements.punch.run  # noqa: F401
+            import granwave.extensions.continuum.punch.run  # noqa: F401
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:

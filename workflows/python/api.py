@@ -19,6 +19,9 @@ from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.studies.study import Picture, Row
+from granwave.extensions.design.python import Designs, design
+from granwave.extensions.inference.python import InferredForces, infer
+from granwave.extensions.waves.python import bands, modes, transmission
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
@@ -32,8 +35,6 @@ from granwave.workflows.python.contacts import (
     contact_stiffness,
     contact_yield,
 )
-from granwave.workflows.python.design import Designs, design
-from granwave.workflows.python.inference import InferredForces, infer
 from granwave.workflows.python.inputs import (
     CaseLike,
     given_changes,
@@ -42,7 +43,6 @@ from granwave.workflows.python.inputs import (
     read_scan,
     words_of_python,
 )
-from granwave.workflows.python.spectra import bands, modes, transmission
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import RunDirectory, decide, held
 from granwave.workflows.run.leftovers import scratch_directory

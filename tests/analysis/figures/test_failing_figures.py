@@ -14,7 +14,7 @@ from PIL import Image
 
 from granwave.analysis import analyse, draw_figures, write_result
 from granwave.analysis.errors import OutputFormatError
-from granwave.analysis.figures import packing3d, run_figures, sections
+from granwave.analysis.figures import run_figures, sections
 from granwave.analysis.figures.scales import least_span
 from granwave.analysis.figures.series import panels
 from granwave.analysis.figures.style import RESOLUTION, FigureFolder, style
@@ -23,6 +23,7 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.scans import figures as scan_figures
 from granwave.analysis.studies import study as studies
 from granwave.analysis.studies.study import Picture, Row
+from granwave.extensions.pictures import packing3d
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main

@@ -10,9 +10,10 @@ import pytest
 from matplotlib.figure import Figure
 
 from granwave.analysis import Result, analyse, write_result
-from granwave.analysis.figures import histories, packing3d, sections, sphere_renderer
+from granwave.analysis.figures import histories, sections
 from granwave.analysis.figures.run_figures import FIGURES
 from granwave.analysis.measures.target import unprotected
+from granwave.extensions.pictures import packing3d, sphere_renderer
 from granwave.lammps_inputs import struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import run_case

@@ -18,12 +18,12 @@ from granwave.analysis.measures.driven import (
     transmission_of,
 )
 from granwave.analysis.result.reader import Result
+from granwave.extensions.waves.small_waves import steady
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.contact.travel_time import row_of
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case, run_case
-from granwave.workflows.spectra import steady
 
 pytestmark = pytest.mark.xdist_group("transmission")  # its fixtures are made once
 

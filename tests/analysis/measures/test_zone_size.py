@@ -24,9 +24,9 @@ from granwave.analysis.measures.zone_size import (
     zone_warning,
 )
 from granwave.analysis.quantities import SHARES
-from granwave.workflows.finite_elements.material import PLASTIC
-from granwave.workflows.finite_elements.punch import ContinuumCase
-from granwave.workflows.finite_elements.punch.run import BlockRun
+from granwave.extensions.continuum.material import PLASTIC
+from granwave.extensions.continuum.punch import ContinuumCase
+from granwave.extensions.continuum.punch.run import BlockRun
 from granwave.workflows.run.driver import run_case
 from tests.helpers import synthetic
 

@@ -15,9 +15,7 @@ import pytest
 from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.studies import studies_of
-from granwave.analysis.spectra.band_structure import band_structure
 from granwave.analysis.statistics import estimate
-from granwave.analysis.studies.bands import scattered_line, without_scatter
 from granwave.analysis.studies.runs import SphereContactRun, finished_runs
 from granwave.analysis.studies.study import Study, make_studies
 from granwave.analysis.studies.tolerance import (
@@ -29,6 +27,8 @@ from granwave.analysis.studies.tolerance import (
     Setting,
     select,
 )
+from granwave.extensions.waves.spectra.band_structure import band_structure
+from granwave.extensions.waves.study import scattered_line, without_scatter
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble

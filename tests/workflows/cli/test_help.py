@@ -15,7 +15,9 @@ import pytest
 from argcomplete.finders import CompletionFinder
 from argcomplete.lexers import split_line
 
-from granwave.analysis.inference.case import InferCase
+from granwave.extensions.continuum.punch.case import ContinuumCase
+from granwave.extensions.continuum.sphere_contact.case import SphereContactCase
+from granwave.extensions.inference.forces.case import InferCase
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.case import TABLES, case_keys
 from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
@@ -27,8 +29,6 @@ from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
-from granwave.workflows.finite_elements.punch.case import ContinuumCase
-from granwave.workflows.finite_elements.sphere_contact.case import SphereContactCase
 from granwave.workflows.run.lammps_engine import Engine
 from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.slurm import Profile

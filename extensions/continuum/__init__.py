@@ -1,0 +1,15 @@
+"""Continuum references: a punch on a block and the contact of two spheres by finite elements, fits
+of the contact law, and packings beside blocks.
+"""
+
+from pathlib import Path
+
+from granwave.lammps_inputs.extensions import Extension
+
+extension = Extension(
+    name="continuum",
+    title="finite-element references, fits of the contact law, packing beside block",
+    packages={"skfem": "scikit-fem", "numba": "numba"},
+    extra="continuum",
+    folder=Path(__file__).parent,
+)

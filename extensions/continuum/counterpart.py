@@ -1,0 +1,248 @@
+"""Normalised inputs of impacts, and the continuum case that a packing compares with, or the
+reverse.
+
+Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the
+spheres or of the punch. The counterpart has the same material and D, so that equal energies are
+equal inputs.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import shlex
+from typing import TYPE_CHECKING, Any
+
+from granwave.extensions.continuum.punch.case import TAPER, Punch, yield_velocity
+from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
+from granwave.lammps_inputs.contact.law import sphere_contact, velocity_normalised
+from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.packing.assembly import Assembly, assemble
+from granwave.lammps_inputs.packing.motion import start_speed, struck_of, velocities_of
+from granwave.lammps_inputs.planning.encounters import expected_energy
+from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
+
+if TYPE_CHECKING:
+    from granwave.extensions.continuum.punch.case import ContinuumCase
+    from granwave.lammps_inputs.case.case import Case
+
+# built-in cases that counterparts are made from
+_BLOCK = "half-space"
+_PACKING = "fcc-small"
+_NARROWEST = 2.0  # punch diameters: a block narrower than this is no half-space to speak of
+_WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
+_STRUCK = (1, 3, 7)  # values of load.spheres
+_FEWEST = (4, 4, 2)  # spheres along x, y and z of a packing
+_DIGITS = 12
+
+
+@dataclasses.dataclass(frozen=True)
+class ImpactInput:
+    """Energy and velocity of an impact; None where they do not apply.
+
+    Attributes
+    ----------
+    energy
+        J; of a load by force an upper bound.
+    energy_normalised
+        Over F_y alpha_y of two spheres, as in a packing's summary.json.
+    energy_continuum
+        Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
+    velocity_normalised
+        In units in which materials fall on one curve.
+    """
+
+    energy: float
+    energy_normalised: float | None
+    energy_continuum: float | None
+    velocity_normalised: float | None
+
+
+@dataclasses.dataclass(frozen=True)
+class Counterpart:
+    """Case of equal input, as a command to be pasted into a shell; or the reason why there is none.
+
+    Attributes
+    ----------
+    yield_velocity
+        Velocity from which the counterpart yields, m/s; None where there is no estimate.
+    velocity
+        Velocity of its impact, m/s.
+    """
+
+    command: str = ""
+    reason: str = ""
+    velocity: float | None = None
+    yield_velocity: float | None = None
+
+    @property
+    def stays_elastic(self) -> bool:
+        """True if the counterpart is not expected to yield."""
+        if self.velocity is None or self.yield_velocity is None:
+            return False
+        return self.velocity < self.yield_velocity
+
+
+def energy_unit(material: Material, diameter: float) -> float | None:
+    """Return sigma_y^2 D^3/E, J; None without a yield strength."""
+    if material.yield_strength is None:
+        return None
+    return material.yield_strength**2 * diameter**3 / material.youngs_modulus
+
+
+def inputs_of_packing(assembly: Assembly) -> ImpactInput:
+    """Return the inputs of the impact on a packing."""
+    case = assembly.case
+    law = sphere_contact(case)
+    energy = expected_energy(assembly)
+    unit = energy_unit(case.material, case.packing.diameter)
+    if not case.contact.yields or unit is None:
+        return ImpactInput(energy, None, None, None)
+    velocity = None
+    if case.load.gives_velocity:
+        strength = law.yield_strength
+        density = case.material.density
+        speed = start_speed(assembly)
+        velocity = velocity_normalised(speed, law.effective_modulus, density, strength)
+    return ImpactInput(
+        energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity
+    )
+
+
+def inputs_of_continuum(case: ContinuumCase) -> ImpactInput:
+    """Return the inputs of the impact of a punch."""
+    energy = case.punch.energy
+    return ImpactInput(energy, None, energy / case.energy_unit, None)
+
+
+def continuum_of(assembly: Assembly) -> Counterpart:
+    """Return the continuum case of equal input: a punch with the mass and velocity of the struck
+    spheres.
+
+    The block is as high as the packing, and as wide as its narrower side.
+    """
+    case = assembly.case
+    lattice = assembly.lattice
+    diameter = case.packing.diameter
+    if not case.contact.yields or case.material.yield_strength is None:
+        return Counterpart(reason="the contacts do not yield")
+    if not _strikes_along_z(assembly):
+        return Counterpart(reason="it is made for impacts and strikers along z alone")
+    low, high = lattice.bounds()
+    width = min(high[:2] - low[:2]) + diameter
+    height = high[2] - low[2] + diameter
+    if lattice.rule.dimension < 3 or width < _NARROWEST * diameter:
+        return Counterpart(
+            reason="the packing is no block: a chain or a single layer, or too narrow"
+        )
+    mass = sum(map(assembly.mass_of, struck_of(assembly)))
+    velocity = math.sqrt(2 * expected_energy(assembly) / mass)
+    taper = TAPER * diameter
+    punch = Punch(diameter=diameter, mass=mass, velocity=velocity, taper=taper)
+    changes = {
+        **_material(case.material),
+        "block.diameter": width,
+        "block.height": height,
+        "punch.diameter": diameter,
+        "punch.mass": mass,
+        "punch.velocity": velocity,
+        "punch.taper": taper,
+    }
+    command = _command("continuum", _BLOCK, changes, f"{case.name}-continuum")
+    return Counterpart(
+        command, velocity=velocity, yield_velocity=yield_velocity(case.material, punch)
+    )
+
+
+def _strikes_along_z(assembly: Assembly) -> bool:
+    """Return True for struck spheres, or one striker, that move along z into a packing at rest."""
+    load = assembly.case.load
+    if not load.strikes:
+        return False
+    moving = velocities_of(assembly)
+    struck = struck_of(assembly)
+    together = load.gives_velocity or len(struck) == 1
+    return (
+        together
+        and set(moving) == set(struck)
+        and all(v[2] > 0 and not any(v[:2]) for v in moving.values())
+    )
+
+
+def packing_of(case: ContinuumCase) -> Counterpart:
+    """Return the FCC packing of equal input: spheres as wide as the punch, in a packing as large as
+    the block.
+
+    As few spheres are struck as keep the expected overlap within the contact law, and seven at
+    most.
+    """
+    diameter = case.punch.diameter
+    rule = KINDS["fcc"]
+    if case.material.yield_strength is None:
+        return Counterpart(reason="the material does not yield")
+    extents = (case.block.diameter, case.block.diameter, case.block.height)
+    pitches = (*rule.pitch, rule.layer_spacing)
+    size = [
+        max(round((extent / diameter - 1) / pitch) + 1, fewest)
+        for extent, pitch, fewest in zip(extents, pitches, _FEWEST, strict=True)
+    ]
+    changes: dict[str, Any] = {}
+    velocity = 0.0
+    for spheres in _STRUCK:
+        mass = spheres * sphere_mass(case.material, diameter / 2)
+        velocity = math.sqrt(2 * case.punch.energy / mass)
+        changes = {
+            **_material(case.material),
+            "packing.size": size,
+            "packing.diameter": diameter,
+            "load.spheres": spheres,
+            "load.velocity": velocity,
+        }
+        packing = _small_packing(case.material, changes)
+        overlap = expected_peak_overlap(assemble(packing))
+        if overlap <= _WITHIN_LAW * sphere_contact(packing).effective_radius:
+            break
+    command = _command("run", _PACKING, changes, f"{case.name}-packing")
+    return Counterpart(command, velocity=velocity, yield_velocity=_yield_velocity(packing))
+
+
+def _yield_velocity(packing: Case) -> float:
+    """Return the velocity from which a sphere that hits another head-on yields, m/s."""
+    law = sphere_contact(packing)
+    return math.sqrt(4 * law.loading_work(law.yield_overlap) / packing.sphere_mass)
+
+
+def _small_packing(material: Material, changes: dict[str, Any]) -> Case:
+    """Return a small packing of the spheres and the impact of a counterpart."""
+    tables = {
+        "name": "packing",
+        "material": {
+            name: value for name, value in dataclasses.asdict(material).items() if value is not None
+        },
+        "packing": {"kind": "fcc", "size": list(_FEWEST), "diameter": changes["packing.diameter"]},
+        "load": {"spheres": changes["load.spheres"], "velocity": changes["load.velocity"]},
+    }
+    return case_from_dict(tables, "counterpart")
+
+
+def _material(material: Material) -> dict[str, Any]:
+    """Return the overrides that give a material: the name of a preset, or its values."""
+    if presets().get(material.name or "") == material:
+        return {"material": material.name}
+    names = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
+    return {f"material.{name}": getattr(material, name) for name in names}
+
+
+def _command(verb: str, base: str, changes: dict[str, Any], directory: str) -> str:
+    words = ["granwave", verb, base]
+    for key, value in changes.items():
+        words += ["--set", f"{key}={_written(value)}"]
+    return shlex.join([*words, "-o", directory])
+
+
+def _written(value: Any) -> str:
+    """Write a value as ``--set`` takes it."""
+    if isinstance(value, float):
+        return f"{value:.{_DIGITS}g}"
+    return str(value).replace(" ", "")

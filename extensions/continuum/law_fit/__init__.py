@@ -1,0 +1,1 @@
+"""Fit of the contact law to a measured or computed curve."""

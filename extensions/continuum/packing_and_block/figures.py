@@ -1,0 +1,475 @@
+"""Figures of impacts on packings and on blocks, against the input energy; and peak forces of a
+packing.
+
+Dissipated fraction and volumes involved of both. Peak forces of a packing at several velocities:
+proportional to the impulse at every contact, and a planar front. The impulse is the momentum of the
+struck spheres; forces are in F_y.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Sequence
+from functools import partial
+from itertools import pairwise
+from typing import Any, Literal, NamedTuple
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from pandas import DataFrame, Series
+
+from granwave.analysis.document.model import DocumentTable, show
+from granwave.analysis.figures.series import label, legend_outside, panels
+from granwave.analysis.figures.style import BLUE, GREEN, GREY, ORANGE, PURPLE, SKY, Drawing
+from granwave.analysis.measures.geometry import preferred_directions
+from granwave.analysis.measures.impact import QuadraticLaw, rays
+from granwave.analysis.result.reader import Result
+from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.extensions.continuum.packing_and_block.impacts import (
+    SAME,
+    Curves,
+    Impacts,
+    dissipation,
+    energy_unit,
+    involved,
+    masses,
+    variants,
+)
+from granwave.lammps_inputs.errors import GranwaveError
+
+FRACTION = "Dissipation / input energy"
+GRANULAR_ENERGY = r"Input energy $e_\mathrm{in}/(F_\mathrm{y}\,\alpha_\mathrm{y})$"
+CONTINUUM_ENERGY = r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$"
+
+_SHOWN_SHARE = 0.95  # of the dissipation: how far curves of cumulated dissipation go
+_COLOURS = ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)
+_MARKERS = "os^DvP*"
+_OF_PACKINGS = (BLUE, SKY, "black")
+
+
+def columns_of(curves: Curves, names: Sequence[str]) -> dict[str, list]:
+    """Columns of all curves, for the data of a figure; ``curve`` is the name of each."""
+    table = pd.concat([runs.assign(curve=name) for name, runs in curves.items()])
+    return table[list(names)].to_dict("list")
+
+
+def look(n: int, *, lines: bool = True) -> dict[str, Any]:
+    """Colour and marker of the n-th curve; without lines the first, a reference, has one, and
+    others open marks.
+    """
+    found: dict[str, Any] = {
+        "color": _COLOURS[n % len(_COLOURS)],
+        "marker": _MARKERS[n % len(_MARKERS)],
+    }
+    if lines:
+        return found
+    if n == 0:
+        return found | {"marker": ".", "linewidth": 0.8}
+    return found | {"markerfacecolor": "none", "linestyle": "none", "markersize": 5}
+
+
+def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Drawing:
+    """Draw the dissipated fraction against input energy, in J and normalised."""
+    figure, *row = panels(2.6, 2, sharey=True)
+    columns = columns_of(curves, ("curve", "energy_J", "energy_normalised", "dissipated_fraction"))
+    for axes, energy, quantity in zip(
+        row, ("energy_J", "energy_normalised"), ("Input energy (J)", title), strict=True
+    ):
+        for n, (name, runs) in enumerate(curves.items()):
+            axes.plot(runs[energy], runs.dissipated_fraction, label=name, **look(n, lines=False))
+        label(axes, quantity, xscale=scale)
+        if scale == "linear":
+            axes.set_xlim(left=0)
+    label(row[0], y=FRACTION, ylim=(0, max(1.0, 1.05 * max(columns["dissipated_fraction"]))))
+    legend_outside(figure, 2, fontsize=7, columnspacing=1.0)
+    return Drawing(figure, columns)
+
+
+def dissipated_fraction(impacts: Impacts) -> Drawing:
+    """Draw the fraction against input energy of both, by sigma_y^2 D^3/E with the diameter of the
+    punch.
+
+    Spheres of the reference material alone are shown, by diameter: the unit is then the same for
+    all.
+    """
+    first = impacts.reference.iloc[0]
+    unit = energy_unit(first, impacts.continuum_reference.diameter.iloc[0])
+    figure, axes = panels(2.8)
+    constants = ["youngs_modulus", "poisson_ratio", "density", "yield_strength"]
+    like = [
+        runs
+        for runs in variants(impacts).values()
+        if runs.iloc[0][constants].equals(first[constants])
+    ]
+    curves = {
+        f"granular, D = {1e3 * runs.diameter.iloc[0]:.4g} mm": runs.assign(
+            energy_normalised=runs.energy_J / unit
+        )
+        for runs in like
+    }
+    curves |= {f"continuum, {mass}": runs for mass, runs in masses(impacts).items()}
+    for n, (name, runs) in enumerate(curves.items()):
+        k = n - len(like)
+        style = {"color": _OF_PACKINGS[n % 3], "marker": "os^"[n % 3]}
+        if k >= 0:
+            style = {"color": ORANGE, "marker": "vD*"[k % 3], "linestyle": ("-", "--", ":")[k % 3]}
+        axes.plot(
+            runs.energy_normalised,
+            runs.dissipated_fraction,
+            label=name,
+            markersize=4,
+            linewidth=0.8,
+            **style,
+        )
+    energy_axis = r"Input energy $e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D_\mathrm{punch}^3)$"
+    label(axes, energy_axis, FRACTION, log="x", ylim=(0, 1))
+    axes.legend(loc="lower center", bbox_to_anchor=(0.58, 0.03), fontsize=6)
+    return Drawing(
+        figure, columns_of(curves, ("curve", "energy_normalised", "dissipated_fraction"))
+    )
+
+
+def plastic_volume(packings: DataFrame, blocks: DataFrame) -> Drawing:
+    """Draw the volume that dissipates a fraction of the input: granular curves, continuum marks."""
+    unit = math.pi * blocks.diameter.iloc[0] ** 3 / 6
+    figure, axes = panels(2.8)
+    parts: list[tuple[str, Any, Any]] = []
+    for run, colour in zip(packings.itertuples(), _OF_PACKINGS, strict=False):
+        if found := involved(run):
+            enough = found.enough(_SHOWN_SHARE) + 1
+            name = f"granular, {run.energy_J:.3g} J"
+            axes.plot(
+                found.fraction[:enough], found.volume[:enough] / unit, color=colour, label=name
+            )
+            parts.append((name, found.fraction, found.volume / unit))
+    for n, one in enumerate(blocks.itertuples()):
+        mark = _MARKERS[n % len(_MARKERS)]
+        name = f"continuum, {one.energy_J:.3g} J"
+        fraction = one.dissipated_fraction
+        volumes = (one.volume_over_sphere_volume, one.volume_ever_over_sphere_volume)
+        axes.plot(fraction, volumes[0], mark, color=ORANGE, markersize=4.5, label=name)
+        axes.plot(fraction, volumes[1], mark, color=ORANGE, markerfacecolor="none", markersize=4.5)
+        parts += [(name, [fraction], volumes[:1]), (f"{name}, ever", [fraction], volumes[1:])]
+    label(axes, FRACTION, r"Volume $/(\pi D_\mathrm{punch}^3/6)$", log="y", xlim=(0, 1))
+    axes.set_title("open marks: volume that ever yielded", fontsize=7)
+    axes.legend(fontsize=6, ncols=2, loc="lower right")
+    names = ("curve", "dissipated_fraction", "volume_over_sphere_volume")
+    return Drawing(
+        figure,
+        pd.concat(DataFrame(dict(zip(names, part, strict=True))) for part in parts).to_dict("list"),
+    )
+
+
+def against_velocity(runs: DataFrame, fit: QuadraticLaw) -> Drawing:
+    """Draw the dissipation and its fraction of the input, with the quadratic law."""
+    v, lost = dissipation(runs)
+    fine = np.geomspace(fit.lowest, v[-1], 200)
+    figure, left, right = panels(2.6, 2)
+    left.plot(fine, fit(fine), color=ORANGE, label="quadratic law")
+    positive = lost > 0
+    left.plot(v[positive], lost[positive], "o", color=BLUE, markersize=4, label="simulation")
+    title = (
+        r"Dissipation $\bar e_\mathrm{dis}$, in units in which $\bar e_\mathrm{in} = \bar v_0^2/2$"
+    )
+    label(left, r"Impact velocity $\bar v_0$", title, log="xy")
+    left.yaxis.label.set_fontsize(7)
+    left.legend()
+    right.plot(0.5 * fine**2, fit(fine) / (0.5 * fine**2), color=ORANGE)
+    right.plot(0.5 * v**2, lost / (0.5 * v**2), "o", color=BLUE, markersize=4)
+    label(
+        right, r"Input energy $\bar e_\mathrm{in} = \bar v_0^2/2$", FRACTION, log="x", ylim=(0, 1)
+    )
+    columns = {
+        "velocity_normalised": v,
+        "dissipation_normalised": lost,
+        "dissipated_fraction": lost / (0.5 * v**2),
+    }
+    inside = v >= fit.lowest * (1 - SAME)
+    return Drawing(figure, columns | {"quadratic_law": np.where(inside, fit(v), np.nan)})
+
+
+def loading_area(curves: Curves) -> Drawing:
+    """Draw the dissipated fraction against input energy for 1, 3 and 7 struck spheres."""
+    figure, axes = panels(2.6)
+    for n, (name, runs) in enumerate(curves.items()):
+        axes.plot(
+            runs.energy_normalised, runs.dissipated_fraction, label=name, **look(n, lines=False)
+        )
+    label(axes, GRANULAR_ENERGY, FRACTION, log="x", ylim=(0, 1))
+    axes.legend()
+    return Drawing(
+        figure, columns_of(curves, ("struck_spheres", "energy_normalised", "dissipated_fraction"))
+    )
+
+
+def by_mass(curves: Curves) -> Drawing:
+    """Draw dissipated fraction and plastic volume against input energy by mass of the punch."""
+    figure, left, right = panels(2.6, 2)
+    for n, (name, runs) in enumerate(curves.items()):
+        style = look(n) | {
+            "markerfacecolor": "none",
+            "markersize": 5 if n else 3,
+            "linewidth": 0.5 if n else 0.8,
+        }
+        left.plot(runs.energy_normalised, runs.dissipated_fraction, label=name, **style)
+        right.plot(runs.energy_normalised, runs.volume_over_sphere_volume, label=name, **style)
+        ever = runs.volume_ever_over_sphere_volume
+        right.plot(runs.energy_normalised, ever, ":", color=style["color"], linewidth=0.8)
+    label(left, CONTINUUM_ENERGY, FRACTION, log="x", ylim=(0, None))
+    left.legend()
+    label(right, CONTINUUM_ENERGY, r"Plastic volume $/(\pi D^3/6)$", xlim=(0, None), ylim=(0, None))
+    right.set_title("full: largest at one instant, dotted: that ever yielded", fontsize=7)
+    volumes = ("volume_over_sphere_volume", "volume_ever_over_sphere_volume")
+    return Drawing(
+        figure,
+        columns_of(curves, ("mass_kg", "energy_normalised", "dissipated_fraction", *volumes)),
+    )
+
+
+_FEWEST_RUNS = 3
+_ON_RAY = (
+    1,
+    2,
+    4,
+    8,
+    12,
+)  # contacts of a preferred direction, from the struck sphere, that are drawn
+_LAYERS_TOLD = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
+_MOST_FRONTS = 4
+_BANDS = 5  # of depth
+_MILLI = 1e3
+_WEAK = 1.0  # contacts that stay below at the largest velocity are left out
+_INSIDE = (
+    -1e-6
+)  # diameters, of a coordinate along a preferred direction: within the cone that these span
+_LAYERS = 1e3  # in a diameter, by which depths are told apart
+_IMPULSE = (
+    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every depth, tell that force is "
+    "proportional to impulse"
+)
+_FRONT = (
+    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the largest force of its "
+    "layer tells that it gets planar"
+)
+_UNREADABLE = (GranwaveError, OSError, KeyError)
+
+
+class Linearity(NamedTuple):
+    """Peak force against velocity, contact by contact.
+
+    Attributes
+    ----------
+    velocity
+        (n_runs,).
+    ray
+        Largest peak force of the contacts on the preferred directions: (n_contacts, n_runs).
+    contacts
+        ``depth`` (m), and ``exponent`` of force against velocity, a least-squares slope on
+        logarithmic axes.
+    """
+
+    velocity: NDArray[np.float64]
+    ray: NDArray[np.float64]
+    contacts: DataFrame
+
+
+def linear(runs: DataFrame) -> Linearity | None:
+    """Linearity of runs by rising velocity; None for fewer than three, or if no contact counts.
+
+    Contacts count that lie within the cone of the preferred directions, are pressed beyond F_y at
+    the largest velocity and were pressed at all at every other. Beyond the cone a contact may be
+    loaded by the rebound alone.
+    """
+    if len(runs) < _FEWEST_RUNS:
+        return None
+    forces = []
+    along = []
+    try:
+        for run in runs.itertuples():
+            with Result(run.run.directory) as result:
+                pairs = list(
+                    zip(result["contacts/i"].tolist(), result["contacts/j"].tolist(), strict=True)
+                )
+                forces.append(
+                    Series(
+                        dict(
+                            zip(pairs, result["contacts/peak_force"] / run.yield_force, strict=True)
+                        )
+                    )
+                )
+                along.append(
+                    np.fmax.reduce(rays(result).peak_force, axis=1) / run.yield_force
+                )  # NaN without a contact
+                inside = np.flatnonzero(_in_cone(result)[result.ends].all(axis=1))
+                middle = result["spheres/position"][result.ends, 2].mean(axis=1) - result.origin[2]
+                depth = Series({pairs[k]: middle[k] for k in inside}, dtype=float)
+    except _UNREADABLE:
+        return None
+    table = pd.concat(forces, axis=1).reindex(depth.index)
+    kept = table.iloc[:, -1].gt(_WEAK) & table.gt(0).all(axis=1)
+    if not kept.any():
+        return None
+    velocity = runs.velocity_normalised.to_numpy()
+    x = np.log(velocity) - np.log(velocity).mean()
+    shortest = min(map(len, along))
+    ray = np.stack([one[:shortest] for one in along], axis=1)
+    exponent = np.log(table[kept].to_numpy()) @ x / (x @ x)
+    return Linearity(velocity, ray, DataFrame({"depth": depth[kept], "exponent": exponent}))
+
+
+def fronts(runs: DataFrame) -> dict[float, DataFrame]:
+    """Front of up to four runs, spread over their range, by normalised velocity."""
+    if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
+        return {}
+    found = {}
+    for run in runs.iloc[
+        sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)})
+    ].itertuples():
+        try:
+            with Result(run.run.directory) as result:
+                found[float(run.velocity_normalised)] = _front(result, run.yield_force)
+        except _UNREADABLE:
+            continue
+    return found
+
+
+def pictures(impacts: Impacts) -> Iterator[Picture]:
+    """Peak force against impulse, and the front, of the reference."""
+    if found := linear(impacts.fast):
+        yield Picture("peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, found))
+    if there := fronts(impacts.reference):
+        yield Picture("front", _FRONT, partial(_front_by_depth, there))
+
+
+def tables(impacts: Impacts) -> Iterator[DocumentTable]:
+    """Exponents of force against impulse over fifths of the depth, and the front."""
+    if found := linear(impacts.fast):
+        numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
+        columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
+        caption = (
+            f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
+            f"{show(float(found.velocity[-1]))} (1: proportional)"
+        )
+        rows: list[tuple[Any, ...]] = []
+        for top, bottom in pairwise(
+            np.linspace(0, float(found.contacts.depth.max()), _BANDS + 1).tolist()
+        ):
+            exponent = found.contacts.exponent[found.contacts.depth.between(top, bottom)]
+            if len(exponent):
+                quantiles = exponent.quantile((0.05, 0.5, 0.95)).tolist()
+                rows.append((_MILLI * top, _MILLI * bottom, len(exponent), *quantiles))
+        yield table_of(caption, columns, rows)
+    if there := fronts(impacts.reference):
+        numbers = numeric(
+            ("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS_TOLD)
+        )
+        rows = []
+        for velocity, front in there.items():
+            weak = front.depth[
+                front.largest[::-1].cummax()[::-1] <= 1
+            ]  # from here on no force is above F_y
+            uniformity = [
+                float(front.uniformity.iloc[n]) if n < len(front) else None for n in _LAYERS_TOLD
+            ]
+            rows.append(
+                (velocity, _MILLI * float(weak.iloc[0]) if len(weak) else None, *uniformity)
+            )
+        caption = "The front: mean over largest peak force of a layer, within the cone of the preferred directions"
+        yield table_of(caption, (*numeric("Normalised velocity", key=True), *numbers), rows)
+
+
+def _front(result: Result, unit: float) -> DataFrame:
+    """Return the peak forces of the layers that the wave reached.
+
+    Returns
+    -------
+    DataFrame
+        ``depth`` below the struck sphere, m; ``largest`` peak force of a sphere, in the unit (N);
+        ``uniformity``, mean over largest: 1 where the front is planar.
+    """
+    depth = result["spheres/position"][:, 2] - result.origin[2]
+    inside = _in_cone(result)
+    diameter = result.case.packing.diameter
+    layer = np.rint(_LAYERS * depth[inside] / diameter) * diameter / _LAYERS
+    found = (
+        Series(result["spheres/peak_force"][inside] / unit)
+        .groupby(layer)
+        .agg(largest="max", mean="mean")
+    )
+    found = found[found.largest > 0].rename_axis("depth").reset_index()
+    return found.assign(uniformity=found["mean"] / found.largest)[
+        ["depth", "largest", "uniformity"]
+    ]
+
+
+def _in_cone(result: Result) -> NDArray[np.bool_]:
+    """Spheres within the cone that the preferred directions span: (n_spheres,); all where these are
+    not three.
+    """
+    directions = preferred_directions(result.case.packing.kind)
+    offset = result["spheres/position"] - result.origin
+    if len(directions) != 3:
+        return np.ones(len(offset), dtype=bool)
+    return np.all(
+        offset @ np.linalg.inv(directions) > _INSIDE * result.case.packing.diameter, axis=1
+    )
+
+
+def _peak_force_against_impulse(found: Linearity) -> Drawing:
+    """Draw force against velocity along a preferred direction, and the exponent of every contact
+    against depth.
+    """
+    figure, left, right = panels(2.6, 2)
+    columns: dict[str, NDArray] = {"velocity_normalised": found.velocity}
+    for k, n in enumerate(n for n in _ON_RAY if n <= len(found.ray)):
+        values = found.ray[n - 1]
+        style = {**look(k), "markerfacecolor": "none", "markersize": 5}
+        left.plot(found.velocity, values, label=f"contact {n}", linestyle="none", **style)
+        proportional = values[-1] * found.velocity / found.velocity[-1]
+        left.plot(found.velocity, proportional, color=style["color"], linewidth=0.7)
+        columns[f"contact_{n}_over_Fy"] = values
+    label(
+        left,
+        r"Impact velocity $\bar v_0$, as impulse",
+        r"Peak force $F_\mathrm{max}/F_\mathrm{y}$",
+        log="xy",
+    )
+    left.set_ylim(top=30 * float(np.nanmax(found.ray)))
+    left.legend(
+        title="lines: proportional",
+        alignment="left",
+        ncols=3,
+        loc="upper left",
+        fontsize=7,
+        columnspacing=1,
+    )
+    depth = found.contacts.depth
+    exponent = found.contacts.exponent
+    right.plot(depth * _MILLI, exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
+    right.axhline(1, color=ORANGE, linewidth=0.8)
+    low, high = exponent.quantile((0.005, 0.995))
+    limits = min(low, 0.8), max(high, 1.2)
+    label(right, "Depth of the contact (mm)", "Exponent of force against impulse", ylim=limits)
+    return Drawing(figure, columns | {"depth_m": depth, "exponent": exponent})
+
+
+def _front_by_depth(found: dict[float, DataFrame]) -> Drawing:
+    """Draw the largest peak force and its uniformity by layer: the front gets elastic, then planar."""
+    figure, left, right = panels(2.6, 2)
+    columns: dict[str, NDArray] = {}
+    for n, (velocity, front) in enumerate(found.items()):
+        style = {**look(n), "markersize": 3.5, "linewidth": 0.8}
+        left.plot(
+            front.depth * _MILLI, front.largest, label=rf"$\bar v_0$ = {velocity:.4g}", **style
+        )
+        right.plot(front.depth * _MILLI, front.uniformity, **style)
+        for name, column in zip(
+            ("depth_m", "largest_over_Fy", "mean_over_largest"), front, strict=True
+        ):
+            columns[f"{name}_v_{velocity:.4g}"] = front[column].to_numpy()
+    left.axhline(1, color=GREY, linestyle=":", linewidth=0.9)
+    label(left, "Depth (mm)", r"Largest peak force of a layer $/F_\mathrm{y}$", log="y")
+    left.legend()
+    label(right, "Depth (mm)", "Mean / largest peak force of a layer", ylim=(0, 1.05))
+    return Drawing(figure, columns)

@@ -1,0 +1,285 @@
+"""Impacts on packings and on blocks in one report: side by side, and each other's scaling."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Iterator, Sequence
+from functools import partial
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from pandas import DataFrame
+
+from granwave.analysis.document.model import (
+    Cell,
+    DocumentTable,
+    Note,
+    TableColumn,
+    percent,
+    show,
+    spread_cell,
+)
+from granwave.analysis.figures.style import Drawing
+from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.extensions.continuum.packing_and_block import figures, zone
+from granwave.extensions.continuum.packing_and_block.impacts import (
+    Impacts,
+    area_table,
+    by_area,
+    collect,
+    energy_unit,
+    equal,
+    involved,
+    largest,
+    masses,
+    materials,
+    quadratic_fit,
+    rising,
+    variants,
+)
+
+TITLE = "Comparison"
+SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
+_GRANULAR_SHOWN = 3  # curves of the figure of volumes
+_GRANULAR_LISTED = 6  # rows of the table
+_FIT_REMARK = (
+    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the fitted runs. A "
+    "constant whose standard deviation is as large as itself is undetermined."
+)
+_CAPTIONS = {
+    "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a "
+    "larger share",
+    "plastic_volume": "Volume involved, granular and continuum. At equal dissipated fraction the curve that lies "
+    "higher spreads the dissipation over more material",
+    "granular_scaling": "Granular: diameter, density, modulus and yield strength. Where similarity holds, all points "
+    "lie on the curve of the reference on the normalised axis",
+    "granular_velocity": "Granular: dissipation against velocity. The curve is the quadratic law, fitted to the fast "
+    "impacts; where D2 is 0.5 the fraction of faster impacts tends to 1",
+    "loading_area": "Granular: number of struck spheres. Points beside the curve of one sphere tell that the loading "
+    "area matters at equal input",
+    "continuum_scaling": "Continuum: modulus and yield strength. Where similarity holds, all points lie on one curve "
+    "on the normalised axis",
+    "continuum_mass": "Continuum: mass of the punch. Curves that differ at equal input tell that the velocity matters "
+    "beside the energy",
+}
+
+
+def select(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Impacts]:
+    """All that can be compared, as one group."""
+    impacts = collect(runs)
+    return [impacts] if len(impacts.granular) or len(impacts.continuum) else []
+
+
+def text(impacts: Impacts) -> str:
+    """The references, the units of energy, and the time that it took."""
+    parts = []
+    many = len(impacts.reference)
+    if many:
+        first = impacts.reference.iloc[0]
+        packing = first.run.case.packing
+        parts.append(
+            f"Granular reference: {packing.kind} {' x '.join(map(str, packing.size))}, D = "
+            f"{show(1e3 * packing.diameter)} mm, {first.material or 'one material'}, {many} "
+            f"{'velocities' if many > 1 else 'velocity'}; energies are normalised by F_y alpha_y = "
+            f"{show(float(first.energy_J / first.energy_normalised))} J."
+        )
+    if len(impacts.continuum_reference):
+        first = impacts.continuum_reference.iloc[0]
+        parts.append(
+            f"Continuum reference: a punch of {show(1e3 * first.diameter)} mm and {show(first.mass_kg)} kg on "
+            f"{first.material or 'one material'}, {first.run.case['run']['elements']} elements; energies are "
+            f"normalised by sigma_y^2 D^3/E = {show(float(energy_unit(first)))} J."
+        )
+    runs = [
+        run for table in (impacts.granular, impacts.continuum) if len(table) for run in table.run
+    ]
+    seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
+    if seconds >= 1:
+        who = f"All {len(runs)} runs" if len(runs) > 1 else "The run"
+        parts.append(f"{who} took {show(round(seconds))} s of computing.")
+    return " ".join(parts)
+
+
+def pictures(impacts: Impacts) -> Iterator[Picture]:
+    """Packings and blocks side by side, then each of them, as far as something was varied."""
+    grains = impacts.reference
+    blocks = impacts.continuum_reference
+
+    def sketch(name: str, draw: Callable[..., Drawing], *of: Any) -> Picture:
+        return Picture(name, _CAPTIONS[name], partial(draw, *of))
+
+    if len(grains) and len(blocks):
+        yield sketch("dissipated_fraction", figures.dissipated_fraction, impacts)
+        if len(shown := _dissipating(grains, _GRANULAR_SHOWN)):
+            yield sketch("plastic_volume", figures.plastic_volume, shown, blocks)
+    yield from zone.pictures(impacts)
+    if len(grains):
+        if len(curves := variants(impacts)) > 1:
+            yield sketch(
+                "granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log"
+            )
+        if fit := quadratic_fit(impacts):
+            yield sketch("granular_velocity", figures.against_velocity, grains, fit)
+        if len(areas := by_area(impacts)) > 1:
+            yield sketch("loading_area", figures.loading_area, areas)
+    yield from figures.pictures(impacts)
+    if len(blocks):
+        if len(curves := materials(impacts)) > 1:
+            yield sketch(
+                "continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear"
+            )
+        if len(curves := masses(impacts)) > 1:
+            yield sketch("continuum_mass", figures.by_mass, curves)
+
+
+def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
+    """Packings and blocks side by side, then each of them, with notes."""
+    listed = [
+        _dissipating(impacts.reference, _GRANULAR_LISTED),
+        impacts.other_packings,
+        impacts.continuum_reference,
+    ]
+    rows = [row for runs in listed for run in runs.itertuples() if (row := _per_mass(run))]
+    numbers = numeric(
+        ("Input", "J"), "Dissipated fraction", ("Mass involved", "kg"), ("Volume involved, voids included", "cm³"),
+        ("Dissipated per mass", "J/kg"), ("Dissipated per volume", "MJ/m³"),
+    )  # fmt: skip
+    if rows:
+        caption = (
+            f"Dissipation per mass and volume of the material that does {100 * SHARE:.0f} % of it"
+        )
+        yield table_of(
+            caption,
+            (TableColumn("Run", key=True), TableColumn("What"), *numbers),
+            rows,
+            sortable=True,
+        )
+    yield from zone.tables(impacts)
+    if len(impacts.reference):
+        yield from _of_packings(impacts)
+    yield from figures.tables(impacts)
+    if len(impacts.continuum):
+        yield from _of_blocks(impacts)
+
+
+def _dissipating(reference: DataFrame, most: int) -> DataFrame:
+    """Runs that dissipate, from the largest energy down, a factor of two or more apart; in rising
+    order.
+    """
+    chosen: list[int] = []
+    energy = reference.get("energy_J", pd.Series(dtype=float)).to_numpy()
+    for n in reversed(range(len(reference))):
+        apart = not chosen or energy[n] < 0.5 * energy[chosen[-1]]
+        if apart and len(chosen) < most and reference.dissipated_fraction.iloc[n] > 0:
+            chosen.append(n)
+    return reference.iloc[chosen[::-1]]
+
+
+def _per_mass(run: Any) -> tuple[Any, ...] | None:
+    """Row of the table of dissipation per mass and volume; None where nothing was dissipated."""
+    found = involved(run)
+    if found is None:
+        return None
+    fraction, volume = found.part(SHARE)
+    energy = fraction * run.energy_J
+    mass = volume * run.density
+    bulk = volume / run.solid_fraction
+    values = (
+        run.energy_J,
+        run.dissipated_fraction,
+        mass,
+        1e6 * bulk,
+        energy / mass,
+        1e-6 * (energy / bulk),
+    )
+    return run.label, Cell(zone.what_of(run.what, run.packing)), *values
+
+
+def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
+    """Quadratic law, collapse of the scaling, and loading area."""
+    if fit := quadratic_fit(impacts):
+        ours = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
+        caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
+        columns = (
+            TableColumn("Constant", key=True),
+            *numeric("Value, with its standard deviation"),
+        )
+        yield table_of(caption, columns, zip(("D0", "D1", "D2"), ours, strict=True), by_row=True)
+        fractions = impacts.fast.dissipated_fraction
+        remark = _FIT_REMARK.format(fractions.min(), fractions.max())
+        yield Note(
+            f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest "
+            f"misfit there is {percent(100 * fit.misfit).lstrip('+')}. {remark}"
+        )
+    rows: list[tuple[Any, ...]] = []
+    for name, runs in list(variants(impacts).items())[1:]:
+        pairs = equal(runs, impacts.reference, "velocity_normalised")
+        if len(pairs):
+            gaps = (pairs.dissipated_fraction - pairs.dissipated_fraction_).abs()
+            rows.append((name, len(pairs), float(gaps.max())))
+    if rows:
+        numbers = numeric("Points", "Largest difference in dissipated fraction")
+        columns = (TableColumn("Differs from the reference in", key=True), *numbers)
+        yield table_of("Granular scaling: at equal normalised velocity", columns, rows)
+    areas = area_table(by_area(impacts))
+    if len(areas):
+        numbers = numeric(*(f"Fraction, W = {count}" for count in areas), "Largest difference")
+        rows = [
+            (
+                energy,
+                *(None if math.isnan(one) else one for one in row),
+                float(np.ptp([x for x in row if x == x])),
+            )
+            for energy, row in zip(areas.index, areas.to_numpy().tolist(), strict=True)
+        ]
+        columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
+        yield table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
+
+
+def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:
+    """Collapse of the scaling, and influence of the taper.
+
+    With one ratio of yield strength to modulus the differences are nothing but rounding. With
+    another one the punch's rounded edge is larger or smaller beside the displacements, which
+    matters where little more than its edge touches.
+    """
+    rows: list[tuple[Any, ...]] = []
+    for name, runs in list(materials(impacts).items())[1:]:
+        pairs = equal(runs, impacts.continuum_reference, "energy_normalised")
+        for pair in pairs.itertuples():
+            if pair.dissipated_fraction_ and pair.volume_over_sphere_volume_:
+                fraction = pair.dissipated_fraction / pair.dissipated_fraction_ - 1
+                volume = pair.volume_over_sphere_volume / pair.volume_over_sphere_volume_ - 1
+                rows.append((name, pair.energy_normalised, _percent(fraction), _percent(volume)))
+    if rows:
+        columns = (
+            TableColumn("Differs from the reference in", key=True),
+            *numeric("Input over sigma_y^2 D^3/E", key=True),
+            *numeric("Difference in fraction", "Difference in volume"),
+        )
+        yield table_of(
+            "Continuum scaling: at equal normalised energy", columns, rows, sortable=True
+        )
+    fine = impacts.continuum[(impacts.continuum.taper != 0) & impacts.continuum.fine]
+    tapers = rising(largest(fine, "but_for_taper"), "taper")
+    if len(tapers) > 1:
+        numbers = numeric(
+            "Dissipated fraction", ("Plastic volume", "mm³"), ("Volume that ever yielded", "mm³")
+        )
+        names = "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3"
+        rows = [
+            (
+                1e3 * run.taper,
+                run.dissipated_fraction,
+                *(1e9 * run.run.value(name) for name in names),
+            )
+            for run in tapers.itertuples()
+        ]
+        caption = "Continuum: taper of the punch's edge, two elements or more across it"
+        yield table_of(caption, (*numeric(("Taper", "mm"), key=True), *numbers), rows)
+
+
+def _percent(share: float) -> Cell:
+    return Cell(percent(100 * share), share)

@@ -1,0 +1,350 @@
+"""Size of the plastic zone against energy, packings and continuum side by side: what holds 50, 90
+and 99 %.
+
+Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in
+sigma_y^2 D^3/E.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Iterator, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.lines import Line2D
+from numpy.typing import ArrayLike, NDArray
+from pandas import DataFrame, concat
+
+from granwave.analysis.document.model import (
+    Cell,
+    DocumentTable,
+    Note,
+    TableColumn,
+    Tone,
+    show,
+    value_cell,
+)
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import BLUE, ORANGE, Drawing
+from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
+from granwave.analysis.quantities import SHARES
+from granwave.analysis.scans.drawing import draw_marks, marked_marker, marks_of
+from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.extensions.continuum.packing_and_block.figures import GRANULAR_ENERGY
+from granwave.extensions.continuum.packing_and_block.impacts import (
+    SAME,
+    Impacts,
+    energy_unit,
+    rising,
+)
+
+_MARKERS = "os^"  # of the shares
+_SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
+_LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
+_CUT_REMARK = (
+    "Where the zone reaches a bound (open marks in the figure), or still grew when the run ended, the outermost yield "
+    "lies farther out than found: ≥."
+)
+_WAVE_REMARK = (
+    "Half open marks: a wave could be back from a bound while the last part of the energy was dissipated, at most "
+    "{:.2g} % of the energy of yielding."
+)
+_COMPARED_REMARK = "Influence of the bounds: {} computed in {} of different sizes. Between the two largest of each, {}."
+_NOT_COMPARED_REMARK = (
+    "Influence of the bounds: no impact was computed in two {} of different sizes, so that these runs do not show how "
+    "much the bounds change what holds 50, 90 and 99 %."
+)
+
+
+def zones(impacts: Impacts) -> dict[str, DataFrame]:
+    """Plastic zones by energy: of the reference's spheres, one of them struck, each in the largest
+    packing; of blocks.
+
+    Returns
+    -------
+    dict
+        Of ``packing`` and ``continuum``, rows of runs whose summaries tell: columns of the figure's
+        data, and those of the run.
+    """
+    found = {
+        "packing": _sizes("packing", _comparable(impacts)),
+        "continuum": _sizes("continuum", impacts.continuum_reference),
+    }
+    if len(packings := found["packing"]):
+        found["packing"] = rising(
+            packings.sort_values("n_spheres", ascending=False, kind="stable"), "energy_J"
+        )
+    return found
+
+
+def pictures(impacts: Impacts) -> Iterator[Picture]:
+    """Sizes against energy, of packings and beside them of blocks."""
+    sides = zones(impacts)
+    every = concat(sides.values())
+    sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
+    if sizes and len(sides["packing"]) and len(every) > 1:
+        caption = (
+            "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. Straight lines are powers "
+            "of the input; open marks reach a bound"
+        )
+        yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
+
+
+def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
+    """Sizes of all runs, and remarks on those that a bound or the end of the run decides."""
+    found = [zone for side in zones(impacts).values() for zone in side.to_dict("records")]
+    shown = {id(zone["run"]) for zone in found}
+    others = _sizes("packing", impacts.other_packings).to_dict("records")
+    found += [zone for zone in others if id(zone["run"]) not in shown]
+    if not found:
+        return
+    columns = (
+        TableColumn("Run", key=True),
+        TableColumn("What", key=True),
+        *numeric("Input over sigma_y^2 D^3/E", key=True),
+        *numeric(*((f"Depth {percent} %", "D") for percent in SHARES), ("Outermost depth", "D")),
+        *numeric(*((f"Radius {percent} %", "D") for percent in SHARES), ("Outermost radius", "D")),
+        *numeric(*((f"Volume {percent} %", "pi D^3/6") for percent in SHARES)),
+        TableColumn("Zone reaches"),
+        *numeric("Dissipated after waves came back"),
+    )
+    caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"
+    yield table_of(caption, columns, map(_row, found), sortable=True)
+    if any(
+        zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in found
+    ):
+        yield Note(f"{_CUT_REMARK} {_influence_of_bounds(impacts, 'packing')}", "note")
+    shares = [
+        zone["run"].value("wave_return_share")
+        for zone in found
+        if zone["mark"] == Mark.WAVE and zone["what"] == "continuum"
+    ]
+    if shares:
+        text = _WAVE_REMARK.format(100 * max(shares))
+        yield Note(f"{text} {_influence_of_bounds(impacts, 'continuum')}", "note")
+
+
+def what_of(what: str, packing: str) -> str:
+    """Return what a run is of, for a row of a table: ``granular, fcc 24 x 24 x 12``."""
+    return f"{what}, {packing}" if packing else what
+
+
+def _comparable(impacts: Impacts) -> DataFrame:
+    """Return the runs of the reference's spheres, one of them struck, in packings of any size."""
+    grains = impacts.granular
+    first = impacts.reference[:1]
+    same = (
+        (grains.struck_spheres == 1)
+        & grains.substance.isin(first.substance)
+        & grains.held.isin(first.held)
+    )
+    return grains[same]
+
+
+def differences_by_size(impacts: Impacts, what: str) -> DataFrame:
+    """Return the relative differences of sizes of the zone between the two largest packings, or
+    blocks, in which the same impact was computed.
+
+    Parameters
+    ----------
+    what
+        ``packing`` or ``continuum``.
+
+    Returns
+    -------
+    DataFrame
+        A row for each such impact, with columns ``depth_50``, ..., ``volume_99``; NaN where a size
+        does not apply.
+    """
+    if what == "packing":
+        runs = _comparable(impacts)
+        extent = "n_spheres"
+    else:
+        runs = impacts.continuum
+        runs = runs[runs.but_for_block.isin(impacts.continuum_reference.but_for_block)]
+        extent = "block_volume"
+    names = [f"{name}_{share}" for name in _SIZES for share in SHARES]
+    sizes = _sizes(what, runs)
+    rows = []
+    while len(sizes):
+        energy = sizes.energy_J.iloc[0]
+        same = np.abs(sizes.energy_J / energy - 1) < SAME
+        by_extent = sizes[same].sort_values(extent, ascending=False, kind="stable")
+        by_extent = by_extent.drop_duplicates(extent)
+        sizes = sizes[~same]
+        if len(by_extent) > 1:
+            largest = by_extent[names].iloc[0].to_numpy(float)
+            smaller = by_extent[names].iloc[1].to_numpy(float)
+            least = np.where(largest > 0, largest, math.nan)
+            rows.append(np.abs(smaller / least - 1))
+    return DataFrame(rows, columns=names)
+
+
+def _influence_of_bounds(impacts: Impacts, what: str) -> str:
+    """Return how much the sizes of the zone change with the size of the packings or blocks."""
+    bodies = {"packing": "packings", "continuum": "blocks"}[what]
+    changes = differences_by_size(impacts, what).max()
+    parts = []
+    for share in SHARES:
+        of_share = {name: changes[f"{name}_{share}"] for name in _SIZES}
+        known = [f"{name} by up to {100 * change:.2g} %"
+                 for name, change in of_share.items() if not math.isnan(change)]  # fmt: skip
+        if known:
+            parts.append(f"what holds {share} % differs in {', '.join(known)}")
+    if not parts:
+        return _NOT_COMPARED_REMARK.format(bodies)
+    n_impacts = len(differences_by_size(impacts, what))
+    count = f"{n_impacts} impacts were" if n_impacts > 1 else "1 impact was"
+    return _COMPARED_REMARK.format(count, bodies, "; ".join(parts))
+
+
+def _sizes(what: str, runs: DataFrame) -> DataFrame:
+    """Return the zones of runs, without those whose summaries, of an older version, do not tell."""
+    rows = []
+    for run in runs.to_dict("records"):
+        summary = run["run"].summary
+        diameter = run["diameter"]
+        if summary.get(f"zone_volume_{SHARES[0]}_m3") is None:
+            continue
+        cut = summary.get("zone_cut") or ()
+        growing = summary.get("zone_growing") or ()
+        units = {
+            "depth": (diameter, "m"),
+            "radius": (diameter, "m"),
+            "volume": (math.pi * diameter**3 / 6, "m3"),
+        }
+        names = {
+            f"{name}_{share}": (f"zone_{name}_{share}_{unit}", size)
+            for name, (size, unit) in units.items()
+            for share in SHARES
+        }
+        names |= {
+            f"outermost_{name}": (f"plastic_zone_{name}_m", diameter)
+            for name in ("depth", "radius")
+        }
+        sizes = {column: run["run"].value(name) / size for column, (name, size) in names.items()}
+        ends = {"depth": "bottom", "radius": "sides"}
+        sizes |= {
+            f"outermost_{name}_open_ended": int(end in cut or name in growing)
+            for name, end in ends.items()
+        }
+        over = run["energy_J"] / energy_unit(DataFrame([run]).iloc[0])
+        rows.append(run | sizes | {"side": what, "energy": over, "mark": int(mark_of(summary))})
+    return DataFrame(rows)
+
+
+def _row(zone: dict[str, Any]) -> Iterator[Cell]:
+    summary = zone["run"].summary
+    tone: Tone = "note" if zone["mark"] else ""
+    what = Cell(what_of(zone["what"], zone["packing"]))
+    yield from (value_cell(zone["label"]), what, value_cell(zone["energy"]))
+    for name in _SIZES:
+        for column in (*(f"{name}_{share}" for share in SHARES), f"outermost_{name}"):
+            if column in zone:
+                value = zone[column]
+                before = "≥ " if zone.get(f"{column}_open_ended") else ""
+                text = before + show(float(f"{value:.4g}"))
+                yield value_cell(None) if math.isnan(value) else Cell(text, value, tone)
+    yield Cell(bounds_in_words(summary.get("zone_cut")), tone=tone)
+    yield value_cell(summary.get("wave_return_share"), tone=tone)
+
+
+def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
+    """Draw depth, radius and volume that hold 50, 90 and 99 % of the energy of yielding against the
+    input energy.
+    """
+    figure, *axes_of_sizes = panels(3.1, len(sizes))
+    there = {what: side for what, side in sides.items() if len(side)}
+    for axes, name in zip(axes_of_sizes, sizes, strict=True):
+        for what, side in there.items():
+            _curves(axes, name, side, *_LOOKS[what])
+        label(axes, r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$", _SIZES[name], log="xy")
+        _axis_of_contacts(axes, sides["packing"].iloc[0])
+    lines: list[dict[str, Any]] = [
+        {"color": _LOOKS[what][0], "linestyle": _LOOKS[what][1], "label": what} for what in there
+    ]
+    lines += [
+        {
+            "color": "black",
+            "marker": marker,
+            "linestyle": "none",
+            "markersize": 4,
+            "label": f"{percent} %",
+        }
+        for marker, percent in zip(_MARKERS, SHARES, strict=True)
+    ]
+    lines.append({"color": "black", "linestyle": ":", "linewidth": 0.9, "label": "outermost yield"})
+    marks = marks_of(concat(there.values())["mark"].tolist())
+    lines += [
+        {"label": text, **marked_marker(mark, "o", 4, "black")} for mark, text in marks.items()
+    ]
+    handles = [Line2D([], [], **line) for line in lines]
+    figure.legend(
+        handles=handles,
+        loc="outside upper center",
+        ncols=len(handles),
+        fontsize=6.5,
+        columnspacing=1.0,
+    )
+    outermost = [
+        f"outermost_{name}{end}" for name in ("depth", "radius") for end in ("", "_open_ended")
+    ]
+    names = [
+        "side",
+        "energy",
+        "mark",
+        *(f"{name}_{share}" for name in _SIZES for share in SHARES),
+        *outermost,
+    ]
+    table = concat(there.values())[names].rename(
+        columns={"side": "what", "energy": "energy_normalised"}
+    )
+    return Drawing(figure, table.to_dict("list"))
+
+
+def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> None:
+    """Draw one size of the zones of packings or blocks, with the outermost yield; gaps where
+    nothing yielded.
+    """
+    for share, marker in zip(SHARES, _MARKERS, strict=True):
+        y = zones[f"{name}_{share}"].replace(0.0, math.nan)
+        axes.plot(
+            zones.energy,
+            y,
+            linestyle=line,
+            color=colour,
+            marker=marker,
+            markersize=4,
+            linewidth=0.8,
+        )
+        draw_marks(axes, zones.energy, y, zones["mark"], marker, 4, colour)
+    if name != "volume":
+        axes.plot(
+            zones.energy,
+            zones[f"outermost_{name}"].replace(0.0, math.nan),
+            ":",
+            color=colour,
+            linewidth=0.9,
+        )
+
+
+def _axis_of_contacts(axes: Axes, packing: Any) -> None:
+    """Give the energies of the packing in F_y alpha_y too, on top."""
+    factor = packing.energy_normalised / packing.energy
+    axes.tick_params(axis="x", which="both", top=False)
+
+    def there(energy: ArrayLike) -> NDArray[np.float64]:
+        return factor * np.asarray(energy, float)
+
+    def back(normalised: ArrayLike) -> NDArray[np.float64]:
+        return np.asarray(normalised, float) / factor
+
+    top = axes.secondary_xaxis("top", functions=(there, back))
+    top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
+    top.tick_params(labelsize=7)
+    low, high = there(axes.get_xlim())
+    # else the interval of the axis below arrives only when the figure is drawn
+    top.xaxis.set_view_interval(low, high, ignore=True)

@@ -1,0 +1,262 @@
+"""One continuum run, from case to figures: its history, summary and ``result.h5``.
+
+    /nodes, /elements              (r, z) of the nodes; the four nodes of each element
+    /element_volume                of each element
+    /energy/{time, kinetic, elastic, plastic, viscous, hourglass, contact, punch, input}
+    /punch/{time, displacement, velocity, force}
+    /plastic_zone/{time, volume, volume_ever}
+    /fields/{time, von_mises, plastic_strain, plastic_energy, ever_yielded, displacement}
+
+``von_mises`` is (n_frames, n_elements) at ``time``; the other fields are final values. The root has
+the attributes ``kind``, ``name``, ``case`` (TOML), ``summary`` and ``versions`` (JSON); every data
+set has a ``unit``.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.analysis.measures.zone_size import BOTTOM, SIDES, wave_returns, zone_sizes
+from granwave.extensions.continuum.material import PLASTIC, STRAIN, Elastoplastic
+from granwave.extensions.continuum.punch.case import ContinuumCase
+from granwave.extensions.continuum.punch.mesh import mesh_of, punch_gap
+from granwave.extensions.continuum.punch.solver import PunchSolver
+from granwave.extensions.continuum.runner import (
+    SUMMARY_NAMES,
+    ElementRun,
+    Tables,
+    run_elements,
+)
+
+SAMPLED = 2e-7  # s, longest time between two rows of the ledger
+# a settled run adds less than QUIET of the input to dissipation in a WINDOW, s
+WINDOW = 1e-5
+QUIET = 1e-4
+MOST_FRAMES = 64  # snapshots; if there are more, every second one is dropped
+TOLERANCE = 0.02  # largest accepted error of the energy balance over the input
+_RARE = 0.01  # volume fraction of the plastic zone in which the strain exceeds the reported one
+LARGE_STRAIN = 0.1
+_ENERGIES = ("kinetic", "elastic", "plastic", "viscous", "hourglass", "contact", "punch")
+_IN_SUMMARY = ("kinetic", "elastic", "plastic", "punch", "hourglass", "viscous", "contact")
+
+
+class BlockRun(ElementRun):
+    """Run of a punch on a block; rows of its history as of `PunchSolver.advance`.
+
+    Attributes
+    ----------
+    frame_times, von_mises
+        Times (s) and von Mises stresses ((n_z, n_r), Pa) of the snapshots.
+    balance_error
+        Largest error of the energy balance so far, over the input.
+    """
+
+    KIND = "continuum"
+    FINISHED = ("end_time", "settled", "longest")  # the last two: end_time = "auto"
+    UNIT = "us"
+    PACKAGES = ("numpy", "numba", "scikit-fem", "h5py", "matplotlib")
+
+    def __init__(self, case: ContinuumCase) -> None:
+        super().__init__(case)
+        mesh = mesh_of(case)
+        punch = case.punch
+        run = case.run
+        self.solver = PunchSolver(
+            mesh,
+            Elastoplastic.of(case.material),
+            gap=punch_gap(mesh, punch.diameter / 2, punch.taper),
+            punch_mass=punch.mass,
+            punch_velocity=punch.velocity,
+            timestep=None if isinstance(run.timestep, str) else run.timestep,
+        )
+        self.frame_times: list[float] = []
+        self.von_mises: list[NDArray[np.float32]] = []
+        self.balance_error = 0.0
+        self.total = None if isinstance(run.end_time, str) else round(1e6 * run.end_time, 2)
+
+    def integrate(self, report: Callable[[], None] = lambda: None) -> None:
+        solver = self.solver
+        run = self.case.run
+        steps = solver.every(SAMPLED)
+        automatic = isinstance(run.end_time, str)
+        back = math.ceil(WINDOW / (steps * solver.timestep))
+        interval = run.frame_interval
+        due = 0.0
+        while True:
+            if solver.time >= due:
+                if len(self.frame_times) >= MOST_FRAMES:
+                    del self.frame_times[1::2], self.von_mises[1::2]
+                    interval *= 2
+                self._snapshot()
+                due = (math.floor(solver.time / interval) + 1) * interval
+            left = math.ceil((run.longest - solver.time) / solver.timestep - 1e-9)
+            self.add(min(steps, max(left, 0)))
+            report()
+            if not self.balance_error <= TOLERANCE:
+                self.end_reason = "refused"
+            elif left <= 0:
+                self.end_reason = "longest" if automatic else "end_time"
+            elif automatic and self._settled(back):
+                self.end_reason = "settled"
+            else:
+                continue
+            if left > 0:  # the solver has advanced since the last instant
+                self.add(0)
+            self._snapshot()
+            return
+
+    def add(self, n_steps: int) -> None:
+        """Add the present instant to the history, and advance by some steps."""
+        touches = self.solver.touches
+        row = self.solver.advance(n_steps) if n_steps else self.solver.look()
+        self.rows.append({**row, "touches": touches})
+        error = abs(row["total"] / self.case.punch.energy - 1)
+        self.balance_error = error if math.isnan(error) else max(self.balance_error, error)
+
+    def _settled(self, back: int) -> bool:
+        if len(self.rows) <= back:
+            return False
+        then = self.rows[-1 - back]
+        now = self.rows[-1]
+        left = 0 < now["touches"] == then["touches"]
+        return left and now["plastic"] - then["plastic"] < QUIET * self.case.punch.energy
+
+    def _snapshot(self) -> None:
+        self.frame_times.append(self.solver.time)
+        self.von_mises.append(self.solver.von_mises.astype(np.float32))
+
+    def progress(self) -> tuple[float, str]:
+        """Time done, us."""
+        last = self.rows[-1]
+        given = self.case.punch.energy
+        return 1e6 * last[
+            "time"
+        ], f"dissipated {last['plastic'] / given:.3f}, balance {self.balance_error:.1e}"
+
+    def values(self) -> dict[str, Any]:
+        solver = self.solver
+        last = self.rows[-1]
+        given = self.case.punch.energy
+        volumes = self.column("plastic_volume")
+        peak = int(volumes.argmax())
+        rows, columns = np.nonzero(solver.ever)
+        return {
+            "n_elements": solver.n_elements,
+            "timestep_s": solver.timestep,
+            "n_steps": solver.n_steps,
+            "end_time_s": last["time"],
+            "end_reason": self.end_reason,
+            "energy_input_J": given,
+            **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
+            "dissipated_fraction": last["plastic"] / given,
+            "energy_balance_error": self.balance_error,
+            "energy_balance_accepted": TOLERANCE,
+            "energy_input_normalised": given / self.case.energy_unit,
+            "plastic_zone_volume_m3": volumes[peak],
+            "plastic_zone_time_s": self.rows[peak]["time"],
+            "plastic_zone_volume_ever_m3": last["plastic_volume_ever"],
+            "plastic_zone_depth_m": float(solver.mesh.z[rows.max() + 1]) if len(rows) else 0.0,
+            "plastic_zone_radius_m": float(solver.mesh.r[columns.max() + 1]) if len(rows) else 0.0,
+            "plastic_zone_strain": self._zone_strain(),
+            **self.zone_summary(),
+            "largest_strain": float(self.column("largest_strain").max()),
+            "peak_force_N": float(self.column("contact_force").max()),
+            "punch_peak_displacement_m": float(self.column("punch_displacement").max()),
+            "impactor_velocity_m_s": last["punch_velocity"],
+        }
+
+    def zone_summary(self) -> dict[str, Any]:
+        """Return the size of the plastic zone, the boundaries that it reaches, and the return of
+        waves from them.
+
+        The fastest wave travels at the longitudinal wave speed from the punch straight to the
+        boundary and back to the zone that holds 99 % of the plastic work.
+        """
+        solver = self.solver
+        edge = self.case.punch.diameter / 2
+        block = self.case.block
+        volume = solver.operators.volume
+        radius, depth = np.meshgrid(*solver.mesh.centres)
+        work = solver.state[:, :, PLASTIC] * volume
+        sizes = zone_sizes(work.ravel(), volume.ravel(), depth.ravel(), radius.ravel())
+        ways = {
+            BOTTOM: 2 * block.height - (sizes["zone_depth_99_m"] or 0.0),
+            SIDES: block.diameter - edge - max(sizes["zone_radius_99_m"] or 0.0, edge),
+        }
+        times = {name: way / solver.material.longitudinal_speed for name, way in ways.items()}
+        touched = {BOTTOM: solver.ever[-1].any(), SIDES: solver.ever[:, -1].any()}
+        cut = {"zone_cut": [name for name, touches in touched.items() if touches]}
+        return sizes | cut | wave_returns(times, self.column("time"), self.column("plastic"))
+
+    def _zone_strain(self) -> float:
+        """Return the equivalent strain exceeded in 1 % of the volume that ever yielded; 0 if none
+        did.
+
+        It is the sum of the elastic and the plastic one. The largest strain occurs in one element
+        at the punch's edge and depends on the element size.
+        """
+        solver = self.solver
+        both = solver.von_mises / solver.material.youngs_modulus + solver.state[:, :, STRAIN]
+        strain = both[solver.ever]
+        volume = solver.operators.volume[solver.ever]
+        if not len(strain):
+            return 0.0
+        order = np.argsort(strain)[::-1]
+        reached = np.cumsum(volume[order]) >= _RARE * volume.sum()
+        return float(strain[order][reached.argmax()])
+
+    def tables(self) -> Tables:
+        solver = self.solver
+        column = self.column
+        state = self.solver.state
+        time = column("time")
+        return {
+            "nodes": (solver.mesh.nodes, "m"),
+            "elements": (solver.mesh.elements.astype(np.int32), "1"),
+            "element_volume": (solver.operators.volume.ravel(), "m3"),
+            "energy/time": (time, "s"),
+            **{f"energy/{name}": (column(name), "J") for name in _ENERGIES},
+            "energy/input": (np.full(len(time), self.case.punch.energy), "J"),
+            "punch/time": (time, "s"),
+            "punch/displacement": (column("punch_displacement"), "m"),
+            "punch/velocity": (column("punch_velocity"), "m s-1"),
+            "punch/force": (column("contact_force"), "N"),
+            "plastic_zone/time": (time, "s"),
+            "plastic_zone/volume": (column("plastic_volume"), "m3"),
+            "plastic_zone/volume_ever": (column("plastic_volume_ever"), "m3"),
+            "fields/time": (self.frame_times, "s"),
+            "fields/von_mises": (np.stack(self.von_mises).reshape(len(self.frame_times), -1), "Pa"),
+            "fields/plastic_strain": (state[:, :, STRAIN].ravel(), "1"),
+            "fields/plastic_energy": (state[:, :, PLASTIC].ravel(), "J m-3"),
+            "fields/ever_yielded": (solver.ever.ravel().astype(np.uint8), "1"),
+            "fields/displacement": (
+                np.column_stack([part.ravel() for part in solver.motion[:2]]),
+                "m",
+            ),
+        }
+
+    def warning(self, summary: Mapping[str, Any]) -> str:
+        if summary["plastic_zone_strain"] <= LARGE_STRAIN:
+            return ""
+        return (
+            f"strains are not small: 1 % of the plastic zone exceeds {summary['plastic_zone_strain']:.2f}, the largest "
+            f"is {summary['largest_strain']:.2f}; expected below {LARGE_STRAIN:g}. The solution is one of small "
+            "strains: lower punch.velocity or punch.mass to trust it"
+        )
+
+    def refusal(self) -> tuple[str, str]:
+        return (
+            f"{100 * self.balance_error:.3g} % of the input at {1e6 * self.rows[-1]['time']:.4g} us, at most "
+            f"{100 * TOLERANCE:g} %",
+            'Take run.timestep = "auto" or a smaller one, or more run.elements',
+        )
+
+
+#: Run a continuum case, as `run_elements` does.
+run_continuum = partial(run_elements, BlockRun)

@@ -1,0 +1,347 @@
+"""Constants of the law ``elastoplastic-fe`` from ``law_table.csv``, by least squares, its errors
+and its error bars.
+
+    python -m granwave.extensions.continuum.sphere_contact.law_fit [HEADER] [PICTURE] [PAGE ...]
+
+prints the largest errors. With HEADER (elastoplastic_fe_constants.h of the plugin) it fits first,
+from the present constants on, and writes it with the error bars; with PICTURE it draws the errors
+of this law and of the default one; in each PAGE (Markdown) it renews the tables of errors and bars.
+Two equal spheres to great depth are one on a rigid flat: the law has that symmetry.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+import sys
+from collections.abc import Mapping
+from functools import cached_property
+from itertools import pairwise
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.integrate import cumulative_trapezoid
+from scipy.optimize import least_squares
+
+from granwave._contact_laws import ContactLaw
+from granwave.extensions.continuum.sphere_contact.law_table import TABLE, contacts
+
+Array = NDArray[np.float64]
+
+LAW = "elastoplastic-fe"
+_DEEPEST = 0.2  # over R*, of the points that count: beyond, the law is a straight line
+_PLACES = np.linspace(0, 1, 40)  # of an unloading, from the residual overlap to the peak
+# overlap over that at first yield, below which the first unloading tells what dissipation begins
+# with
+_FIRST = 6.0
+_BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
+_POWERS = (2, 4, 6, 8)  # of the errors whose sum is made small, one after the other
+_QUADRATURE = 400  # points of the work of loading
+_RANGES = ("1-10", "10-100", "100-inf")  # of the overlap over that at first yield
+_OTHER = "elastoplastic"
+_KINDS = {
+    "equal": "equal spheres", "rigid": "sphere on a rigid flat", "radii": "other radii",
+    "unlike": "unlike materials", "held": "held out of the fit",
+}  # fmt: skip
+_MARGIN = 1.5  # of the error bars over the largest error of fitted contacts
+_ROUNDED = 0.001  # digits of error bars
+_FROM = (1.0, 10.0, 100.0)  # ranges of error bars, overlap over that at first yield
+_BARS = re.compile(r"(constexpr FeBar FE_BARS.*?\{\n).*?(^\};$)", re.MULTILINE | re.DOTALL)
+_CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
+
+
+class Measured:
+    """A contact of the table: points of loading and unloadings in units of R* and E* R*^2."""
+
+    def __init__(self, name: str, values: Mapping[str, float], rows: pd.DataFrame) -> None:
+        self.name = name
+        self.held = name.startswith("held")
+        self.mirrored = not values.keys() & {"radius", "modulus", "strength", "nu2"}
+        rigid = "deepest" in values
+        nu = values["nu"]
+        hardening = values["hardening"]
+        radius, modulus, strength = (
+            math.inf if rigid else values.get(key, 1.0) for key in ("radius", "modulus", "strength")
+        )
+        self.bodies = {
+            "youngs_modulus": (1.0, modulus),
+            "poisson_ratio": (nu, 0.0 if rigid else values.get("nu2", nu)),
+            "yield_strength": (1 / values["ratio"], strength / values["ratio"]),
+            "radius": (1.0, radius),
+            "hardening": (hardening, 0.0 if math.isinf(strength) else hardening),
+        }
+        law = self.law(LAW)
+        size = law.effective_radius
+        unit = law.effective_modulus * law.effective_radius**2
+        length, force = (size / 4, unit / 8) if rigid else (size, unit)
+        rows = rows.assign(overlap=rows["overlap"] * length, residual=rows["residual"] * length)
+        rows = rows.assign(force=rows["force"] * force)[rows["overlap"] <= _DEEPEST * size]
+        self.start = law.yield_overlap
+        loading, unloading = (rows[rows["branch"] == name] for name in ("loading", "unloading"))
+        loading = loading[loading["overlap"] > self.start]
+        self.overlap, self.force = (loading[name].to_numpy() for name in ("overlap", "force"))
+        self.peak, self.peak_force, self.residual, self.exponent = (
+            unloading[name].to_numpy() for name in ("overlap", "force", "residual", "exponent")
+        )
+
+    def law(self, name: str, constants: Mapping[str, float] | None = None) -> ContactLaw:
+        """Return a law of this contact; one without hardening leaves that out."""
+        return ContactLaw(law=name, fit=dict(constants or {}), **self.bodies)
+
+    def loading_errors(self, law: ContactLaw) -> Array:
+        """Return the errors of the force on loading over that of finite elements."""
+        return np.asarray(law.loading_force(self.overlap) / self.force - 1)
+
+    def unloading_errors(self, law: ContactLaw) -> Array:
+        """Return the errors of the share of the peak force on unloading, at `_PLACES`:
+        (n_unloadings, n_places).
+        """
+        overlap = self.residual[:, None] + (self.peak - self.residual)[:, None] * _PLACES
+        residual = law.residual_overlap(self.peak)[:, None]
+        place = np.clip((overlap - residual) / (self.peak[:, None] - residual), 0, None)
+        share = place ** law.unloading_exponent(self.peak)[:, None]
+        return np.asarray(share - _PLACES ** self.exponent[:, None])
+
+    def near_yield(self, law: ContactLaw) -> Array:
+        """Return how far the dissipated share is from a straight line between yield and the first
+        unloading.
+        """
+        peak = self.peak[0]
+        first = self.peak[0] / self.start
+        if first > _FIRST:
+            return np.zeros(0)
+        back = law.loading_force(peak) * (peak - self.residual[0]) / (self.exponent[0] + 1)
+        at = peak - (1 - _BETWEEN) * (peak - self.start)
+        wanted = _BETWEEN * (1 - back / law.loading_work(peak))
+        return np.asarray(law.dissipated_energy(at) / law.loading_work(at) - wanted)
+
+    @cached_property
+    def restitution(self) -> Array:
+        """Coefficients of restitution of finite elements, from each peak: (n_unloadings,)."""
+        law = self.law("hertz")
+        at = np.geomspace(self.start, self.peak.max(initial=self.start), _QUADRATURE)
+        hertz = law.loading_force(at)
+        places = np.log(np.concatenate([[self.start], self.overlap]))
+        ratio = np.concatenate([[1.0], self.force / law.loading_force(self.overlap)])
+        force = hertz * np.exp(np.interp(np.log(at), places, np.log(ratio)))
+        work = law.loading_work(self.start) + cumulative_trapezoid(force, at, initial=0)
+        recovered = self.peak_force * (self.peak - self.residual) / (self.exponent + 1)
+        return np.asarray(np.sqrt(recovered / np.interp(self.peak, at, work)))
+
+    def restitution_errors(self, law: ContactLaw) -> Array:
+        """Return the errors of the coefficient of restitution over that of finite elements."""
+        lost = law.dissipated_energy(self.peak) / law.loading_work(self.peak)
+        return np.asarray(np.sqrt(np.clip(1 - lost, 0, 1)) / self.restitution - 1)
+
+
+def measured() -> list[Measured]:
+    """Return the contacts of the table."""
+    table = pd.read_csv(TABLE)
+    return [
+        Measured(name, values, table[table["contact"] == name])
+        for name, values in contacts().items()
+    ]
+
+
+def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
+    """Return the constants of the law: of loading first, then those of unloading, whose names are r
+    and n.
+    """
+    constants = dict(start)
+    used = [one for one in found if not one.held]
+    groups = [
+        [name for name in start if (name[0] in "rn" and name[1:].isdigit()) == back]
+        for back in (False, True)
+    ]
+    for names, powers in zip(groups, (_POWERS, _POWERS[:3]), strict=True):
+        for power in powers:
+
+            def errors(x: Array, names: list[str] = names, power: int = power) -> Array:
+                trial = constants | dict(zip(names, map(float, x), strict=True))
+                laws = [(one, one.law(LAW, trial)) for one in used]
+                if names is groups[0]:
+                    parts = [one.loading_errors(law) for one, law in laws]
+                else:
+                    parts = [one.unloading_errors(law)[:, ::3].ravel() for one, law in laws]
+                    parts += [2 * one.near_yield(law) for one, law in laws]
+                    parts += [2 * one.restitution_errors(law) for one, law in laws]
+                scaled = np.nan_to_num(np.concatenate(parts) / 0.02, nan=1e3)
+                return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
+
+            x = np.array([constants[name] for name in names])
+            solved = least_squares(errors, x, x_scale=np.maximum(np.abs(x), 0.05), max_nfev=40)
+            constants.update(zip(names, map(float, solved.x), strict=True))
+    return constants
+
+
+def errors(
+    found: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None
+) -> pd.DataFrame:
+    """Return for each kind of contact the largest error of loading by range of the overlap, of
+    unloading, and of the coefficient of restitution, per cent.
+
+    ``within_3`` and ``within_5``: percentage of the points of loading within 3 %, of unloadings
+    within 5 %.
+    """
+    rows = []
+    for kind in dict.fromkeys(one.name.partition("_")[0] for one in found):
+        laws = [(one, one.law(name, constants)) for one in found if one.name.startswith(kind)]
+        at = np.concatenate([one.overlap / one.start for one, _ in laws])
+        loading = np.concatenate([one.loading_errors(law) for one, law in laws])
+        back = np.concatenate([np.abs(one.unloading_errors(law)).max(axis=1) for one, law in laws])
+        ranges = {
+            f"{low:g}-{high:g}": (at > low) & (at <= high)
+            for low, high in ((1, 10), (10, 100), (100, math.inf))
+        }
+        rebound = np.concatenate([np.abs(one.restitution_errors(law)) for one, law in laws])
+        worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
+        rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),
+                     "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean(),
+                     "restitution": 100 * rebound.max()})  # fmt: skip
+    return pd.DataFrame(rows).set_index("contacts")
+
+
+def bars(found: list[Measured], constants: Mapping[str, float] | None = None) -> pd.DataFrame:
+    """Return the error bars: `_MARGIN` times the largest error of fitted contacts, by kind and
+    range of the overlap over that at first yield.
+
+    Contacts that are held out test them; the margin is for contacts between those of the fit.
+    """
+    rows = []
+    for kind, mirrored in (("equal spheres, sphere on a rigid flat", True), ("others", False)):
+        chosen = [one for one in found if one.mirrored == mirrored and not one.held]
+        for low, high in pairwise((*_FROM, math.inf)):
+            largest = largest_errors(chosen, low, high, constants)
+            stated = {
+                name: math.ceil(_MARGIN * value / _ROUNDED) * _ROUNDED
+                for name, value in largest.items()
+            }
+            rows.append({"contacts": kind, "from": low, **stated})
+    return pd.DataFrame(rows)
+
+
+def largest_errors(
+    chosen: list[Measured], low: float, high: float, constants: Mapping[str, float] | None = None
+) -> dict[str, float]:
+    """Return the largest errors of force, unloading and restitution of contacts, relative, for
+    overlaps and peaks in a range, over that at first yield.
+    """
+    parts: dict[str, list[Array]] = {"force": [], "unloading": [], "restitution": []}
+    for contact in chosen:
+        law = contact.law(LAW, constants)
+        at = contact.overlap / contact.start
+        peak = contact.peak / contact.start
+        loads = (at >= low) & (at < high)
+        turns = (peak >= low) & (peak < high)
+        parts["force"].append(contact.loading_errors(law)[loads])
+        parts["unloading"].append(contact.unloading_errors(law)[turns].ravel())
+        parts["restitution"].append(contact.restitution_errors(law)[turns])
+    return {
+        name: float(np.abs(np.concatenate(values)).max(initial=0.0))
+        for name, values in parts.items()
+    }
+
+
+def _bars_in_header(text: str, table: pd.DataFrame) -> str:
+    """Return the text of the header with these error bars."""
+    lines = []
+    for _, rows in table.groupby("contacts", sort=False):
+        entries = [
+            "{" + ", ".join(f"{value:g}" for value in row) + "}"
+            for row in rows[["from", "force", "unloading", "restitution"]].to_numpy()
+        ]
+        lines.append(f"    {{{', '.join(entries)}}},\n")
+    return _BARS.sub(lambda match: match[1] + "".join(lines) + match[2], text)
+
+
+def renew(page: Path, found: list[Measured], constants: Mapping[str, float] | None) -> None:
+    """Write the tables of errors and error bars into a page, between its marks."""
+    own, other = (errors(found, name, of) for name, of in ((LAW, constants), (_OTHER, None)))
+    counts = pd.Series([one.name.partition("_")[0] for one in found]).value_counts()
+    heads = ["contacts", *_RANGES, "within 3 %", "unloading", "restitution"]
+    heads += [f"`{_OTHER}`: {_RANGES[0]}", *_RANGES[1:], "unloading"]
+    rows = []
+    for kind, label in _KINDS.items():
+        of_law = own.loc[kind]
+        of_other = other.loc[kind]
+        rows.append([
+            f"{label} ({counts[kind]})", *(f"{of_law[name]:.1f}" for name in _RANGES),
+            f"{of_law['within_3']:.0f} %", f"{of_law['unloading']:.1f}", f"{of_law['restitution']:.1f}",
+            *(f"{of_other[name]:.1f}" for name in (*_RANGES, "unloading")),
+        ])  # fmt: skip
+    text = page.read_text(encoding="utf-8")
+    text = _between_marks(text, "law errors", _markdown(heads, rows))
+    stated = bars(found, constants)
+    rows = [
+        [row["contacts"], f"from {row['from']:g}"]
+        + [f"{100 * row[name]:.1f} %" for name in ("force", "unloading", "restitution")]
+        for _, row in stated.iterrows()
+    ]
+    heads = ["contacts", "peak", "force", "unloading", "restitution"]
+    page.write_text(_between_marks(text, "law bars", _markdown(heads, rows)), encoding="utf-8")
+
+
+def _markdown(heads: list[str], rows: list[list[str]]) -> str:
+    lines = [heads, ["---"] * len(heads), *rows]
+    return "".join(f"| {' | '.join(cells)} |\n" for cells in lines)
+
+
+def _between_marks(text: str, name: str, table: str) -> str:
+    """Return the text with a table between the marks of this name."""
+    start, end = (f"<!-- {word} {name} -->" for word in ("begin", "end"))
+    before, _, rest = text.partition(start)
+    _, _, after = rest.partition(end)
+    return f"{before}{start}\n\n{table}\n{end}{after}"
+
+
+def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Path) -> None:
+    """Draw the errors of the force on loading of both laws against the overlap."""
+    import matplotlib.pyplot as plt
+
+    figure, panels = plt.subplots(1, 2, figsize=(6.4, 2.8), sharey=True, layout="constrained")
+    for axes, (name, own) in zip(panels, (("elastoplastic", None), (LAW, constants)), strict=True):
+        for held, label in ((False, "fitted contacts"), (True, "held-out contacts")):
+            chosen = [one for one in found if one.held == held]
+            overlap = np.concatenate([one.overlap / one.start for one in chosen])
+            error = np.concatenate([one.loading_errors(one.law(name, own)) for one in chosen])
+            axes.plot(overlap, 100 * error, ".", markersize=2, label=label)
+        axes.axhspan(-3, 3, color="0.85", zorder=0)
+        axes.set(
+            title=name, xscale="log", ylim=(-80, 80), xlabel="overlap over that at first yield"
+        )
+    panels[0].set_ylabel("force over finite elements - 1 (%)")
+    panels[1].legend()
+    figure.savefig(path, dpi=130)
+    plt.close(figure)
+
+
+def main() -> None:
+    """Fit if a header is named, and print the errors of this law and of the default one."""
+    found = measured()
+    constants = None
+    paths = [Path(argument) for argument in sys.argv[1:]]
+    for path in [path for path in paths if path.suffix == ".h"]:
+        text = path.read_text(encoding="utf-8")
+        fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
+        constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
+        for name, value in constants.items():
+            text = re.sub(
+                rf"^  double {name} = .*;$",
+                f"  double {name} = {value!r};",
+                text,
+                flags=re.MULTILINE,
+            )
+        text = _bars_in_header(text, bars(found, constants))
+        path.write_text(text, encoding="utf-8")
+    for path in [path for path in paths if path.suffix == ".webp"]:
+        draw(found, constants, path)
+    for path in [path for path in paths if path.suffix == ".md"]:
+        renew(path, found, constants)
+    for name, of_law in ((LAW, constants), ("elastoplastic", None)):
+        print(f"{name}\n{errors(found, name, of_law).round(1).to_string()}")
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,221 @@
+"""Finite-element contacts that the law ``elastoplastic-fe`` is fitted to, and their table.
+
+    python -m granwave.extensions.continuum.sphere_contact.law_table DIR [--all] [--worker K/N]
+
+runs the contacts that neither the table nor DIR has, or with ``--all`` those that DIR lacks. It
+leaves a file for each contact in DIR, may be stopped and called again, and at the end writes
+``law_table.csv`` next to this module: contacts by their name in `contacts`, those without a file in
+DIR as they were. Lengths are in units of R*, forces of E* R*^2. Each contact is unloaded from
+several depths; after each, loading goes on from a copy of the state before.
+"""
+
+from __future__ import annotations
+
+import argparse
+import math
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from scipy.optimize import least_squares
+
+from granwave.extensions.continuum.sphere_contact.case import SphereContactCase
+from granwave.extensions.continuum.sphere_contact.deviations import LOADING, UNLOADING
+from granwave.extensions.continuum.sphere_contact.run import ContactRun
+from granwave.lammps_inputs.files import replacing
+
+# Pa, m: of the first sphere; results do not depend on them
+_MODULUS = 1e11
+_RADIUS = 0.01
+TABLE = Path(__file__).with_name("law_table.csv")
+CONTACTS = Path(__file__).with_name("law_contacts.csv")
+_DEEPEST = 0.22  # over R*
+_ELEMENTS = 2000  # of each body
+# overlap of the first unloading over that at first yield; number of unloadings
+_FIRST_PEAK = 2.0
+_PEAKS = 6
+_POINTS = 32  # of loading in the table
+_SMOOTHED = 0.12  # width of their smoothing, in the logarithm of the overlap
+_FEWEST = 20  # entries of an unloading
+
+
+def contacts() -> dict[str, dict[str, float]]:
+    """Return the contacts by name, of ``law_contacts.csv``.
+
+    ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
+    of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
+    are left out. A radius of 100 counts as a flat. Names that begin with ``held`` do not enter the
+    fit. Two equal spheres to a depth of 0.88 R* are one on a rigid flat to 0.22 R*.
+    """
+    table = pd.read_csv(CONTACTS, index_col="name", float_precision="round_trip")
+    return {name: row.dropna().to_dict() for name, row in table.iterrows()}
+
+
+def case_of(name: str, values: dict[str, float]) -> SphereContactCase:
+    """Return the case of a contact of `contacts`."""
+    nu = values["nu"]
+    ratio = values["ratio"]
+    radius = values.get("radius", 1.0)
+    first = {
+        "youngs_modulus": _MODULUS, "poisson_ratio": nu, "density": 1e4, "yield_strength": _MODULUS / ratio,
+        "hardening": values["hardening"],
+    }  # fmt: skip
+    second = first | {
+        "youngs_modulus": _MODULUS * values.get("modulus", 1.0),
+        "poisson_ratio": values.get("nu2", nu),
+    }
+    strength = values.get("strength", 1.0)
+    second["yield_strength"] *= strength
+    if np.isinf(strength):
+        del second["yield_strength"], second["hardening"]
+    tables: dict[str, Any] = {
+        "name": "contact", "material": first, "sphere": {"radius": _RADIUS},
+        "partner": {"radius": _RADIUS * radius, "material": second},
+    }  # fmt: skip
+    bodies = 1 if first == second and radius == 1 else 2
+    tables["run"] = {
+        "max_overlap": values.get("deepest", _DEEPEST),
+        "unloadings": _PEAKS,
+        "elements": bodies * _ELEMENTS,
+    }
+    return SphereContactCase.from_dict(tables)
+
+
+class TableRun(ContactRun):
+    """Run that unloads from several depths and goes on from each without reloading."""
+
+    def _cycle(self, cycle: int, *, last: bool) -> None:
+        solver = self.solver
+        rate = self._unloading_rate()
+        parts = [
+            solver.motion,
+            solver.state,
+            solver.tally,
+            solver.mass,
+            *(one.gaps for one in solver._surfaces),
+        ]
+        before = [part.copy() for part in parts]
+        every = max(1, round(self._way / 100))
+        while solver.rate > 0:
+            solver.advance(max(1, every // 5), -rate)
+            self._enter(UNLOADING, cycle)
+        while solver.force > 0:
+            solver.advance(every, -rate)
+            self._enter(UNLOADING, cycle)
+        for part, old in zip(parts, before, strict=True):
+            part[:] = old
+
+
+def run(name: str, values: dict[str, float], path: Path) -> None:
+    """Run a contact and write its history: branch, cycle, overlap, force, contact radius."""
+    case = case_of(name, values)
+    found = TableRun(case)
+    found.integrate()
+    history = found.history
+    radius = case.law.effective_radius
+    modulus = case.law.effective_modulus
+    table = pd.DataFrame({
+        "branch": history["branch"], "cycle": history["cycle"], "overlap": history["overlap"] / radius,
+        "force": history["force"] / (modulus * radius**2), "contact_radius": history["contact_radius"] / radius,
+        "kinetic": history["kinetic"] / (history["elastic"] + history["plastic"]),
+    })  # fmt: skip
+    if found.end_reason != "done":
+        table = table.iloc[:0]
+    with replacing(path) as scratch:
+        table.to_csv(scratch, index=False, float_format="%.6g")
+
+
+def stored() -> pd.DataFrame:
+    """Return the table as it stands in the file."""
+    return pd.read_csv(TABLE)
+
+
+def reduce(directory: Path) -> pd.DataFrame:
+    """Return the table of the contacts in a directory: points of loading, and the unloadings.
+
+    Loading is smoothed over the steps by which the contact grows from node to node. An unloading
+    has the residual overlap and the exponent of its curve, and the largest deviation from that
+    curve over the largest force.
+    """
+    rows: list[tuple[Any, ...]] = []
+    for name, values in contacts().items():
+        if not (directory / f"{name}.csv").exists():
+            continue
+        history = pd.read_csv(directory / f"{name}.csv")
+        first = case_of(name, values).contact_law("elastoplastic-fe")
+        start = first.yield_overlap / first.effective_radius
+        loading = history[
+            (history["branch"] == LOADING)
+            & (history["overlap"] > 0.3 * start)
+            & (history["force"] > 0)
+        ]
+        x = np.log(loading["overlap"].to_numpy())
+        y = np.log((loading["force"] / loading["overlap"]).to_numpy())
+        for at in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
+            weight = np.exp(-0.25 * ((x - math.log(at)) / _SMOOTHED) ** 2)
+            near = weight > 0.03
+            level = np.polyfit(x[near] - math.log(at), y[near], 2, w=weight[near])[-1]
+            rows.append((name, "loading", at, at * math.exp(level), "", "", ""))
+        for _, down in history[history["branch"] == UNLOADING].groupby("cycle"):
+            part = down.iloc[int(down["overlap"].to_numpy().argmax()) :]
+            part = part[part["force"] > 0]
+            overlap = part["overlap"].to_numpy()
+            share = part["force"].to_numpy() / part["force"].iloc[0]
+            if len(part) < _FEWEST:
+                continue
+
+            def misfit(
+                found: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share
+            ) -> np.ndarray:
+                scaled = (overlap / overlap[0] - found[0]) / (1 - found[0])
+                return np.asarray(np.clip(scaled, 1e-9, None) ** found[1] - share)
+
+            fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
+            rows.append((name, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
+                         np.abs(fitted.fun).max()))  # fmt: skip
+    return pd.DataFrame(
+        rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"]
+    )
+
+
+def main() -> None:
+    """Run the contacts whose files are not there."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("directory", type=Path)
+    parser.add_argument("--all", action="store_true", help="run contacts of the table again")
+    parser.add_argument("--worker", default="0/1", help="K/N: every Nth contact from the Kth")
+    parser.add_argument("--most", type=int, default=10**6, help="how many contacts to run")
+    options = parser.parse_args()
+    options.directory.mkdir(parents=True, exist_ok=True)
+    k, n = map(int, options.worker.split("/"))
+    kept = set() if options.all else set(stored()["contact"])
+    wanted = {name: values for name, values in contacts().items() if name not in kept}
+    lacking = [
+        name
+        for m, name in enumerate(wanted)
+        if m % n == k and not (options.directory / f"{name}.csv").exists()
+    ]
+    for name in lacking[: options.most]:
+        run(name, wanted[name], options.directory / f"{name}.csv")
+        print(name, flush=True)
+    if all((options.directory / f"{name}.csv").exists() for name in wanted):
+        write(reduce(options.directory))
+
+
+def write(fresh: pd.DataFrame) -> None:
+    """Write the table: rows of these contacts, and those of the others as they were."""
+    text = fresh.map(lambda value: f"{value:.5g}" if isinstance(value, float) else str(value))
+    before = pd.read_csv(TABLE, dtype=str, keep_default_na=False)
+    table = pd.concat([before[~before["contact"].isin(set(text["contact"]))], text])
+    order = {name: n for n, name in enumerate(contacts())}
+    table = table[table["contact"].isin(order)]
+    table = table.sort_values("contact", key=lambda names: names.map(order), kind="stable")
+    with replacing(TABLE) as scratch:
+        table.to_csv(scratch, index=False)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,10 @@
+"""Search for the best packing."""
+
+from granwave.lammps_inputs.extensions import Extension
+
+extension = Extension(
+    name="design",
+    title="search for the best packing",
+    packages={"sklearn": "scikit-learn"},
+    extra="design",
+)

@@ -1,0 +1,388 @@
+"""Report of a search for the best design: the answer, what the checks found, the ten best, and how
+they were found.
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Callable, Mapping
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pandas as pd
+from matplotlib.ticker import MaxNLocator
+
+from granwave.analysis.document.model import (
+    Block,
+    Cell,
+    DocumentSection,
+    DocumentTable,
+    Figure,
+    Gallery,
+    Note,
+    Report,
+    TableColumn,
+    case_column,
+    label_of,
+    show,
+    text_table,
+    unit_of_value,
+    value_cell,
+    value_column,
+)
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.figures.series import label, panels
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREY,
+    ORANGE,
+    Drawing,
+    FigureFolder,
+    attempt,
+    legend_above,
+    style,
+)
+from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.reports.figures import picture_of
+from granwave.analysis.reports.inputs import by_key
+from granwave.analysis.reports.setting import quantity_in, setting_of
+from granwave.analysis.result.reader import Result
+from granwave.extensions.pictures.packing3d import packing_3d
+from granwave.lammps_inputs.files import read_json, read_toml
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import CASE_FILE, DESIGN_OUTCOME, DESIGN_TABLE
+
+_MOST_ROWS = 10
+_MOST_WORDS = 4  # of a variable that a figure lists
+_TOLD = (
+    "packing.kind",
+    "packing.size",
+    "packing.diameter",
+    "material",
+)  # keys that the setting of a case tells
+_CAPTIONS = {
+    "packing": "The best design: its packing, cut through the impact, with the largest force on each sphere",
+    "convergence": "Objective of each design in the order of the search, without those that were pruned or failed; the "
+    "best so far; and the best of as many designs at random, as the model of the search expects it",
+    "front": "All designs that were run: those of the front are better than every other in at least one objective",
+    "importance": "Share of the variance of the objective that each variable makes alone, by the model of the search",
+    "coordinates": "Values of all designs that were run, scaled to their ranges; the darker, the better, and the best "
+    "in orange",
+}
+
+
+def design_report(directory: Path) -> Report:
+    """Return the report of a search, made of its design.json and designs.csv; its figures are drawn
+    anew.
+    """
+    found = read_json(directory / DESIGN_OUTCOME) or {}
+    table = pd.read_csv(directory / DESIGN_TABLE)
+    return Report(
+        f"Design: {found['name']}", _lead(found), tuple(_sections(found, table, directory))
+    )
+
+
+def _lead(found: Mapping[str, Any]) -> str:
+    goals = " and ".join(
+        f"the {which} {label_of(name).lower()}" for name, which in found["objectives"].items()
+    )
+    of = f" of {found['designs']} designs" if found["designs"] else ""
+    further = f", and {found['next_to_best']} next to the best" if found.get("next_to_best") else ""
+    return f"Search for {goals}: {found['evaluations']}{of} were run{further}"
+
+
+def _sections(
+    found: Mapping[str, Any], table: pd.DataFrame, directory: Path
+) -> list[DocumentSection]:
+    best = found["best"]
+    drawn = _drawn(found, table, directory)
+    sections = [DocumentSection("Answer", "answer", tuple(_answer(found, directory, drawn)))]
+    if best:
+        sections.append(DocumentSection("The best designs", "best", (_best_table(found, table),)))
+        sections.append(DocumentSection("Checks of the best", "checks", (_checks(best),)))
+    figures = tuple(
+        drawn[name]
+        for name in ("convergence", "front", "importance", "coordinates")
+        if name in drawn
+    )
+    sections.append(
+        DocumentSection(
+            "The search", "search", (*([Gallery(figures)] if figures else []), _cost(found))
+        )
+    )
+    return sections
+
+
+def _answer(found: Mapping[str, Any], directory: Path, drawn: Mapping[str, Figure]) -> list[Block]:
+    best = found["best"]
+    if best is None:
+        return [
+            Note(
+                "No design that was run meets the limits; designs.csv tells how far each is from them.",
+                "bad",
+            )
+        ]
+    blocks: list[Block] = [Note(answer_of(found, directory), "lead")]
+    if found["front"] and len(found["front"]) > 1:
+        (first, which), (second, _) = found["objectives"].items()
+        last = found["front"][-1]
+        count = len(found["front"])
+        text = f"This is the design with the {which} {label_of(first).lower()} of the {count} of the front. At its other "
+        value = " and ".join(
+            _quantity_of(name, last["objective"][name]) for name in (first, second)
+        )
+        blocks.append(Note(f"{text}end is design {last['number']}: {value}."))
+    blocks += [
+        Note(f"{one['text'][:1].upper()}{one['text'][1:]}.", "note")
+        for one in best["guards"]
+        if one["warning"]
+    ]
+    if "packing" in drawn:
+        blocks.append(Gallery((drawn["packing"],)))
+    return blocks
+
+
+def answer_of(found: Mapping[str, Any], directory: Path) -> str:
+    """Return the best design and its objective in a sentence."""
+    best = found["best"]
+    place = directory / best["directory"]
+    case = by_key(read_toml(place / CASE_FILE))
+    summary = ResultDirectory(place).summary()
+    values = []
+    for name, value in best["objective"].items():
+        ends = best.get("spread", {}).get(name)
+        spread = f" ({show(ends[0])} to {show(ends[1])} in {best['runs']} runs)" if ends else ""
+        values.append(f"{_quantity_of(name, value)}{spread}")
+    reduction = summary.get("peak_reduction")
+    less = f", {reduction:.3g} times less than without the packing" if reduction else ""
+    more = ", ".join(
+        f"{key} {show(value)}"
+        for key, value in best["variables"].items()
+        if not key.startswith(_TOLD)
+    )
+    made = setting_of(case) + (f", with {more}" if more else "")
+    where = f"{quantity_in(1000 * best['mass_kg'], 'g')}, {quantity_in(best['height_m'], 'm')} high"
+    return f"{made}: {' and '.join(values)}{less}, {where}."
+
+
+def _best_table(found: Mapping[str, Any], table: pd.DataFrame) -> DocumentTable:
+    """Return the ten best designs, or the front, with what varies, mass, height and objectives."""
+    objectives = list(found["objectives"])
+    keys = list(found["best"]["variables"])
+    complete = table[table["state"] == "complete"]
+    if found["front"]:
+        rows = complete[
+            complete["number"].isin([one["number"] for one in found["front"]])
+        ].sort_values(objectives[0])
+    else:
+        ascending = found["objectives"][objectives[0]] == "smallest"
+        rows = complete.sort_values(objectives[0], ascending=ascending, kind="stable").head(
+            _MOST_ROWS
+        )
+    limits = found.get("limits", {})
+    known = [
+        name
+        for name in dict.fromkeys(("mass_kg", "height_m", *limits))
+        if name not in objectives and name in table
+    ]
+    spread = [
+        f"{name}_{end}"
+        for name in objectives
+        for end in ("low", "high")
+        if f"{name}_{end}" in table
+    ]
+    heads = [TableColumn("Design", key=True), *map(value_column, objectives)]
+    heads += [
+        TableColumn(name.rsplit("_", 1)[1], unit_of_value(name.rsplit("_", 1)[0]), numeric=True)
+        for name in spread
+    ]
+    heads += [
+        TableColumn(
+            label_of(name) + _bounds(limits.get(name, {})), unit_of_value(name), numeric=True
+        )
+        for name in known
+    ]
+    heads += [case_column(key, "", numeric=False) for key in keys]
+    shown = rows[["number", *objectives, *spread, *known, *keys]].astype(object).to_numpy().tolist()
+    cells = tuple(tuple(map(value_cell, row)) for row in shown)
+    return DocumentTable(
+        "Best designs; best-1.toml ... are their cases", tuple(heads), cells, sortable=True
+    )
+
+
+def _quantity_of(name: str, value: float) -> str:
+    """Return a value of a summary with its name and unit."""
+    unit = unit_of_value(name)
+    scale, unit = (1000, "g") if unit == "kg" else (1, unit)
+    return f"{label_of(name).lower()} {quantity_in(scale * value, unit) if unit else show(value)}"
+
+
+def _bounds(limit: Mapping[str, float]) -> str:
+    """Return the bounds of a limit as a heading has them."""
+    ends = {"low": "at least", "high": "at most"}
+    return "".join(
+        f", {words} {show(limit[end])}" for end, words in ends.items() if limit.get(end) is not None
+    )
+
+
+def _checks(best: Mapping[str, Any]) -> DocumentTable:
+    rows = [
+        (
+            Cell(one["what"]),
+            Cell(
+                one["text"].removeprefix(f"{one['what']}: "), tone="note" if one["warning"] else ""
+            ),
+        )
+        for one in best["guards"]
+    ]
+    first = ", beside the first of its runs" if best.get("runs", 1) > 1 else ""
+    return text_table(
+        f"What was changed or looked at, and what came of it{first}", ("Check", "Found"), rows
+    )
+
+
+def _cost(found: Mapping[str, Any]) -> DocumentTable:
+    states = ", ".join(f"{count} {state}" for state, count in found["states"].items())
+    rows = [("Designs", states), ("Time of all runs", duration(found["seconds"]))]
+    rows += [
+        (name, version)
+        for name, version in found["versions"].items()
+        if name in ("granwave", "lammps", "python")
+    ]
+    return text_table("Cost and versions", ("", ""), rows)
+
+
+# ---------------------------------------------------------------------- figures
+
+
+def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> dict[str, Figure]:
+    """Draw the figures of a search and save them; return them by name."""
+    ran = table[table["state"].isin(["complete", "refused"])].dropna(
+        subset=list(found["objectives"])
+    )
+    folder = FigureFolder(directory)
+    makers: dict[str, Callable[[], Drawing | None]] = {
+        "packing": lambda: _packing(found, directory),
+        "convergence": lambda: _convergence(found, table[table["directory"].notna()]),
+        "front": lambda: _front(found, ran),
+        "importance": lambda: _importance(found["importance"]),
+        "coordinates": lambda: _coordinates(found, ran),
+    }
+    with style():
+        drawn = {name: attempt(f"figure {name}", make) for name, make in makers.items()}
+        for name, drawing in drawn.items():
+            folder.save(drawing, name, formats=())
+        shown = {name: drawing for name, drawing in drawn.items() if isinstance(drawing, Drawing)}
+        return {name: picture_of(drawing, name, _CAPTIONS[name]) for name, drawing in shown.items()}
+
+
+def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | None:
+    if not found["best"]:
+        return None
+    try:
+        with Result(directory / found["best"]["directory"]) as result:
+            return packing_3d(result)
+    except (MissingOutputError, OutputFormatError):
+        return None
+
+
+def _convergence(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
+    ((name, which), *others) = found["objectives"].items()
+    if others or not ran[name].notna().any():
+        return None
+    values = ran[name].where(ran["state"] == "complete").to_numpy(float)
+    so_far = np.fmin.accumulate(values) if which == "smallest" else np.fmax.accumulate(values)
+    number = np.arange(1, len(ran) + 1)
+    figure, axes = panels(2.6)
+    axes.plot(number, ran[name], ".", color=GREY, label="designs")
+    axes.step(number, so_far, where="post", color=BLUE, label="best so far")
+    columns = {"number": number, name: ran[name], "best_so_far": so_far}
+    if found.get("random"):
+        random = np.array(found["random"])
+        axes.plot(
+            np.arange(1, len(random) + 1), random, "--", color=ORANGE, label="random, expected"
+        )
+        columns["random_expected"] = random
+    if 0 < 3 * ran[name].min() < ran[name].max():
+        axes.set_yscale("log")
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    label(axes, "Designs run", value_column(name).title)
+    legend_above(axes, 3)
+    return Drawing(figure, columns)
+
+
+def _front(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
+    if not found["front"]:
+        return None
+    x, y = found["objectives"]
+    front = [[one["objective"][name] for one in found["front"]] for name in (x, y)]
+    figure, axes = panels(2.8)
+    axes.plot(ran[x], ran[y], ".", color=GREY, label="designs")
+    axes.plot(*front, "o-", color=BLUE, label="front")
+    label(axes, value_column(x).title, value_column(y).title)
+    legend_above(axes, 2)
+    return Drawing(figure, {x: ran[x], y: ran[y], f"front_{x}": front[0], f"front_{y}": front[1]})
+
+
+def _importance(shares: Mapping[str, float] | None) -> Drawing | None:
+    if not shares:
+        return None
+    figure, axes = panels(0.8 + 0.22 * len(shares))
+    axes.barh(list(shares)[::-1], list(shares.values())[::-1], color=BLUE)
+    label(axes, "Share of variance", xlim=(0, 1))
+    return Drawing(figure, {"variable": list(shares), "share": list(shares.values())})
+
+
+def _coordinates(found: Mapping[str, Any], ran: pd.DataFrame) -> Drawing | None:
+    if not found["best"] or len(ran) < 3:
+        return None
+    keys = list(found["best"]["variables"])
+    (name, which), *_ = found["objectives"].items()
+    scaled = pd.DataFrame({key: _scaled(ran[key]) for key in (*keys, name)})
+    goodness = 1 - scaled[name] if which == "smallest" else scaled[name]
+    figure, axes = panels(3.2, width=max(3.4, 0.7 * len(keys) + 1.5))
+    places = range(len(keys) + 1)
+    for row, good, number in zip(scaled.to_numpy(), goodness, ran["number"], strict=True):
+        chosen: dict[str, Any] = {"color": ORANGE, "lw": 2, "zorder": 3}
+        others: dict[str, Any] = {
+            "color": BLUE,
+            "alpha": 0.1 + 0.6 * good**3,
+            "lw": 0.8,
+            "zorder": 2,
+        }
+        axes.plot(places, row, **(chosen if number == found["best"]["number"] else others))
+    names = zip((*keys, name), (*keys, value_column(name).title), strict=True)
+    axes.set_xticks(
+        places, [f"{words}\n{_ends(ran[key])}" for key, words in names], rotation=30, ha="right"
+    )
+    label(axes, y="Value, from first to last", yticks=[0, 1])
+    return Drawing(figure, {key: ran[key].astype(str).to_list() for key in (*keys, name)})
+
+
+def _ends(column: pd.Series[Any]) -> str:
+    """Return the smallest and the largest of numbers, or words in their order."""
+    if pd.api.types.is_numeric_dtype(column):
+        return f"{column.min():.4g} to {column.max():.4g}"
+    words = _named(sorted(column.astype(str).unique()))
+    return ", ".join(words) if len(words) <= _MOST_WORDS else f"{words[0]} to {words[-1]}"
+
+
+def _named(words: list[str]) -> list[str]:
+    """Return materials that are written as tables by their names, where these tell them apart; else
+    words as is.
+    """
+    found = [re.search(r'\b(?:name|preset) = "([^"]+)"', word) for word in words]
+    names = [one[1] if one else word for one, word in zip(found, words, strict=True)]
+    return names if len(set(names)) == len(words) else words
+
+
+def _scaled(column: pd.Series[Any]) -> np.ndarray:
+    """Return numbers from 0 to 1, words by their order."""
+    numbers = (
+        column.to_numpy(float)
+        if pd.api.types.is_numeric_dtype(column)
+        else pd.factorize(column, sort=True)[0]
+    )
+    span = np.ptp(numbers)
+    return (numbers - numbers.min()) / span if span else np.full(len(numbers), 0.5)

@@ -1,0 +1,296 @@
+"""Checks of the best design: what the optimum could owe to the model, the runs or luck rather than
+to the packing.
+
+Some are read from its run; the others are further runs with one thing changed. What changes an
+objective by more than 5 % stands in the first lines of the report.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+from collections import deque
+from collections.abc import Iterator, Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+import h5py
+import numpy as np
+
+from granwave.extensions.design.search.points import Points, names
+from granwave.extensions.design.search.problem import (
+    KNOWN_BEFORE,
+    DesignProblem,
+    examined,
+    with_derived,
+    with_values,
+)
+from granwave.extensions.design.search.study import COMPLETE, Design, DesignStudy
+from granwave.lammps_inputs.case.boundary import Boundary
+from granwave.lammps_inputs.case.bounds import SIDES
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json, regular
+from granwave.lammps_inputs.interrupts import Interrupts
+from granwave.lammps_inputs.lattices import kind_of
+from granwave.lammps_inputs.packing.disorder import is_random
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
+from granwave.workflows.run.progress import Progress
+
+Tables = dict[str, Any]
+NOTABLE = 0.05  # change of an objective that is said first
+FALLEN = 0.1  # of its peak: the force on a target has passed where it has fallen to that
+_STILL = 0.05  # share of the impulse that may come in the last tenth of a run
+_MOVING = 0.3  # share of the energy that may be kinetic at the end
+_TOLERANCE = 5e-4  # of the diameter
+
+
+@dataclasses.dataclass(frozen=True)
+class GuardOutcome:
+    """Outcome of a check.
+
+    Attributes
+    ----------
+    name
+        Name of the check; of a further run that of its directory, after ``best-``.
+    what
+        What is changed, or looked at.
+    text
+        What was found, in a sentence.
+    changes
+        Relative changes of the objectives by name; empty of checks that ran nothing.
+    warning
+        True if it belongs into the first lines.
+    """
+
+    name: str
+    what: str
+    text: str
+    changes: Mapping[str, float] = dataclasses.field(default_factory=dict)
+    warning: bool = False
+
+
+def check_best(
+    study: DesignStudy, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
+) -> list[GuardOutcome]:
+    """Check the best design by its own run and by further ones; return the findings, warnings
+    first.
+    """
+    problem = study.problem
+    before = (read_json(study.directory / DESIGN_OUTCOME) or {}).get("best") or {}
+    if before.get("variables") != best.values:  # further runs of another design
+        further = (study.directory / POINTS).glob("best-*")
+        points.results.clear([f"{POINTS}/{path.name}/" for path in further])
+    first = names(best.number, problem.samples)[0]
+    run = best.runs[first]
+    place = study.directory / POINTS / first
+    findings = [*findings_without_runs(problem, best, ResultDirectory(place).summary(), place)]
+    findings += of_neighbours(problem, best, study.designs)
+    waiting = deque(further_runs(problem, best, run["longer"]) if problem.search.guards else ())
+    total = len(waiting)
+    made = {}
+    with contextlib.closing(Progress(total, f"{problem.name}: checks", enabled=show)) as bar:
+        while (waiting or points) and not stop.count:
+            while waiting and len(points) < jobs:
+                name, what, tables = waiting.popleft()
+                made[f"best-{name}"] = name, what
+                points.start(f"best-{name}", tables)
+            for ended in points.wait():
+                name, what = made[ended.name]
+                after = with_derived(ended.summary, best.known["smallest_diameter_m"])
+                findings.append(finding_of(name, what, problem, run["value"], after))
+                bar.update(total - len(waiting) - len(points), what)
+        if stop.count:
+            points.stop()
+            while points:
+                points.wait()
+    return sorted(findings, key=lambda one: not one.warning)
+
+
+def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict[str, Any]]]:
+    """Give the further runs that apply to a case: name, what is changed, and the changed keys."""
+    packing = tables["packing"]
+    run = tables["run"]
+    boundary = tables.get("boundary", {})
+    size = packing.get("size")
+    end = run.get("end_time")
+    step = run.get("timestep")
+    bottom = boundary.get("bottom")
+    by_id = any("index" in entry for entry in tables.get("replace", []))
+    if isinstance(size, list) and not by_id and not _is_periodic(boundary):
+        across = 1 if kind_of(packing["kind"]).is_plane_crystal else 2
+        wider = [
+            n + 2 * max(1, round(n / 4)) if place < across else n for place, n in enumerate(size)
+        ]
+        yield "wider", "a packing 1.5 times as wide", {"packing.size": wider}
+    if isinstance(end, int | float):
+        yield "longer", "a run 1.5 times as long", {"run.end_time": 1.5 * end}
+    finer = {"run.energy_tolerance": run.get("energy_tolerance", ENERGY_TOLERANCE) / 2}
+    if isinstance(step, int | float):
+        finer = {"run.timestep": step / 2}
+    yield "finer", "half the error of the energy balance, or half the timestep", finer
+    if "diameter" in packing and not packing.get("diameter_scatter"):
+        scatter = {"packing.diameter_scatter": _TOLERANCE * packing["diameter"]}
+        yield "tolerance", "diameters that scatter by 0.05 %", scatter
+    if random:
+        yield "seed", "another seed", {"packing.seed": packing.get("seed", 1) + 1000}
+    plate = bottom.get("plate") if isinstance(bottom, dict) else None
+    if plate is not None:
+        stiffer = {"boundary.bottom.plate.stiffness": 4 * plate["stiffness"]}
+        yield "stiffer", "a plate on a spring four times as stiff", stiffer
+
+
+def _is_periodic(boundary: Tables) -> bool:
+    """Return True for the table of a boundary whose sides are periodic."""
+    sides = boundary.get("sides", Boundary.sides)
+    return isinstance(sides, str) and SIDES[sides].repeats
+
+
+def further_runs(
+    problem: DesignProblem, best: Design, longer: float
+) -> Iterator[tuple[str, str, Tables]]:
+    """Give the further runs of a design that make a case: name, what is changed, and the tables.
+
+    ``longer``: how many times as late as in the design file its run has ended.
+    """
+    case = problem.case(problem.tables_of(best.values, problem.samples[0], longer=longer))
+    tables = case.to_dict()
+    for name, what, changes in changes_of(tables, random=is_random(case)):
+        changed = with_values(tables, changes)
+        with contextlib.suppress(InputError):
+            problem.case(changed)
+            yield name, what, changed
+
+
+def _compared(
+    problem: DesignProblem, before: Mapping[str, Any], after: Mapping[str, Any]
+) -> tuple[dict[str, float], str]:
+    """Return the relative changes of the objectives that have two values, and a text of them."""
+    changes = {}
+    for one in problem.objectives:
+        old = before.get(one.name)
+        new = after.get(one.name)
+        if isinstance(old, int | float) and isinstance(new, int | float) and old:
+            changes[one.name] = new / old - 1
+    return changes, ", ".join(
+        f"{name} {after[name]:.4g} ({100 * one:+.1f} %)" for name, one in changes.items()
+    )
+
+
+def finding_of(
+    name: str,
+    what: str,
+    problem: DesignProblem,
+    before: Mapping[str, Any],
+    after: Mapping[str, Any],
+) -> GuardOutcome:
+    """Compare the objectives of a further run with those of the run of the best design."""
+    changes, text = _compared(problem, before, after)
+    if not changes:
+        return GuardOutcome(name, what, f"{what}: gives no value", warning=True)
+    of_runs = [one for one in problem.limits if one.name not in KNOWN_BEFORE and one.name in after]
+    beyond = [fault for one in of_runs if (fault := one.fault(after[one.name] or 0.0))]
+    text += "".join(f"; beyond a limit: {fault}" for fault in beyond)
+    notable = bool(beyond) or any(abs(change) > NOTABLE for change in changes.values())
+    return GuardOutcome(name, what, f"{what}: {text}", changes, notable)
+
+
+def of_neighbours(
+    problem: DesignProblem, best: Design, designs: Sequence[Design]
+) -> Iterator[GuardOutcome]:
+    """Give what was found next to the best design, and how it was moved there."""
+    first = problem.objectives[0]
+    by_values = {repr(one.values): one for one in designs}
+    searched = [one for one in designs if one.state == COMPLETE and not one.next_to]
+    if best.next_to and searched:
+        start = min(searched, key=lambda one: first.sign * one.objectives[first.name])
+        before, after = (one.objectives[first.name] for one in (start, best))
+        said = f"{first.name} {before:.4g} of design {start.number} became {after:.4g}"
+        text = f"the best design was found next to that of the search: {said}"
+        change = after / before - 1 if before else 0.0
+        yield GuardOutcome(
+            "moved", "moves to neighbours", text, {first.name: change}, abs(change) > NOTABLE
+        )
+    left = []
+    for n, (key, values) in enumerate(problem.space.neighbours(best.values), start=1):
+        what = f"{key} = {show(values[key])}"
+        tried = by_values.get(repr(values))
+        if tried is None:
+            left += [] if examined(problem, values)[2] else [what]
+            continue
+        changes, said = _compared(
+            problem, best.objectives, tried.objectives if tried.state == COMPLETE else {}
+        )
+        text = f"{said} (design {tried.number})"
+        if tried.state != COMPLETE:
+            text = f"{tried.state} (design {tried.number}): {tried.reason}"
+        yield GuardOutcome(f"neighbour-{n}", what, f"{what}: {text}", changes)
+    if left and problem.search.guards:
+        text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
+        yield GuardOutcome("neighbours", "neighbours", text, warning=True)
+
+
+def findings_without_runs(
+    problem: DesignProblem, best: Design, summary: Mapping[str, Any], place: Path
+) -> Iterator[GuardOutcome]:
+    """Give what is to be said of the best design from its own run."""
+    for note in best.notes:
+        yield GuardOutcome("end", "the end of the run", note, warning=True)
+    for one in problem.space.variables:
+        if end := one.edge(best.values[one.key]):
+            chosen = f"{one.key} = {show(best.values[one.key])}"
+            text = f"{chosen} is at the {end} end of its range: a wider range may hold better"
+            yield GuardOutcome("edge", one.key, text, warning=True)
+    if beyond := summary.get("contacts_beyond_law"):
+        text = f"{beyond} contacts are pressed beyond the range of the contact law"
+        yield GuardOutcome("law", "overlaps", text, warning=True)
+    case = problem.case(problem.tables_of(best.values))
+    yields = (
+        case.contact.yields and not case.packing.rule.is_chain
+    )  # elastic packings, and rows, rattle for ever
+    given = summary.get("energy_input_J")
+    kinetic = summary.get("energy_kinetic_J")
+    if given and kinetic is not None:
+        share = kinetic / given
+        moving = "beads that rattle or fly off, or a target that moves"
+        text = f"{100 * share:.0f} % of the energy is kinetic at the end: {moving}"
+        yield GuardOutcome(
+            "flight", "energy in free flight", text, warning=share > _MOVING and yields
+        )
+    if (series := target_force(place)) is not None:
+        share = late_impulse(*series)
+        text = (
+            f"{100 * share:.0f} % of the impulse on the target comes in the last tenth of the run"
+        )
+        yield GuardOutcome("impulse", "impulse", text, warning=share > _STILL)
+
+
+def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
+    """Return times, s, and force on the bottom, N, of a run; None without a bottom."""
+    try:
+        with h5py.File(regular(place / RESULT_FILE), "r") as file:
+            group = file.get("walls/bottom")
+            return None if group is None else (group["time"][:], group["force"][:])
+    except (OSError, KeyError):
+        return None
+
+
+def has_passed(force: np.ndarray) -> bool:
+    """Return True if a force has had its peak and fallen to a tenth of it."""
+    rise = force - force[0]
+    return has_come(force) and bool(np.any(rise[int(rise.argmax()) :] <= FALLEN * rise.max()))
+
+
+def has_come(force: np.ndarray) -> bool:
+    """Return True if a force has risen and had its peak before the last record."""
+    rise = force - force[0]
+    return bool(rise.max(initial=0.0) > 0 and rise.argmax() < len(rise) - 1)
+
+
+def late_impulse(time: np.ndarray, force: np.ndarray) -> float:
+    """Return the share of the impulse that comes in the last tenth of a run."""
+    pieces = np.diff(time) * (force[1:] + force[:-1]) / 2
+    total = float(pieces.sum())
+    return float(pieces[time[1:] > 0.9 * time[-1]].sum() / total) if total > 0 else 0.0

@@ -1,0 +1,457 @@
+"""Problem of a search: keys of a design file, a base case with what may vary, and the cases of its
+designs.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import copy
+import dataclasses
+import itertools
+import re
+from collections.abc import Mapping, Sequence
+from fnmatch import fnmatchcase
+from pathlib import Path
+from typing import Any, ClassVar
+
+import numpy as np
+
+from granwave.analysis.quantities import ENTRIES
+from granwave.extensions.design.search.variables import Space, Values
+from granwave.lammps_inputs.case import schema
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.ids import INDEX
+from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
+from granwave.lammps_inputs.case.schema import ValidationError, show
+from granwave.lammps_inputs.errors import InputError, fault_of
+from granwave.lammps_inputs.load_case import assembly_from_dict
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.workflows.scanning.header import TABLE_OF_KEYS
+
+_REPLACE = "replace"
+_MOST_IDS = 1_000_000  # of grains that one key changes
+#: Values of a packing that limits may concern and that are known before a run.
+KNOWN_BEFORE = ("mass_kg", "height_m", "width_m", "n_spheres", "smallest_diameter_m")
+_DERIVED = (
+    "yielded_share",
+    "kinetic_share",
+    "overlap_over_radius",
+)  # values that are made of those of the summary
+_NO_NUMBERS = (
+    "name",
+    "end_reason",
+    "zone_cut",
+    "versions",
+)  # values that are words, lists or tables
+
+
+def value_names() -> list[str]:
+    return [
+        *KNOWN_BEFORE,
+        *_DERIVED,
+        *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS),
+    ]
+
+
+def is_value(name: str) -> bool:
+    return any(fnmatchcase(name, known) for known in value_names())
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class DesignHeader:
+    """Top-level keys of a design file."""
+
+    name: str = schema.typed("name of the search", schema.PLAIN_NAME, default="")
+    base: str = schema.text("the case that is varied: a built-in study or a case file")
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "set": schema.typed("values that hold for all designs", TABLE_OF_KEYS, default=None),
+        "variables": schema.typed(
+            "what may vary: places in lists from 0, replace.ID.KEY of grains, layers",
+            schema.OtherType(
+                expected="for each key a list of choices, or {low = ..., high = ...} with log, "
+                "integer or step",
+                kinds=("object",),
+            ),
+        ),
+        "limits": schema.typed(
+            "what a design must keep to: mass_kg, height_m, width_m, n_spheres, "
+            "smallest_diameter_m, yielded_share, kinetic_share, overlap_over_radius, or a value of "
+            "summary.json",
+            schema.OtherType(
+                expected="for each value the largest allowed one, or {low = ..., high = ...}",
+                kinds=("object",),
+            ),
+            default=None,
+        ),
+    }
+
+
+_NAMES_FORM = 'the name of a value of summary.json, such as "target_peak_force_N", or a list of two'
+
+
+def _value_name(name: str) -> str:
+    near = schema.did_you_mean(name, value_names())
+    schema.refuse_if(not is_value(name), f"the name of a number of summary.json{near}")
+    return name
+
+
+_NAMES = schema.ListType(
+    item=schema.TextType(expected=_NAMES_FORM, may_be_empty=True, finish=_value_name),
+    expected=_NAMES_FORM,
+    at_most=2,
+    alone=True,
+)
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class ObjectiveTable:
+    """``[objective]``: what the best design has; two values in all make a Pareto front."""
+
+    minimise: tuple[str, ...] = schema.typed("values that are to be small", _NAMES, default=())
+    maximise: tuple[str, ...] = schema.typed("values that are to be large", _NAMES, default=())
+
+
+_STATISTIC_FORM = '"mean", "worst", or a share such as 0.9, of runs that are at least as good'
+_STATISTIC = schema.EitherType(
+    types=(
+        schema.ChoiceType(("mean", "worst")),
+        schema.NumberType(above=0, below=1, form=_STATISTIC_FORM),
+    ),
+    form=_STATISTIC_FORM,
+)
+_RANGE = schema.OtherType(expected="[smallest, largest], or one number", kinds=("array", "number"))
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class UncertaintyTable:
+    """``[uncertainty]``: several runs of each design, with other seeds, and with keys of the case
+    drawn from ranges.
+    """
+
+    replicates: int = schema.count("runs of each design", default=3, at_most=1000)
+    statistic: str | float = schema.typed("objective made of the runs", _STATISTIC, default="mean")
+
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
+        "velocity": schema.typed(
+            "range of load.velocity; any key of a case likewise", _RANGE, default=None
+        ),
+        "tolerance": schema.typed("the same of packing.diameter_scatter, m", _RANGE, default=None),
+    }
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class SearchTable:
+    """``[search]``: how long and how."""
+
+    evaluations: int = schema.count(
+        "designs that are run; refused ones do not count", default=60, at_most=100_000
+    )
+    seed: int = schema.count("seed of the search", at_least=0, default=1)
+    sampler: str = schema.choice(
+        "model: a Gaussian process of the objective; random: for comparison",
+        ("model", "random"),
+        default="model",
+    )
+    guards: bool = schema.choice(
+        "checks of the best design by further runs, and moves to better designs next to it",
+        (True, False),
+        default=True,
+    )
+    neighbours: int = schema.count(
+        "designs next to the best that are run after the evaluations, at most",
+        default=40,
+        at_least=0,
+        at_most=100_000,
+    )
+    tolerance: float | str = schema.number(
+        "run.energy_tolerance until the best tenth is run again with that of the case; "
+        "auto: 3e-5 where a run takes seconds, else that of the case",
+        above=0,
+        at_most=1e-3,
+        word="auto",
+        default="auto",
+    )
+
+
+#: Tables of a design file: class and description.
+DESIGN_TABLES: dict[str, tuple[type, str]] = {
+    "": (DesignHeader, "top-level keys, what may vary, and limits"),
+    "[objective]": (
+        ObjectiveTable,
+        "what the best design has; two values in all make a Pareto front",
+    ),
+    "[uncertainty]": (
+        UncertaintyTable,
+        "several runs of each design, with other seeds and keys drawn from ranges",
+    ),
+    "[search]": (SearchTable, "how long and how the search goes"),
+}
+
+
+@dataclasses.dataclass(frozen=True)
+class DesignLimit:
+    """Bounds of a value; None where there is none."""
+
+    name: str
+    low: float | None
+    high: float | None
+
+    def margin(self, value: float) -> float:
+        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is
+        within.
+        """
+        return max(
+            (float(sign * (value - bound) / (abs(bound) or 1.0)) for sign, bound in ((1, self.high), (-1, self.low))
+             if bound is not None),
+            default=0.0,
+        )  # fmt: skip
+
+    def fault(self, value: float) -> str:
+        """Say how a value is beyond its bounds; empty if it is within."""
+        if self.high is not None and value > self.high:
+            return f"{self.name} {value:.4g}, at most {self.high:g}"
+        if self.low is not None and value < self.low:
+            return f"{self.name} {value:.4g}, at least {self.low:g}"
+        return ""
+
+
+@dataclasses.dataclass(frozen=True)
+class Objective:
+    """A value of a summary; ``sign`` is 1 if it is to be small, -1 if it is to be large."""
+
+    name: str
+    sign: int
+
+
+@dataclasses.dataclass(frozen=True)
+class DesignProblem:
+    """A checked design file.
+
+    Attributes
+    ----------
+    base
+        Tables of the case, with those of ``[set]``.
+    path
+        Design file; its folder is that of relative paths.
+    tables
+        Tables of the file, for comparison on a resumed search.
+    samples
+        Changes of the case by dotted key for each run of a design; one empty mapping without
+        uncertainty.
+    tolerance
+        Of the energy balance, until the best designs are run again with that of the case; 0: that
+        of the case.
+    """
+
+    name: str
+    base: dict[str, Any]
+    path: Path
+    tables: dict[str, Any]
+    space: Space
+    limits: tuple[DesignLimit, ...]
+    objectives: tuple[Objective, ...]
+    search: SearchTable
+    statistic: str | float = "mean"
+    samples: tuple[dict[str, Any], ...] = ({},)
+    tolerance: float = 0.0
+
+    @property
+    def record(self) -> dict[str, Any]:
+        """Tables of the file and of its case, by which a search is known again."""
+        return {**self.tables, "base": self.base}
+
+    def tables_of(
+        self, values: Values, sample: Mapping[str, Any] | None = None, *, longer: float = 1.0
+    ) -> dict[str, Any]:
+        """Return the tables of the case of a design, that ends so many times later than in the
+        design file.
+        """
+        tables = with_values(with_values(self.base, values), sample or {})
+        return (
+            tables
+            if longer == 1
+            else with_values(tables, {"run.end_time": longer * tables["run"]["end_time"]})
+        )
+
+    def cheaply(self, tables: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the tables of a case with the tolerance of the search; the same where it is not
+        larger.
+        """
+        run = tables.get("run", {})
+        if (
+            self.tolerance <= run.get("energy_tolerance", ENERGY_TOLERANCE)
+            or run.get("timestep", "auto") != "auto"
+        ):
+            return dict(tables)
+        return with_values(tables, {"run.energy_tolerance": self.tolerance})
+
+    def assembly(self, tables: Mapping[str, Any]) -> Assembly:
+        """Read a case, and place its bodies; raise InputError if it is wrong."""
+        return assembly_from_dict(tables, self.path)
+
+    def case(self, tables: Mapping[str, Any]) -> Case:
+        """Read a case; raise InputError if it is wrong."""
+        return self.assembly(tables).case
+
+    def statistic_of(self, objective: Objective, values: Sequence[float]) -> float:
+        """Return the mean, the worst or a quantile of the values of the runs of a design."""
+        if self.statistic == "mean":
+            return float(np.mean(values))
+        if self.statistic == "worst":
+            return max(values) if objective.sign > 0 else min(values)
+        share = float(self.statistic)
+        return float(np.quantile(values, share if objective.sign > 0 else 1 - share))
+
+
+def examined(
+    problem: DesignProblem, values: Values
+) -> tuple[dict[str, float], dict[str, float], str]:
+    """Return what is known of a design before a run: values, margins of limits, and why it is
+    refused; empty if not.
+    """
+    limits = {limit.name: limit for limit in problem.limits}
+    try:
+        assembly = problem.assembly(problem.tables_of(values, problem.samples[0]))
+        count = assembly.lattice.n_spheres if "n_spheres" in limits else None
+        too_many = count and limits["n_spheres"].fault(count)
+        known: dict[str, float] = (
+            {"n_spheres": count} if count and too_many else known_before(assembly)
+        )  # which takes memory
+    except InputError as error:
+        return {}, {}, "; ".join(error.errors)
+    margins = {name: limit.margin(known[name]) for name, limit in limits.items() if name in known}
+    return (
+        known,
+        margins,
+        "; ".join(filter(None, (limits[name].fault(known[name]) for name in margins))),
+    )
+
+
+def known_before(assembly: Assembly) -> dict[str, float]:
+    """Return the values of a packing that are known before a run, by the names of `KNOWN_BEFORE`."""
+    n = assembly.lattice.n_spheres
+    diameters = assembly.sphere_diameters()[:n]
+    positions = assembly.positions()[:n]
+    spans = (positions + diameters[:, None] / 2).max(axis=0) - (
+        positions - diameters[:, None] / 2
+    ).min(axis=0)
+    return {
+        "mass_kg": float(assembly.sphere_masses()[:n].sum()),
+        "height_m": float(spans[2]),
+        "width_m": float(spans[:2].max()),
+        "n_spheres": n,
+        "smallest_diameter_m": float(diameters.min()),
+    }
+
+
+def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
+    """Return a summary with the values that are made of others, and those that are known before a
+    run.
+
+    ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest
+    spheres, a quarter of their diameter. ``kinetic_share``: of the energy put in, at the end.
+    """
+    count = summary.get("n_spheres")
+    yielded = summary.get("n_plastic_spheres")
+    overlap, given, kinetic = (
+        summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J")
+    )
+    return {
+        **summary,
+        "mass_kg": summary.get("packing_mass_kg"),
+        "height_m": summary.get("packing_height_m"),
+        "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
+        "kinetic_share": None if kinetic is None or not given else kinetic / given,
+        "yielded_share": yielded / count if count and yielded is not None else None,
+    }
+
+
+def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the tables of a case with the values of a design.
+
+    Parts of a key that are numbers are places in a list, from 0; after ``replace`` ids of grains,
+    such as ``5`` or ``1-16,33-48``, whose entry of ``[[replace]]`` is changed or added.
+
+    Raises
+    ------
+    InputError
+        Part of a key is no table or list, or there is no such place.
+    """
+    found = copy.deepcopy(dict(tables))
+    errors = []
+    # whole tables first, then keys inside them; a grain's new place after what is said of its old
+    # one
+    for key in sorted(values, key=lambda key: (key.count("."), key.endswith(".index"))):
+        try:
+            _set(found, key.split("."), values[key])
+        except ValidationError as error:
+            errors.append(fault_of(str(error), key=key))
+    if errors:
+        raise InputError(errors)
+    return found
+
+
+def _set(table: Any, path: Sequence[str], value: Any) -> None:
+    name = path[0]
+    rest = path[1:]
+    if name == _REPLACE and len(rest) > 1 and (ids := ids_of(rest[0])):
+        for entry in _entries_of(ids, table.setdefault(_REPLACE, [])):
+            _set(entry, rest[1:], value)
+        return
+    place: Any = name
+    if isinstance(table, list):
+        if not ids_of(name, single=True) or int(name) >= len(table):
+            raise ValidationError(
+                f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
+            )
+        place = int(name)
+    elif not isinstance(table, dict):
+        raise ValidationError(f"found {show(table)} in the case, expected a table or a list")
+    if not rest:
+        table[place] = copy.deepcopy(value)
+        return
+    if isinstance(table, dict):
+        inner = table.setdefault(name, {})
+        if name == "material" and isinstance(inner, str):
+            table[name] = {"preset": inner}
+    _set(table[place], rest, value)
+
+
+def ids_of(text: str, *, single: bool = False) -> list[int]:
+    """Return the numbers of a part of a key, such as ``5`` or, unless single, ``1-16,33-48``; empty
+    if it is none.
+    """
+    if not re.fullmatch(r"\d+" if single else r"\d+(-\d+)?(,\d+(-\d+)?)*", text, re.ASCII):
+        return []
+    ends = [part.split("-") for part in text.split(",")]
+    spans = [range(int(first), int(last[0] if last else first) + 1) for first, *last in ends]
+    return [n for span in spans for n in span] if sum(map(len, spans)) <= _MOST_IDS else []
+
+
+def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
+    """Return the entries of ``[[replace]]`` of some grains; a new one has the values of the last
+    that covers them.
+    """
+    covering: dict[int, int | None] = dict.fromkeys(grains, None)
+    for place, entry in enumerate(entries):
+        with contextlib.suppress(ValidationError):
+            covering |= dict.fromkeys(covering.keys() & INDEX.read(entry.get("index", [])), place)
+    found = []
+    for one in dict.fromkeys(covering.values()):
+        ids = [grain for grain in covering if covering[grain] == one]
+        before = {} if one is None else entries[one]
+        if before and sorted(INDEX.read(before["index"])) == sorted(ids):
+            found.append(before)
+            continue
+        steps = {second - first for first, second in itertools.pairwise(ids)}
+        index: Any = ids if steps else ids[0]
+        if len(steps) == 1 and min(steps) > 0:
+            index = {
+                "first": ids[0],
+                "last": ids[-1],
+                **({"step": steps.pop()} if steps != {1} else {}),
+            }
+        found.append({**copy.deepcopy(before), "index": index})
+        entries.append(found[-1])
+    return found

@@ -1,0 +1,156 @@
+"""Command ``granwave design``: plan and outcome of a search in the terminal."""
+
+from __future__ import annotations
+
+import argparse
+import sys
+from pathlib import Path
+from typing import Any
+
+from granwave.analysis.formatting.numbers import duration
+from granwave.analysis.quantities import quantity
+from granwave.analysis.summary_table import lines
+from granwave.extensions.design.search.design_file import load_problem
+from granwave.extensions.design.search.driver import run_design
+from granwave.extensions.design.search.points import default_jobs
+from granwave.extensions.design.search.problem import DesignProblem
+from granwave.extensions.design.search.search import random_designs
+from granwave.extensions.design.search.study import (
+    FAILED,
+    REFUSED,
+    DesignStudy,
+    first_design,
+    new_design,
+)
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.directories import results_directory
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.planning.plan import plan
+from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, SCAN_REPORT
+from granwave.workflows.cli.terminal import print_json
+
+_DRAWN = 64  # designs that a plan is made of
+
+
+def design(options: argparse.Namespace) -> int:
+    """Search for the best design; return the exit status."""
+    problem = load_problem(options.file, options.budget)
+    directory = results_directory(options.directory or problem.name)
+    jobs = options.jobs or default_jobs(options.ranks)
+    values = plan_values(problem, jobs, options.ranks)
+    if not options.json:
+        print(plan_text(problem, values), flush=True)
+    study, stopped = run_design(
+        problem, directory, jobs=options.jobs, ranks=options.ranks, resume=options.resume, force=options.force,
+        progress=True,
+    )  # fmt: skip
+    found = read_json(directory / DESIGN_OUTCOME)
+    if stopped or found is None:
+        print(
+            "granwave: stopped before its end; the same command with --resume goes on",
+            file=sys.stderr,
+        )
+        return 130
+    print_json(found) if options.json else print(outcome_text(found, str(directory / SCAN_REPORT)))
+    none = not study.best()
+    failed = sum(one.state == FAILED for one in study.designs)
+    if none:
+        print(
+            "granwave: no design that was run meets the limits; designs.csv tells why",
+            file=sys.stderr,
+        )
+    elif failed:
+        print(f"granwave: {failed} designs failed; designs.csv tells why", file=sys.stderr)
+    return int(none or bool(failed))
+
+
+def plan_of_design(path: Path, options: argparse.Namespace) -> int:
+    """Say what a search would be, as ``granwave check``; return the exit status."""
+    if options.overrides:
+        raise InputError(f"--set: {path} is a search for a design; set keys in its [set]")
+    problem = load_problem(path)
+    first_design(DesignStudy(problem, Path(problem.name)))
+    values = plan_values(problem, default_jobs(options.ranks), options.ranks)
+    print_json(values) if options.json else print(plan_text(problem, values))
+    return 0
+
+
+def plan_values(problem: DesignProblem, jobs: int, ranks: int) -> dict[str, Any]:
+    """Return the values of a planned search; units are part of the names."""
+    designs = [
+        new_design(problem, n, values)
+        for n, values in zip(
+            range(_DRAWN), random_designs(problem.space, problem.search.seed), strict=False
+        )
+    ]
+    fit = [one for one in designs if one.state != REFUSED]
+    times = [
+        plan(problem.assembly(problem.tables_of(one.values)), n_ranks=ranks).wall_time
+        for one in fit[:8]
+    ]
+    size = problem.space.size
+    n = min(problem.search.evaluations, size)
+    return {
+        "name": problem.name,
+        "variables": [one.key for one in problem.space.variables],
+        "n_designs": None if size == float("inf") else int(size),
+        "share_within_limits": len(fit) / len(designs),
+        "evaluations": int(n),
+        "runs_each": len(problem.samples),
+        "jobs": jobs,
+        "wall_time_s": n * len(problem.samples) * sum(times) / len(times) / jobs if times else None,
+    }
+
+
+def plan_text(problem: DesignProblem, values: dict[str, Any]) -> str:
+    """Return the table of a planned search."""
+    goals = [
+        f"{'smallest' if one.sign > 0 else 'largest'} {one.name}" for one in problem.objectives
+    ]
+    n = values["n_designs"]
+    seconds = values["wall_time_s"]
+    return lines(
+        [
+            ("design", problem.name),
+            ("wanted", " and ".join(goals)),
+            ("variables", ", ".join(values["variables"])),
+            ("designs", f"{n}" if n is not None else "without number: ranges are continuous"),
+            ("within limits", f"{100 * values['share_within_limits']:.0f} % of designs at random"),
+            ("evaluations", f"{values['evaluations']}, of {values['runs_each']} runs each"),
+            *(
+                [
+                    (
+                        "expected time",
+                        f"about {duration(seconds)}, without checks and neighbours of the best",
+                    )
+                ]
+                if seconds
+                else []
+            ),
+        ]
+    )
+
+
+def outcome_text(found: dict[str, Any], report: str) -> str:
+    """Return the best design, what was found about it, and where the rest is."""
+    best = found["best"]
+    if best is None:
+        return f"no design meets the limits; report in {report}"
+    rows = [
+        (
+            "best design",
+            f"number {best['number']}, in {best['directory']}; {found['evaluations']} were run",
+        )
+    ]
+    rows += [(key, show(value)) for key, value in best["variables"].items()]
+    for name, value in best["objective"].items():
+        ends = best.get("spread", {}).get(name)
+        spread = f" ({ends[0]:.4g} to {ends[1]:.4g})" if ends else ""
+        rows.append((quantity(name).label or name, f"{value:.5g}{spread}"))
+    rows += [("mass", f"{best['mass_kg']:.4g} kg"), ("height", f"{best['height_m']:.4g} m")]
+    text = lines(rows)
+    for one in best["guards"]:
+        if one["warning"]:
+            text += f"\nnote: {one['text']}"
+    return f"{text}\n\nten best: best-1.toml ...; report in {report}"

@@ -1,0 +1,448 @@
+"""Measured grains, from a table (CSV) and the case: one instant, or those of a time series.
+
+Each fault of the table is said with its line.
+"""
+
+from __future__ import annotations
+
+import math
+import re
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import numpy as np
+import pandas as pd
+from numpy.typing import NDArray
+from scipy.signal import savgol_filter
+from scipy.spatial import cKDTree
+
+from granwave.extensions.inference.forces.case import FIND, InferCase
+from granwave.extensions.inference.forces.grains import (
+    TENSOR,
+    TURNS,
+    Array,
+    MeasuredGrains,
+    stiffness,
+    volume_of,
+)
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_csv_rows, read_number
+
+_UNIT = re.compile("_(m_s2|rad_s2|rad_s|rad|kg_m3|Pa|m|s|N)$")
+_SHOWN = 10  # largest number of faults in a message
+UNMEASURED = (
+    "acceleration",
+    "spin",
+    "angular_acceleration",
+    "strain",
+    "stress",
+)  # whose cells may be empty
+LARGEST_STRAIN = 1.0
+_INSIDE = 0.5  # distance over the sum of the radii below which two rows cannot be two grains
+_EVEN = 0.01  # of the interval: frames farther off their time are not evenly spaced
+
+
+def groups(dimension: int) -> dict[str, tuple[str, ...]]:
+    """Return the names of the columns by what they tell."""
+    axes = "xyz"[:dimension]
+    turns = ("",) if dimension == 2 else ("_x", "_y", "_z")
+    return {
+        "position": tuple(f"{axis}_m" for axis in axes),
+        "acceleration": tuple(f"a{axis}_m_s2" for axis in axes),
+        "spin": tuple(f"omega{turn}_rad_s" for turn in turns),
+        "angular_acceleration": tuple(f"alpha{turn}_rad_s2" for turn in turns),
+        "angle": ("angle_rad",) if dimension == 2 else (),
+        "force": tuple(f"f{axis}_N" for axis in axes),
+        "strain": tuple(f"e{name}" for name in TENSOR[dimension]),
+        "stress": tuple(f"s{name}" for name in TENSOR[dimension]),
+        "material": ("density_kg_m3", "youngs_modulus_Pa", "poisson_ratio"),
+        "other": ("id", "radius_m", "time_s", "frame", "passes_walls"),
+    }
+
+
+def aliases(dimension: int) -> dict[str, str]:
+    """Return names without units, and with those of stresses, that columns may have too."""
+    known = groups(dimension)
+    found = {_UNIT.sub("", name): name for names in known.values() for name in names}
+    found |= {f"{name}_Pa": name for name in known["stress"]}
+    return {short: name for short, name in found.items() if short != name}
+
+
+def _at(time: float) -> str:
+    return "" if math.isnan(time) else f" at {time:g} s"
+
+
+def _raise(path: str | Path, errors: Sequence[str]) -> None:
+    """Raise InputError if there are errors, the first of them in full."""
+    if errors:
+        more = [f"{path}: and {len(errors) - _SHOWN} more"] if len(errors) > _SHOWN else []
+        raise InputError([*errors[:_SHOWN], *more])
+
+
+def _number(text: str) -> float:
+    """Return the number in a cell, NaN without one."""
+    try:
+        return read_number(text)
+    except ValueError:
+        return math.nan
+
+
+def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
+    """Return the columns of numbers, NaN where a cell is empty; the index has the line of each row."""
+    rows = read_csv_rows(Path(path))
+    if not rows:
+        raise InputError(
+            f"{path}: found nothing, expected a line of names and a row for each grain"
+        )
+    number, header = rows[0]
+    where = f"{path}: line {number}"
+    known = groups(dimension)
+    short = aliases(dimension)
+    given = [name.strip() for name in header]
+    names = [short.get(name, name) for name in given]
+    everything = [name for group in known.values() for name in group]
+    errors = [
+        f"{where}: found a column {show(one)}, expected names among {', '.join(everything)}"
+        for name, one in zip(names, given, strict=True)
+        if name not in everything
+    ]
+    for name in dict.fromkeys(name for name in names if names.count(name) > 1):
+        errors.append(
+            f"{where}: found the column {name} {names.count(name)} times, expected it once"
+        )
+    if missing := [name for name in (*known["position"], "radius_m") if name not in names]:
+        errors.append(
+            f"{where}: lacks {', '.join(missing)}; expected {', '.join(known['position'])}, radius_m"
+        )
+    for group, columns in known.items():
+        there = [name for name in columns if name in names]
+        if there and len(there) < len(columns) and group not in ("material", "other", "position"):
+            errors.append(
+                f"{where}: found {', '.join(there)}, expected all of {', '.join(columns)}, or none"
+            )
+    strains, stresses = ({*known[group]} & {*names} for group in ("strain", "stress"))
+    if len(strains) == len(stresses) == len(known["strain"]):
+        errors.append(f"{where}: found strains and stresses, expected one of them")
+    if not strains | stresses:
+        errors.append(
+            f"{where}: lacks strains or stresses; expected {', '.join(known['strain'])}, "
+            f"or {', '.join(known['stress'])} (Pa)"
+        )
+    if {"time_s", "frame"} <= {*names}:
+        errors.append(f"{where}: found time_s and frame, expected one of them")
+    _raise(path, errors)
+    lines = [line for line, _ in rows[1:]]
+    errors = [
+        f"{path}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}"
+        for line, cells in rows[1:]
+        if len(cells) != len(names)
+    ]
+    _raise(path, errors)
+    if not lines:
+        raise InputError(f"{path}: found no grain, expected a row for each below the line of names")
+    texts = pd.DataFrame([cells for _, cells in rows[1:]], lines, names, dtype=str).apply(
+        lambda one: one.str.strip()
+    )
+    values = texts.map(_number).astype(np.float64)
+    may_be_empty = texts.columns.isin([name for group in UNMEASURED for name in known[group]])
+    for row, column in np.argwhere(~np.isfinite(values) & ~((texts == "") & may_be_empty)):
+        empty = "; leave cells empty where nothing was measured" if may_be_empty[column] else ""
+        text = show(texts.iloc[row, column])
+        errors.append(
+            f"{path}: line {lines[row]}: {names[column]}: found {text}, expected a finite number{empty}"
+        )
+    _raise(path, errors)
+    return values
+
+
+def read_measurement(
+    path: str | Path, case: InferCase
+) -> tuple[list[float], list[MeasuredGrains], list[str]]:
+    """Read measured grains.
+
+    Returns
+    -------
+    times, grains, notes
+        Instants, s, NaN for a table without times; the grains at each; assumptions where something
+        was not measured.
+
+    Raises
+    ------
+    InputError
+        The table cannot be read or is wrong (with the lines), or the case lacks what it needs.
+    """
+    table = _Table(path, case)
+    motion = (
+        table.differences()
+        if len(table.rows) > 1 and not table.has("acceleration")
+        else table.given_motion()
+    )
+    times = list(motion)
+    if case.infer.time is not None:
+        if not any(map(math.isfinite, times)):
+            raise InputError(f"{path}: found no column time_s or frame, which infer.time needs")
+        times = [times[int(np.argmin(np.abs(np.array(times) - case.infer.time)))]]
+    found = [table.grains(time, *motion[time]) for time in times]
+    # all grains are stretched under the other sign convention
+    what = "strains" if table.has("strain") else "stresses"
+    words = "contacts only push, so that grains are compressed, and compression is negative"
+    for time, grains in zip(times, found, strict=True):
+        mean = grains.stress[grains.has_stress, : case.dimension].sum(axis=1) / case.dimension
+        if len(mean) and (mean > 0).all():
+            raise InputError(
+                f"{path}: found {what} that stretch each of the {len(mean)} grains{_at(time)}: {words}; if it "
+                "is positive in your table, change the sign of all components"
+            )
+        if mean.sum() > 0:
+            table.notes.append(
+                f"most of the {what}{_at(time)} stretch the grains: {words}; are the signs right?"
+            )
+    return times, found, table.notes
+
+
+class _Table:
+    """Table of grains, its rows by instant in the order of the ids; see `read_measurement` for its
+    errors.
+
+    Attributes
+    ----------
+    columns
+        Columns of numbers, NaN where a cell is empty; the index has the line of each row.
+    rows
+        Rows of each instant, s; NaN for a table without times.
+    notes
+        Assumptions where something was not measured.
+    """
+
+    def __init__(self, path: str | Path, case: InferCase) -> None:
+        self.path = path
+        self.case = case
+        self.notes = list[str]()
+        self.turns = TURNS[case.dimension]
+        self.columns = _read_columns(path, case.dimension)
+        self.groups = groups(case.dimension)
+        self._check_values()
+        self._check_modulus()
+        times = self.each("time_s")
+        if "frame" in self.columns:
+            if case.infer.frame_rate is None:
+                raise InputError(
+                    f"{case.source}: infer.frame_rate: missing; the column frame of {path} needs it"
+                )
+            times = self.each("frame") / case.infer.frame_rate
+        ids = self.each("id")
+        lines = self.columns.index
+        if "id" not in self.columns:
+            ids = np.arange(1.0, len(lines) + 1)
+        instants = pd.DataFrame({"time": times, "id": ids}).groupby("time", dropna=False)
+        if len(instants) > 1 and "id" not in self.columns:
+            raise InputError(
+                f"{path}: line {lines[0]}: lacks id, which tells the grains of a series apart"
+            )
+        errors: list[str] = []
+        self.rows: dict[float, NDArray[np.int64]] = {}
+        for time, part in instants["id"]:
+            self.rows[time] = rows = part.sort_values(kind="stable").index.to_numpy()
+            again = rows[1:][np.diff(ids[rows]) == 0]
+            words = f"again{_at(time)}, expected each grain once"
+            errors += [
+                f"{path}: line {lines[row]}: id: found {ids[row]:g} {words}"
+                for row in np.sort(again)
+            ]
+            x = self.take("position")[rows]
+            radius = self.each("radius_m")[rows]
+            own = lines[rows]
+            i, j = (
+                cKDTree(x).query_pairs(2 * _INSIDE * float(radius.max()), output_type="ndarray").T
+            )
+            apart = np.linalg.norm(x[i] - x[j], axis=1)
+            deep = apart < _INSIDE * (radius[i] + radius[j])
+            errors += [
+                f"{path}: line {max(own[a], own[b])}: lies in the grain of line {min(own[a], own[b])}: "
+                f"found a distance of {one:.3g} m of centres with radii of {radius[a]:.3g} and {radius[b]:.3g} m; "
+                "expected other places or radii (in m), or one row for each grain"
+                for a, b, one in zip(i[deep], j[deep], apart[deep], strict=True)
+            ]
+        _raise(path, errors)
+
+    def has(self, group: str) -> bool:
+        """Return True if there are all columns of a group."""
+        return bool(self.groups[group]) and set(self.groups[group]) <= set(self.columns)
+
+    def take(self, group: str) -> Array:
+        """Return the columns of a group side by side: (n_rows, n_names)."""
+        return self.columns[list(self.groups[group])].to_numpy()
+
+    def each(self, name: str, default: float = math.nan) -> Array:
+        """Return a column, or the default value in each row: (n_rows,)."""
+        return (
+            self.columns[name].to_numpy()
+            if name in self.columns
+            else np.full(len(self.columns), default)
+        )
+
+    def _check_values(self) -> None:
+        """Raise InputError for values that cannot be, and for partly empty groups of cells."""
+        strains = tuple(f"e{pair}" for pair in TENSOR[self.case.dimension])
+        allowed: list[tuple[tuple[str, ...], Callable[[Array], NDArray[np.bool_]], str]] = [
+            (
+                ("radius_m", "density_kg_m3", "youngs_modulus_Pa"),
+                lambda x: x > 0,
+                "a number above 0",
+            ),
+            (("poisson_ratio",), lambda x: (x > -1) & (x < 0.5), "a number above -1 and below 0.5"),
+            (("id",), lambda x: (x == np.floor(x)) & (x >= 0), "a whole number from 0 up"),
+            (("passes_walls",), lambda x: np.isin(x, (0, 1)), "0, or 1 for a striker"),
+            (
+                strains,
+                lambda x: ~(np.abs(x) > LARGEST_STRAIN),
+                f"a strain below {LARGEST_STRAIN:g}; 1 % is 0.01",
+            ),
+        ]
+        errors = []
+        lines = self.columns.index
+        for names, right, expected in allowed:
+            for name in self.columns.columns.intersection(names):
+                values = self.each(name)
+                errors += [
+                    f"{self.path}: line {lines[row]}: {name}: found {values[row]:g}, expected {expected}"
+                    for row in np.flatnonzero(~right(values))
+                ]
+        for group in filter(self.has, UNMEASURED):
+            empty = np.isnan(self.take(group))
+            words = (
+                f"found some of {', '.join(self.groups[group])} empty, expected all of them or none"
+            )
+            partly = np.flatnonzero(empty.any(axis=1) & ~empty.all(axis=1))
+            errors += [f"{self.path}: line {lines[row]}: {words}" for row in partly]
+        _raise(self.path, errors)
+
+    def _check_modulus(self) -> None:
+        """Raise InputError for strains without a modulus."""
+        case = self.case
+        assert case.material is not None
+        known = (
+            case.material.youngs_modulus
+            or "youngs_modulus_Pa" in self.columns
+            or case.infer.modulus == FIND
+        )
+        if self.has("strain") and not known:
+            moving = self.has("acceleration") or not {"time_s", "frame"}.isdisjoint(self.columns)
+            way = "since without accelerations nothing tells it"
+            if moving:
+                way = 'or infer.modulus = "find", which finds it from the accelerations'
+            raise InputError(
+                f"{case.source}: material.youngs_modulus: missing; strains give forces only with a modulus: give it, "
+                f"{way}"
+            )
+
+    def given_motion(self) -> dict[float, tuple[Array, ...]]:
+        """Return accelerations, spins and angular accelerations by time; what was not measured is
+        zero, with a note.
+        """
+        moving = self.has("acceleration")
+        acceleration = (
+            self.take("acceleration")
+            if moving
+            else np.zeros((len(self.columns), self.case.dimension))
+        )
+        if not moving:
+            self.notes.append("no accelerations were measured: the grains are taken to be at rest")
+        still = np.where(np.isnan(acceleration).any(axis=1), math.nan, 0.0)[:, None].repeat(
+            self.turns, axis=1
+        )
+        found = [acceleration]
+        for group, word in (
+            ("spin", "angular velocities"),
+            ("angular_acceleration", "angular accelerations"),
+        ):
+            found.append(self.take(group) if self.has(group) else still)
+            if moving and not self.has(group):
+                self.notes.append(f"no {word} were measured: they are taken to be zero")
+        return {time: tuple(values[rows] for values in found) for time, rows in self.rows.items()}
+
+    def differences(self) -> dict[float, tuple[Array, ...]]:
+        """Return the motions by parabolas through the frames around each instant that has enough of
+        them.
+        """
+        window = self.case.infer.window
+        times = np.array(list(self.rows))
+        path = self.path
+        steps = np.diff(times)
+        step = float(np.median(steps))
+        worst = int(np.abs(steps - step).argmax())
+        if abs(steps[worst] - step) > _EVEN * step:
+            raise InputError(
+                f"{path}: found {steps[worst]:.4g} s from {times[worst]:.6g} s to the next, elsewhere {step:.4g} s; "
+                "accelerations by differences need all frames, evenly spaced"
+            )
+        if len(times) < window:
+            raise InputError(
+                f"{path}: found {len(times)} frames, expected at least {window} (infer.window) to differentiate"
+            )
+        ids = [self.each("id")[rows].tolist() for rows in self.rows.values()]
+        if others := [time for time, there in zip(times, ids, strict=True) if there != ids[0]]:
+            raise InputError(
+                f"{path}: the grains at {others[0]:g} s are not those at {times[0]:g} s; expected all in all frames"
+            )
+        inner = slice(window // 2, len(times) - window // 2)
+
+        def frames(group: str) -> Array:
+            return np.stack([self.take(group)[rows] for rows in self.rows.values()])
+
+        def slope(values: Array, order: int) -> Array:
+            return np.asarray(
+                savgol_filter(values, window, 2, deriv=order, delta=step, axis=0)[inner]
+            )
+
+        acceleration = slope(frames("position"), 2)
+        rates = turning = np.zeros((*acceleration.shape[:2], self.turns))
+        if self.has("angle"):
+            angle = np.unwrap(frames("angle"), axis=0)
+            rates = slope(angle, 1)
+            turning = slope(angle, 2)
+        elif self.has("spin"):
+            rates = frames("spin")[inner]
+            turning = slope(frames("spin"), 1)
+        else:
+            self.notes.append("no rotations were measured: they are taken to be zero")
+        motions = zip(acceleration, rates, turning, strict=True)
+        return dict(zip(list(self.rows)[inner], motions, strict=True))
+
+    def grains(
+        self, time: float, acceleration: Array, spin: Array, turning: Array
+    ) -> MeasuredGrains:
+        """Make the grains of an instant from their motions."""
+        infer = self.case.infer
+        material = self.case.material
+        rows = self.rows[time]
+        assert material is not None
+        radius = self.each("radius_m")[rows]
+        volume = volume_of(radius, infer.state, infer.thickness)
+        mass = self.each("density_kg_m3", material.density)[rows] * volume
+        force = mass[:, None] * np.array(self.case.gravity)
+        if self.has("force"):
+            force = force + self.take("force")[rows]
+        compliance = modulus = None
+        if self.has("strain"):
+            modulus = self.each("youngs_modulus_Pa", material.youngs_modulus or 1.0)[rows]
+            elastic = stiffness(
+                modulus, self.each("poisson_ratio", material.poisson_ratio)[rows], infer.state
+            )
+            stress = np.einsum("nij,nj->ni", elastic, self.take("strain")[rows])
+            compliance = np.linalg.inv(elastic).astype(np.float64)
+        else:
+            stress = self.take("stress")[rows]
+        ids = (
+            self.each("id")[rows].astype(np.int64)
+            if "id" in self.columns
+            else np.arange(1, len(rows) + 1)
+        )
+        passes_walls = (
+            self.each("passes_walls")[rows] == 1 if "passes_walls" in self.columns else None
+        )
+        return MeasuredGrains(
+            ids, self.take("position")[rows], radius, mass, volume, acceleration, spin, turning, force, stress,
+            compliance, modulus, passes_walls,
+        )  # fmt: skip

@@ -1,0 +1,110 @@
+"""Contact forces from measured grains in Python."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+
+from granwave.analysis.notebook.load import InferredForces
+from granwave.analysis.notebook.run import Run
+from granwave.extensions.inference import run as inference
+from granwave.lammps_inputs.case.schema import show
+from granwave.lammps_inputs.errors import InputError
+from granwave.workflows.python.inputs import home, words_of_python
+
+
+def infer(
+    measurement: str | Path | Run,
+    case: str | Path | None = None,
+    *,
+    noise: float | Sequence[float] | None = None,
+    frame_rate: float | None = None,
+    position_noise: float | None = None,
+    time: float | None = None,
+    repeat: int | None = None,
+    directory: str | Path | None = None,
+    figures: bool = False,
+    force: bool = False,
+) -> InferredForces:
+    """Infer contact forces from a table of measured grains, or from measurements made of a run.
+
+    Parameters
+    ----------
+    measurement
+        Path of a table of grains; or a run, or its directory, to plan an experiment.
+    case
+        File with ``[material]`` and ``[infer]``; a run can do without.
+    noise
+        Errors of strains and accelerations of a run, over their root mean squares; several for a
+        curve.
+    frame_rate
+        Frames per second from which accelerations of a run are differentiated.
+    position_noise
+        Errors of the places in these frames, m.
+    time
+        Instant of a run, s; by default that with the largest forces.
+    repeat
+        Repetitions with noise; by default ``infer.repetitions``, of a run 10.
+    directory
+        Directory of the results, as of ``granwave infer``; by default nothing is written.
+    figures
+        Draw the figures into the directory.
+    force
+        Move existing results into NAME.old.
+
+    Returns
+    -------
+    InferredForces
+        The forces.
+
+    Raises
+    ------
+    InputError
+        The measurement, the case or an argument is wrong, or the equations do not determine the
+        forces.
+    """
+    with words_of_python():
+        if not isinstance(measurement, str | Path | Run):
+            raise InputError(
+                f"measurement: found {show(measurement)}, expected the path of a table, or a run"
+            )
+        if case is not None and not isinstance(case, str | Path):
+            raise InputError(
+                f"case: found {show(case)}, expected the path of a file with [material] and [infer]"
+            )
+        source = measurement.directory if isinstance(measurement, Run) else Path(home(measurement))
+        place = None if directory is None else inference.results_place(home(directory), force=force)
+        found = inference.infer(
+            source,
+            None if case is None else Path(home(case)),
+            noise=None
+            if noise is None
+            else [_number("noise", one) for one in np.atleast_1d(noise).tolist()],
+            frame_rate=None
+            if frame_rate is None
+            else _number("frame_rate", frame_rate, above=True),
+            position_noise=None
+            if position_noise is None
+            else _number("position_noise", position_noise),
+            time=None if time is None else _number("time", time),
+            repeat=None if repeat is None else int(_number("repeat", repeat, whole=True)),
+        )
+        if place is not None:
+            inference.save(found, place, force=force, figures=figures)
+    return InferredForces(found.summary, found.forces, found.grains, found.measurement)
+
+
+def _number(name: str, value: Any, *, above: bool = False, whole: bool = False) -> float:
+    kind = (
+        "a whole number from 0 up"
+        if whole
+        else f"a number {'above' if above else 'from'} 0{'' if above else ' up'}"
+    )
+    good = isinstance(value, int | float) and not isinstance(value, bool) and math.isfinite(value)
+    if not good or value < 0 or (above and not value) or (whole and value != int(value)):
+        raise InputError(f"{name}: found {show(value)}, expected {kind}")
+    return float(value)

@@ -1,0 +1,11 @@
+"""Small waves about a static state: bands, modes and transmission."""
+
+from pathlib import Path
+
+from granwave.lammps_inputs.extensions import Extension
+
+extension = Extension(
+    name="waves",
+    title="bands, modes and transmission of small waves",
+    folder=Path(__file__).parent,
+)

@@ -1,0 +1,288 @@
+"""Bands of an endless packing with all that follows from them: gaps, speeds, attenuation, curves
+over a plane.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path as FilePath
+from typing import Any
+
+import numpy as np
+
+from granwave.extensions.waves.spectra.bands import (
+    ROLLING,
+    Bands,
+    Gap,
+    band_edges,
+    describe_floppy,
+    gaps,
+    solve_bands,
+)
+from granwave.extensions.waves.spectra.network import Array
+from granwave.extensions.waves.spectra.quantities import POINTS
+from granwave.extensions.waves.spectra.states import State, cell_state
+from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
+from granwave.extensions.waves.spectra.wave_vectors import ComplexBands, complex_bands, make_path
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
+
+PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
+_LONG = 1e-3  # |k| times the largest period: long waves, whose dispersion is 1e-7
+_ANGLES = 180
+_GRID = 61
+_MOST_FREEDOMS = 48  # of a cell whose whole spectrum is found at all points of the grid
+_RIGID = 1e-9  # (c k)^2 over the largest omega^2 times (k a)^2
+_MOST_POINTS = 100_000
+_FREQUENCIES = 401  # for attenuation
+_BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
+# of the depth of a slab: grains whose part of the energy tells waves of its surface
+NEAR_TOP = 0.25
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class PlaneWaves:
+    """Waves in a plane.
+
+    Attributes
+    ----------
+    plane
+        Name of the plane, such as ``xz``.
+    angle
+        Directions, from the first axis to the second: (n_angles,), rad.
+    speed
+        Phase velocities of long waves, rising: (n_angles, n_waves), m/s; NaN where nothing resists.
+    k
+        Components of wave vectors along each axis: (n,), rad/m.
+    frequency
+        Of the lowest bands: (n, n, n_bands), Hz; rows along the second axis; NaN where nothing
+        resists.
+    """
+
+    plane: str
+    angle: Array
+    speed: Array
+    k: Array
+    frequency: Array
+
+    @property
+    def slowness(self) -> Array:
+        """Slowness, 1/c: (n_angles, n_waves), s/m."""
+        return np.asarray(1 / self.speed)
+
+
+def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
+    """Return the speeds of long waves along unit vectors (n, 3), rising: (n, n_waves), m/s; NaN
+    where nothing resists.
+
+    As many as there are directions in which the grains can be displaced together.
+    """
+    network = stiffness.network
+    n_waves = int(network.moves[:, :3].all(axis=0).sum()) if network.n_grains else 0
+    if len(network.supports):
+        held = (np.abs(network.supports.normal).max(axis=0) > 0) | (
+            network.supports.tangential.max() > 0
+        )
+        n_waves = int((network.moves[:, :3].all(axis=0) & ~held).sum())
+    size = float(np.linalg.norm(network.periods, axis=1).max())
+    k = directions * (_LONG / size)
+    square, _ = stiffness.spectrum(k, n_waves)
+    there = square > _RIGID * stiffness.largest * _LONG**2
+    return np.where(there, np.sqrt(np.where(there, square, 0.0)) / (_LONG / size), np.nan)
+
+
+def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | None:
+    """Return slowness and frequencies over a plane; None for large cells, and if the packing does
+    not repeat there.
+    """
+    network, (a, b) = stiffness.network, PLANES[plane]
+    if network.n_freedoms > _MOST_FREEDOMS or len(network.periods) < 2:
+        return None
+    inside = network.periods.T @ np.linalg.pinv(network.periods.T)
+    if not np.allclose(inside[[a, b]][:, [a, b]], np.eye(2), atol=1e-9):
+        return None
+    angle = np.linspace(0, 2 * np.pi, _ANGLES, endpoint=False)
+    directions = np.zeros((_ANGLES, 3))
+    directions[:, a], directions[:, b] = np.cos(angle), np.sin(angle)
+    reciprocal = 2 * np.pi * np.linalg.pinv(network.periods)
+    reach = float(np.abs(reciprocal).max()) * 0.75
+    k = np.linspace(-reach, reach, _GRID)
+    grid = np.zeros((_GRID * _GRID, 3))
+    grid[:, a], grid[:, b] = (one.ravel() for one in np.meshgrid(k, k))
+    square = np.concatenate(
+        [np.linalg.eigvalsh(stiffness.dense(part)) for part in np.array_split(grid, 16)]
+    )
+    with np.errstate(invalid="ignore"):
+        frequency = np.sqrt(square[:, :n_bands]) / (2 * np.pi)
+    centre = np.argmin(np.abs(grid).sum(axis=1))
+    frequency[centre] = np.nan_to_num(frequency[centre])
+    return PlaneWaves(
+        plane,
+        angle,
+        long_wave_speeds(stiffness, directions),
+        k,
+        frequency.reshape(_GRID, _GRID, -1),
+    )
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class BandStructure:
+    """Bands of a packing.
+
+    Attributes
+    ----------
+    state
+        Static state.
+    bands
+        Bands along the path.
+    gaps
+        Gaps between them.
+    complex_bands
+        Attenuation along the first stretch of the path; None for large cells, and where it is not
+        defined.
+    surface
+        Waves over a plane; None for rows and large cells.
+    speeds
+        Speeds of long waves along the first stretch, rising: (n,), m/s.
+    note
+        Description of modes without resistance; empty if there are none.
+    """
+
+    state: State
+    bands: Bands
+    gaps: tuple[Gap, ...]
+    complex_bands: ComplexBands | None
+    surface: PlaneWaves | None
+    speeds: Array
+    note: str = ""
+
+    @property
+    def unit_frequency(self) -> float:
+        """Frequency sqrt(k/m)/(2 pi) of the mean stiffness and the mean mass, Hz: that of
+        normalised axes.
+        """
+        network = self.state.network
+        return float(np.sqrt(network.contacts.stiffness.mean() / network.mass.mean()) / (2 * np.pi))
+
+    @property
+    def edges(self) -> Array:
+        """Lowest and highest frequency of each band along the path: (n_bands, 2), Hz."""
+        return band_edges(self.bands)
+
+    def summary(self) -> dict[str, Any]:
+        """Return the values of bands.json."""
+        network = self.state.network
+        between = [gap for gap in self.gaps if gap.below and np.isfinite(gap.high)]
+        widest = max(between, key=lambda gap: gap.high - gap.low, default=None)
+        inside = None
+        if self.complex_bands is not None and widest is not None:
+            there = (self.complex_bands.frequency > widest.low) & (
+                self.complex_bands.frequency < widest.high
+            )
+            decay = self.complex_bands.least[there & np.isfinite(self.complex_bands.least)]
+            inside = float(decay.max()) if len(decay) else None
+        return {
+            "name": self.state.name,
+            "kind": "bands",
+            "source": self.state.source,
+            "n_grains_in_cell": network.n_grains,
+            "n_contacts_in_cell": len(network.springs),
+            "n_wall_contacts_in_cell": len(network.supports),
+            "n_left_out": len(network.left_out),
+            "n_freedoms": network.n_freedoms,
+            "n_bands": self.bands.square.shape[1],
+            "static_force_N": float(network.springs.force.mean()) if len(network.springs) else 0.0,
+            "contact_stiffness_N_per_m": float(network.springs.stiffness.mean())
+            if len(network.springs)
+            else 0.0,
+            "unit_frequency_Hz": self.unit_frequency,
+            "highest_frequency_Hz": float(np.nanmax(self.bands.frequency)),
+            "speeds_m_s": self.speeds.tolist(),
+            "band_edges_Hz": self.edges.tolist(),
+            "gaps_Hz": [[gap.low, gap.high] for gap in self.gaps],
+            "widest_gap_Hz": None if widest is None else [widest.low, widest.high],
+            "widest_gap_relative": None if widest is None else widest.relative_width,
+            "attenuation_in_widest_gap": inside,
+            "attenuation_spacing_m": None
+            if self.complex_bands is None
+            else self.complex_bands.spacing,
+            "n_floppy": int(self.bands.floppy.sum(axis=1).max()),
+            "static_residual": self.state.residual,
+            "state_spread": self.state.spread,
+        }
+
+
+def band_structure(
+    source: Assembly | FilePath | State,
+    path: str = "",
+    *,
+    points: int = POINTS,
+    n_bands: int | None = None,
+    directions: str = "",
+    plane: str = "",
+    allow_floppy: bool = False,
+    slab: bool = False,
+) -> BandStructure:
+    """Find the bands of a packing, of a finished run, or of a state.
+
+    Parameters
+    ----------
+    path
+        See `granwave.extensions.waves.spectra.wave_vectors`; empty for the standard path of the cell.
+    points
+        Wave vectors of each stretch.
+    n_bands
+        How many bands; None: all of a small cell, 30 of a large one.
+    directions
+        Directions in which the grains move, of "xyz"; empty for those of the packing.
+    plane
+        Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the
+        packing.
+    allow_floppy
+        True to go on where motions meet no resistance; their frequencies are NaN.
+    slab
+        True for a packing with an upper and a lower end, which repeats sideways alone.
+
+    Raises
+    ------
+    InputError
+        The packing does not repeat or bears no load, the path is wrong, or motions meet no
+        resistance.
+    """
+    if set(directions) - set("xyz"):
+        raise InputError(
+            f'--directions: found "{directions}", expected some of the letters x, y and z'
+        )
+    if not 2 <= points <= _MOST_POINTS:
+        raise InputError(f"--points: found {points}, expected 2 to {_MOST_POINTS} in each stretch")
+    if plane and plane not in PLANES:
+        raise InputError(f'--plane: found "{plane}", expected {", ".join(PLANES)}')
+    state = source if isinstance(source, State) else cell_state(source, slab=slab)
+    if directions:
+        state = dataclasses.replace(state, network=state.network.turned_off(directions))
+    stiffness = stiffness_of(state.network)
+    way = make_path(path, state.network.periods, points)
+    near_top = None
+    if slab:
+        depth, (grain, _) = state.network.position[:, 2], state.network.freedoms
+        near_top = depth[grain] <= depth.min() + NEAR_TOP * np.ptp(depth)
+    bands = solve_bands(stiffness, way, n_bands, near_top)
+    note = describe_floppy(bands)
+    if note and not allow_floppy:
+        cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
+        if ROLLING in note:
+            cure = "contact.rolling, [[hold]] with rotation = true, contact.friction=0"
+        raise InputError(
+            f"{state.name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes "
+            "blank"
+        )
+    start = way.k[0]
+    towards = way.k[1] - way.k[0]
+    direction = towards / np.linalg.norm(towards)
+    top = float(np.nanmax(bands.frequency, initial=0.0))
+    frequency = np.linspace(0.0, _BEYOND * top, _FREQUENCIES)[1:]
+    decaying = complex_bands(stiffness, start, direction, frequency) if top else None
+    planes = [plane] if plane else ["xz", "xy", "yz"]
+    curves = next((one for name in planes if (one := surface(stiffness, name)) is not None), None)
+    speeds = long_wave_speeds(stiffness, direction[None])[0]
+    return BandStructure(state, bands, tuple(gaps(bands)), decaying, curves, speeds, note)

@@ -1,0 +1,339 @@
+"""Grains of a unit cell or of a finite packing at places of their own, with walls and loads, and
+the contacts there.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import itertools
+from collections.abc import Callable, Iterable, Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.extensions.waves.spectra.network import Array, Ints, Network, Springs, across, joined
+from granwave.extensions.waves.spectra.pair_laws import PairLaws, Part
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
+from granwave.lammps_inputs.packing.walls import Wall
+
+# moments of inertia over m R^2, the second about the axis
+_OF_SPHERE = 0.4
+_OF_CYLINDER = 0.5
+_NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
+# of the largest force: contacts that bear nothing but what the search for balance left
+_UNLOADED = 1e-7
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class NeighbourPairs:
+    """Grains near each other, each pair once, or near walls.
+
+    Attributes
+    ----------
+    first, second, image, normal, distance, turns, wall
+        As in `Springs`.
+    overlap
+        (n,), m.
+    radii
+        Radii of both grains, infinite for a wall: (n, 2), m.
+    shift
+        Vectors between their cells before the load: (n, 3), m.
+    """
+
+    first: Ints
+    second: Ints
+    image: Ints
+    normal: Array
+    distance: Array
+    turns: Array
+    wall: NDArray[np.object_]
+    overlap: Array
+    radii: Array
+    shift: Array
+
+    def __len__(self) -> int:
+        return len(self.first)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Bodies:
+    """Grains before they are loaded.
+
+    Attributes
+    ----------
+    assembly
+        All bodies of their case.
+    ids
+        Ids: (n,).
+    position
+        Centres before the load: (n, 3), m.
+    radius, mass
+        (n,), m and kg.
+    kind
+        Places of their materials and shapes in ``laws.bodies``: (n,).
+    moves
+        As in `Network`.
+    periods
+        As in `Network`.
+    walls
+        Walls, in their final places.
+    dead_load
+        Constant forces: (n, 3), N.
+    stress
+        Load on the cell: forces times lengths for each strain that is free, ``{(2, 2): N m}``;
+        compression positive.
+    touched
+        Grains on which a wall acts, by its name: (n,); of walls that are not there: all.
+    presses
+        Forces to which walls move in, by the names of these walls: on all of them together, N.
+    settles
+        Directions in which grains move under the static load: (n, 3); None: as ``moves``.
+    """
+
+    assembly: Assembly
+    laws: PairLaws
+    ids: Ints
+    position: Array
+    radius: Array
+    mass: Array
+    kind: Ints
+    moves: NDArray[np.bool_]
+    periods: Array
+    walls: tuple[Wall, ...]
+    dead_load: Array
+    stress: dict[tuple[int, int], float] = dataclasses.field(default_factory=dict)
+    touched: dict[str, NDArray[np.bool_]] = dataclasses.field(default_factory=dict)
+    presses: dict[tuple[str, ...], float] = dataclasses.field(default_factory=dict)
+    settles: NDArray[np.bool_] | None = None
+
+    @property
+    def case(self) -> Case:
+        """Their case."""
+        return self.assembly.case
+
+    @property
+    def inertia(self) -> Array:
+        """Moments of inertia, of cylinders about their axis: (n,), kg m^2."""
+        factor = np.array(
+            [_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes]
+        )[self.kind]
+        return np.asarray(factor * self.mass * self.radius**2)
+
+    def part(self, rows: Ints, periods: Array) -> Bodies:
+        """Return some of the grains, in a cell of these periods."""
+        names = ("ids", "position", "radius", "mass", "kind", "moves", "dead_load")
+        own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
+        if self.settles is not None:
+            own["settles"] = self.settles[rows]
+        touched = {name: one[rows] for name, one in self.touched.items()}
+        return dataclasses.replace(self, **own, periods=periods, touched=touched)
+
+    def with_walls_in(self, distances: Iterable[float]) -> Bodies:
+        """Return the grains between walls that have moved in, by the distances of ``presses``, m."""
+        moves = {
+            name: distance
+            for names, distance in zip(self.presses, distances, strict=True)
+            for name in names
+        }
+        walls = tuple(wall.moved_in(moves.get(wall.name, 0.0)) for wall in self.walls)
+        return dataclasses.replace(self, walls=walls)
+
+    def pairs(
+        self, first: Ints, second: Ints, image: Ints, step: Array, lengths: Array | None = None
+    ) -> tuple[NeighbourPairs, NDArray[np.bool_]]:
+        """Return pairs of rows from the vectors between their centres (n, 3), m, and True where
+        nothing touches.
+
+        That is where the nearest places are beyond the end of a cylinder. Distances may be given:
+        (n,), m.
+        """
+        apart = step
+        turns = np.empty((len(first), 3, 3))
+        beyond = np.zeros(len(first), dtype=bool)
+        if self.laws.has_cylinders:
+            apart = np.empty_like(step)
+            shapes = self.laws.shapes
+            code = self.kind[first] * len(shapes) + self.kind[second]
+            for each in np.unique(code).tolist():
+                rows = np.flatnonzero(code == each)
+                pair = (shapes[each // len(shapes)], shapes[each % len(shapes)])
+                apart[rows], past = nearest_vectors(step[rows], *pair)
+                beyond[rows] = past > -_NEGLIGIBLE * self.spacing
+                normal = (
+                    apart[rows] / np.maximum(np.linalg.norm(apart[rows], axis=1), 1e-300)[:, None]
+                )
+                turns[rows] = turning_projection(normal, *pair)
+        distance = np.linalg.norm(apart, axis=1)
+        radii = np.stack([self.radius[first], self.radius[second]], axis=1)
+        if lengths is not None:
+            apart = apart * (lengths / distance)[:, None]
+            distance = lengths
+        with np.errstate(invalid="ignore"):
+            normal = apart / distance[:, None]
+        if not self.laws.has_cylinders:
+            turns = across(normal)
+        names = np.full(len(first), "", dtype=object)
+        overlap = radii.sum(axis=1) - distance
+        shift = image @ self.periods
+        return NeighbourPairs(
+            first, second, image, normal, distance, turns, names, overlap, radii, shift
+        ), beyond
+
+    @property
+    def spacing(self) -> float:
+        """Mean diameter, m."""
+        return float(2 * self.radius.mean())
+
+    def _at_walls(self, position: Array, gap: float) -> Iterator[NeighbourPairs]:
+        """Give the grains whose gap to a wall is less than ``gap``, m; the ends of cylinders do not
+        touch.
+        """
+        for wall in self.walls:
+            if wall.held_layer:
+                continue
+            gaps = wall.gaps(position, self.radius)
+            near = gaps < gap
+            if wall.name in self.touched:
+                near &= self.touched[wall.name]
+            if self.laws.has_cylinders and not wall.tube:
+                ends = [
+                    shape is not None and abs(shape.axis[wall.axis]) > 0.5
+                    for shape in self.laws.shapes
+                ]
+                near &= ~np.array(ends)[self.kind]
+            rows = np.flatnonzero(near)
+            n = len(rows)
+            normal = np.zeros((n, 3))
+            around = np.zeros((n, 3))
+            distance = np.full(n, np.inf)
+            if wall.tube:
+                distance = -np.maximum(np.hypot(*position[rows].T[:2]), 1e-300)
+                normal[:, :2] = position[rows, :2] / -distance[:, None]
+                around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
+            else:
+                normal[:, wall.axis] = wall.outward
+            yield NeighbourPairs(
+                rows, np.full(n, -1), np.zeros((n, len(self.periods)), dtype=np.int64), normal, distance,
+                around[:, :, None] * around[:, None, :], np.full(n, wall.name, dtype=object), -gaps[rows],
+                np.stack([self.radius[rows], np.full(n, np.inf)], axis=1), np.zeros((n, 3)),
+            )  # fmt: skip
+
+    def near(
+        self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
+    ) -> NeighbourPairs:
+        """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than
+        ``wall_gap``.
+        """
+        from scipy.spatial import KDTree  # takes longer to load than most commands need
+
+        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[
+            self.kind
+        ]
+        around = np.where(
+            half > 0, np.hypot(self.radius, half), self.radius
+        )  # radii of spheres around the grains
+        reach = 2 * float(around.max()) + gap
+        tree = KDTree(position)
+        pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
+        found = [
+            (
+                pairs.min(axis=1),
+                pairs.max(axis=1),
+                np.zeros((len(pairs), len(periods)), dtype=np.int64),
+            )
+        ]
+        low = position.min(axis=0) - reach
+        high = position.max(axis=0) + reach
+        for image in _images(position, periods, reach):
+            shifted = position + np.array(image) @ periods
+            inside = np.flatnonzero(((shifted >= low) & (shifted <= high)).all(axis=1))
+            if not len(inside):
+                continue
+            table = tree.sparse_distance_matrix(
+                KDTree(shifted[inside]), reach, output_type="coo_matrix"
+            )
+            first = np.asarray(table.row, dtype=np.int64)
+            second = inside[table.col]
+            found.append((first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1))))
+        first, second, shifts = (np.concatenate(part) for part in zip(*found, strict=True))
+        near, beyond = self.pairs(
+            first, second, shifts, position[second] - position[first] + shifts @ periods
+        )
+        at_walls = self._at_walls(position, gap if wall_gap is None else wall_gap)
+        return joined([joined([near], (-near.overlap <= gap) & ~beyond), *at_walls])
+
+    def network(
+        self, position: Array, periods: Array, peak: Callable[[NeighbourPairs], Array] | None = None
+    ) -> Network:
+        """Return the springs of the contacts that bear force in a state.
+
+        Parameters
+        ----------
+        position
+            Centres in the static state: (n, 3), m.
+        periods
+            Periods in the static state: (n_periods, 3), m.
+        peak
+            Function that gives the largest overlaps of contacts so far, m; by default those of the
+            state.
+        """
+        near = self.near(position, periods, -_NEGLIGIBLE * self.spacing)
+        springs = self.springs(near, None if peak is None else peak(near))
+        least = _UNLOADED * springs.force.max(initial=0.0)
+        return self.with_springs(
+            joined([springs], (springs.force > least) & (springs.stiffness > 0))
+        )
+
+    def with_springs(self, springs: Springs) -> Network:
+        """Return the network of these contacts, without grains that nothing touches."""
+        given = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
+        return Network(*given, springs).without_idle()
+
+    def springs(self, contacts: NeighbourPairs, peak: Array | None = None) -> Springs:
+        """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by
+        default those now.
+        """
+        most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
+        force, stiffness, tangential, rolling, twisting = np.zeros((5, len(most)))
+        for law, rows, scale in self.laws_of(contacts):
+            overlap = contacts.overlap[rows]
+            force[rows], stiffness[rows], tangential[rows] = law.small(overlap, most[rows], scale)
+            if self.case.has_resistance:
+                rolling[rows], twisting[rows] = law.resisting(overlap, most[rows], scale)
+        lever = np.where(
+            np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0
+        )
+        return Springs(
+            contacts.first, contacts.second, contacts.image, contacts.normal, contacts.distance, force, stiffness,
+            tangential, lever, contacts.turns, contacts.wall, rolling, twisting,
+        )  # fmt: skip
+
+    def laws_of(self, contacts: NeighbourPairs) -> Iterator[Part]:
+        """Give the laws of contacts, each with its rows and their scales."""
+        pairs = np.flatnonzero(contacts.second >= 0)
+        kind = self.kind[contacts.first]
+        radii = contacts.radii
+        for law, rows, scale in self.laws.pairs(
+            kind[pairs], self.kind[contacts.second[pairs]], radii[pairs]
+        ):
+            yield law, pairs[rows], scale
+        for wall in self.walls:
+            own = np.flatnonzero(contacts.wall == wall.name)
+            for law, rows, scale in self.laws.wall(wall, kind[own], radii[own, 0]):
+                yield law, own[rows], scale
+
+
+def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:
+    """Whole numbers of periods to cells that may hold neighbours, of each pair of opposite ones
+    only the first.
+    """
+    if not len(periods):
+        return []
+    inverse = np.linalg.pinv(periods)  # rows of the cell to numbers of periods
+    extent = np.ptp(position @ inverse, axis=0)
+    most = np.ceil(extent + reach * np.linalg.norm(inverse, axis=0)).astype(int)
+    steps = itertools.product(*(range(-n, n + 1) for n in most))
+    return [image for image in steps if image > (0,) * len(periods)]

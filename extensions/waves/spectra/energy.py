@@ -1,0 +1,218 @@
+"""Energy of grains under static loads: unknowns, their energy with its derivatives, and a step of
+Newton's method.
+
+Unknown are the displacements of the grains, the strains of the cell that are free, and the
+distances of walls that move in to a force. The energy of the contacts and of the loads is smallest
+in the static state; contacts are loaded for the first time, without friction.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from scipy import sparse
+from scipy.sparse.csgraph import reverse_cuthill_mckee
+from scipy.sparse.linalg import cg, splu
+
+from granwave.extensions.waves.spectra.bodies import Bodies, NeighbourPairs
+from granwave.extensions.waves.spectra.network import Array, Ints
+from granwave.extensions.waves.spectra.stiffness import factorised
+from granwave.lammps_inputs.contact.static_load import static_stiffness
+from granwave.lammps_inputs.lattices import TOUCHING
+
+MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
+# unknowns, factorised; more by conjugate gradients, except in slender packings
+DIRECT_UP_TO = 1500
+SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
+# entries by unknown in a row of grains; bandwidth: some 6 x 6 grains across
+_OF_A_ROW = 6
+_SLENDER = 120
+_ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Evaluation:
+    """State with its energy and gradient, and what the second derivatives are made of."""
+
+    energy: float
+    gradient: Array
+    contacts: NeighbourPairs  # of grains near each other, and near walls
+    tables: list[
+        tuple[Array, sparse.csr_array]
+    ]  # slopes of forces with the derivatives of distances, which are first
+    largest: float
+    rounding: float
+
+    @property
+    def hessian(self) -> sparse.csr_array:
+        """Second derivatives of the energy."""
+        return sparse.csr_array(
+            sum(rows.T @ sparse.diags_array(slope) @ rows for slope, rows in self.tables)
+        )
+
+
+class EnergyProblem:
+    """Unknowns and their energy."""
+
+    def __init__(self, bodies: Bodies, *, with_turning: bool = False) -> None:
+        self.bodies = bodies
+        self.with_turning = with_turning
+        self.free = bodies.moves[:, :3] if bodies.settles is None else bodies.settles
+        number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
+        self.number = np.append(
+            number, np.full((1, 3), -1), axis=0
+        )  # the last row is that of walls
+        self.strains = list(bodies.stress)
+        self.n_motions = int(self.free.sum())
+        self.n_of_grains = self.n_motions + len(self.strains)
+        self.n = self.n_of_grains + len(bodies.presses)
+
+    @property
+    def loaded(self) -> bool:
+        """True if a load acts, on grains, on the cell or on walls."""
+        bodies = self.bodies
+        return bool(bodies.dead_load.any() or any(bodies.stress.values()) or bodies.presses)
+
+    def state(self, x: Array) -> tuple[Array, Array]:
+        """Centres and periods."""
+        position = self.bodies.position.copy()
+        position[self.free] += x[: self.n_motions]
+        return position, self.bodies.periods @ self.deformation(x).T
+
+    def deformation(self, x: Array) -> Array:
+        """Deformation of the cell: (3, 3)."""
+        found = np.eye(3)
+        strains = x[self.n_motions : self.n_of_grains]
+        for (a, b), strain in zip(self.strains, strains, strict=True):
+            found[a, b] += strain
+            if a != b:
+                found[b, a] += strain
+        return found
+
+    def uniform(self, strain: float) -> Array:
+        """Unknowns of an even compression along the free strains that bear a load."""
+        x = np.zeros(self.n)
+        x[self.n_motions : self.n_of_grains] = [-strain if a == b else 0.0 for a, b in self.strains]
+        deformed = self.bodies.position @ self.deformation(x).T
+        x[: self.n_motions] = (deformed - self.bodies.position)[self.free]
+        return x
+
+    def at(self, x: Array) -> Evaluation:
+        """Evaluate the energy."""
+        bodies = self.bodies.with_walls_in(x[self.n_of_grains :])
+        position, periods = self.state(x)
+        contacts = bodies.near(position, periods, MARGIN * bodies.spacing)
+        values = np.zeros((3, len(contacts)))
+        for law, rows, scale in bodies.laws_of(contacts):
+            values[:, rows] = law.evaluate(contacts.overlap[rows], scale)
+        force, slope, work = values
+        stretch = self._stretch(contacts, contacts.normal, walls=True)
+        energy = float(work.sum()) - float((bodies.dead_load * (position - bodies.position)).sum())
+        gradient = -(stretch.T @ force)
+        gradient[: self.n_motions] -= bodies.dead_load[self.free]
+        for place, load in enumerate(bodies.stress.values(), start=self.n_motions):
+            energy += load * x[place]
+            gradient[place] += load
+        for place, force_on_walls in enumerate(bodies.presses.values(), start=self.n_of_grains):
+            energy -= force_on_walls * x[place]
+            gradient[place] -= force_on_walls
+        tables = [(slope, stretch)]
+        if self.with_turning:
+            weight = -force / contacts.distance
+            tables += [
+                (weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)
+            ]
+        span = float(np.abs(position).max()) if len(position) else 0.0
+        rounding = _ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
+        return Evaluation(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
+
+    def largest_approach(self, now: Evaluation, move: Array) -> float:
+        """Return the largest motion of grains against their neighbours and the walls, m."""
+        motion = np.zeros_like(self.bodies.position)
+        motion[self.free] = move[: self.n_motions]
+        pairs = now.contacts.second >= 0
+        between = motion[now.contacts.second[pairs]] - motion[now.contacts.first[pairs]]
+        along = float(np.abs(now.tables[0][1] @ move).max(initial=0.0))
+        return max(along, float(np.linalg.norm(between, axis=1).max(initial=0.0)))
+
+    def by_linear_springs(self) -> Array:
+        """Unknowns under the dead loads if all contacts were linear springs, which bear tension
+        too.
+        """
+        bodies = self.bodies
+        gap = TOUCHING * bodies.spacing + bodies.case.packing.diameter_scatter
+        contacts = bodies.near(bodies.position, bodies.periods, gap, MARGIN * bodies.spacing)
+        stretch = self._stretch(contacts, contacts.normal, walls=True)
+        gradient = np.zeros(self.n)
+        gradient[: self.n_motions] = -bodies.dead_load[self.free]
+        gradient[self.n_of_grains :] = [-force for force in bodies.presses.values()]
+        return newton_step(static_stiffness(bodies.assembly) * (stretch.T @ stretch), gradient)
+
+    def _stretch(
+        self, contacts: NeighbourPairs, direction: Array, *, walls: bool = False
+    ) -> sparse.csr_array:
+        """Derivatives by the unknowns of how far contacts are apart along directions (n, 3): (n,
+        n_unknowns).
+
+        Parameters
+        ----------
+        walls
+            True for directions along normals, along which walls move in.
+        """
+        moved = self._approach(contacts.first, direction) - self._approach(
+            contacts.second, direction
+        )
+        strained = np.zeros((len(direction), len(self.strains)))
+        for place, (a, b) in enumerate(self.strains):
+            strained[:, place] = direction[:, a] * contacts.shift[:, b]
+            strained[:, place] += direction[:, b] * contacts.shift[:, a] if a != b else 0.0
+        closed = np.zeros((len(direction), len(self.bodies.presses)))
+        for place, names in enumerate(self.bodies.presses if walls else ()):
+            closed[:, place] = -np.isin(contacts.wall.astype(str), names).astype(float)
+        return sparse.csr_array(sparse.hstack([moved[:, : self.n_motions], strained, closed]))
+
+    def _approach(self, grain: Ints, normal: Array) -> sparse.csr_array:
+        """Derivatives by the unknowns of gaps in front of grains along normals (n, 3): (n,
+        n_unknowns).
+        """
+        number = self.number[grain]
+        kept = number >= 0
+        row = np.repeat(np.arange(len(grain)), 3).reshape(len(grain), 3)[kept]
+        return sparse.coo_array(
+            (-normal[kept], (row, number[kept])), shape=(len(grain), self.n)
+        ).tocsr()
+
+
+def newton_step(
+    hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False, holding: float = 0.0
+) -> Array:
+    """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are
+    no minimum.
+
+    Parameters
+    ----------
+    holding
+        Stiffness of springs that hold all grains in place, N/m; by default so soft that only free
+        motions feel it.
+    """
+    diagonal = hessian.diagonal()
+    soft = SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
+    matrix = (hessian + (holding or soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
+    if pivots:
+        return np.asarray(splu(matrix).solve(-gradient))
+    # in a long row or a slender packing factors are small, and conjugate gradients need its length
+    direct = len(diagonal) <= DIRECT_UP_TO or matrix.nnz <= _OF_A_ROW * matrix.shape[0]
+    if not direct:
+        place = np.empty(matrix.shape[0], dtype=np.int64)
+        place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(
+            len(place)
+        )
+        rows, columns = matrix.nonzero()
+        direct = bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
+    if direct:
+        return np.asarray(factorised(matrix).solve(-gradient))
+    found, _ = cg(
+        matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal())
+    )
+    return np.asarray(found)

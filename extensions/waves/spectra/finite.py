@@ -1,0 +1,145 @@
+"""Grains of a finite packing with its static loads, and states that are no static states of it."""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from granwave.extensions.waves.spectra.bodies import Bodies
+from granwave.extensions.waves.spectra.cells import moving, packing_bodies
+from granwave.extensions.waves.spectra.network import Array, Network
+from granwave.lammps_inputs.contact.static_load import dead_loads
+from granwave.lammps_inputs.deck.static_stage import largest_move
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.cylinders import distances
+from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.walls import PLATE
+
+_PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
+
+
+def whole(assembly: Assembly) -> Bodies:
+    """Return all grains of a finite packing with their dead loads; those of a held layer do not
+    move.
+    """
+    case = assembly.case
+    lattice = assembly.lattice
+    bodies = packing_bodies(assembly)
+    load = np.zeros_like(bodies.dead_load)
+    if case.precompression is not None:
+        ids, force = dead_loads(assembly)
+        load[np.searchsorted(bodies.ids, ids)] = force
+    moves = bodies.moves.copy()
+    if case.boundary.bottom_rule.holds_layer:
+        moves[np.isin(bodies.ids, lattice.last_layer)] = False
+    axes = lattice.rule.axes or "xyz"
+    periods = np.empty((0, 3))
+    if lattice.periodic:
+        across = [axis in axes for axis in "xy"]
+        periods = np.diag([*lattice.lengths, 0.0])[:2][across]
+    settling = [axis in axes or along.any() for axis, along in zip("xyz", load.T, strict=True)]
+    return dataclasses.replace(
+        bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods,
+        settles=moves[:, :3] & settling,
+    )  # fmt: skip
+
+
+def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
+    case = assembly.case
+    support = case.boundary.bottom_support
+    if assembly.bars:
+        raise InputError(
+            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone"
+        )
+    if support is not None and not (damped and support.absorbs):
+        raise InputError(
+            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom that stays, or "
+            "--end matched; granwave transmission takes a damper too"
+        )
+    if case.boundary.bottom_rule.repeats:
+        raise InputError(
+            f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
+            "granwave bands without --slab takes endless packings"
+        )
+    _refuse_loads(assembly)
+
+
+def _refuse_loads(assembly: Assembly) -> None:
+    """Refuse loads on an endless packing for one that ends."""
+    case = assembly.case
+    stage = case.precompression
+    if stage is None or not isinstance(assembly.lattice, Places):
+        return
+    if stage.pressure is not None:
+        raise InputError(
+            f"{case.name}: precompression.pressure: found for grains at places of their own, which "
+            "have no face; give a force, or find the bands of the endless packing"
+        )
+    if stage.force is not None and not case.bears_along_z:
+        raise InputError(
+            f"{case.name}: precompression.force: found a force on the top, which nothing bears; "
+            "hold a grain along z, give a boundary.bottom, or find the bands of the endless packing"
+        )
+
+
+def refuse_moved(assembly: Assembly, bodies: Bodies, network: Network, position: Array) -> None:
+    """Refuse a state that a static stage would not accept, since grains rearrange on the way.
+
+    Parameters
+    ----------
+    bodies, position
+        Grains before the load, and their centres under it: (n, 3), m.
+    """
+    case = assembly.case
+    inside = np.isin(bodies.ids, network.ids)
+    displacement = (position - bodies.position)[inside]
+    moved = float(np.linalg.norm(displacement, axis=1).max(initial=0.0))
+    most = largest_move(assembly)
+    if moved > most:
+        raise RunError(
+            f"{case.name}: precompression: a grain moves by {moved / case.packing.diameter:.2g} "
+            f"diameters, expected at most {most / case.packing.diameter:.2g}: the packing "
+            "rearranges; confine it, or give a smaller load"
+        )
+
+
+def refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None:
+    """Refuse a state in which grains press on a plate or on a striker, which nothing holds.
+
+    Parameters
+    ----------
+    position
+        Centres of the grains in the static state, of all or of a column: (n, 3), m.
+    """
+    case = assembly.case
+    on_plate = np.asarray(network.supports.wall, dtype=str) == PLATE
+    if on_plate.any():
+        force = float(network.supports.force[on_plate].sum())
+        raise InputError(
+            f"{case.name}: load.kind: found a plate on which the packing presses with {force:.3g} N "
+            "before the impact, and which nothing holds; give another load"
+        )
+    column = len(position) < np.count_nonzero(assembly.sites.present)
+    if column or not assembly.strikers:
+        return  # a column stands for a packing that repeats sideways, without strikers
+    centres = np.concatenate([position, [centre for _, centre in assembly.strikers]])
+    diameter = assembly.sphere_diameters()
+    grains = np.arange(len(position))
+    shapes = assembly.grain_shapes()
+    lattice = assembly.lattice
+    period = lattice.lengths if lattice.periodic else None
+    contacts = network.contacts
+    deepest = float((contacts.force / contacts.stiffness).max(initial=0.0))
+    for number in range(len(assembly.strikers)):
+        row = len(position) + number
+        striker = np.full(len(grains), row)
+        apart = distances(centres, diameter, shapes, grains, striker, period)
+        overlap = (diameter[grains] + diameter[row]) / 2 - apart
+        if overlap.max() > _PUSHED * deepest:
+            raise InputError(
+                f"{case.name}: striker.{number + 1}: found a striker on which grain "
+                f"{assembly.ids[np.argmax(overlap)]} presses before the impact, and which nothing "
+                "holds; place it elsewhere, or give another load"
+            )

@@ -1,0 +1,174 @@
+"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static
+stage left it.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from pathlib import Path
+
+import numpy as np
+
+from granwave.analysis.result.reader import Result
+from granwave.extensions.waves.spectra.bodies import Bodies
+from granwave.extensions.waves.spectra.cells import cell_bodies, holds_some, vectors_of_layer
+from granwave.extensions.waves.spectra.finite import (
+    refuse_moved,
+    refuse_parts,
+    refuse_pushed,
+    whole,
+)
+from granwave.extensions.waves.spectra.network import Array, Network
+from granwave.extensions.waves.spectra.relax import relax
+from granwave.extensions.waves.spectra.runs import as_left, mean_cell
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.packing.assembly import Assembly
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class State:
+    """Springs of a static state.
+
+    Attributes
+    ----------
+    name
+        Name of the case.
+    assembly
+        All bodies of the case.
+    network
+        The springs.
+    source
+        ``case``, or ``run``.
+    residual
+        Largest net force on a grain over the largest contact force; NaN of a run.
+    periods
+        Periods under the load: (n_periods, 3), m.
+    spread
+        Largest difference of overlaps from their means in cells of a run, over the largest; 0 of a
+        case.
+    """
+
+    name: str
+    assembly: Assembly
+    network: Network
+    source: str
+    residual: float
+    periods: Array
+    spread: float = 0.0
+
+    @property
+    def case(self) -> Case:
+        """The case."""
+        return self.assembly.case
+
+
+def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
+    """Return the state of the unit cell of a packing, or the mean one inside a finished run.
+
+    Parameters
+    ----------
+    slab
+        True for a packing that ends above and below, as the case says, and repeats sideways alone.
+
+    Raises
+    ------
+    InputError
+        The packing does not repeat, bears no load, or the state of the run is not the same
+        everywhere.
+    """
+    if slab:
+        return _slab_state(source)
+    if isinstance(source, Assembly):
+        found = relax(cell_bodies(source))
+        return _state(source, found.network, "case", found.residual, found.periods)
+    with Result(source) as result:
+        mean = mean_cell(result)
+        network = mean.network
+        return _state(result.assembly, network, "run", np.nan, network.periods, mean.spread)
+
+
+def packing_state(source: Assembly | Path, *, damped: bool = False) -> State:
+    """Return the state of a whole packing, or that of a finished run.
+
+    Parameters
+    ----------
+    damped
+        True where a damper at the bottom is taken into account; in the static state it is a wall.
+
+    Raises
+    ------
+    InputError
+        It bears no load, or has parts that are no springs between grains.
+    """
+    if isinstance(source, Assembly):
+        refuse_parts(source, damped=damped)
+        return _in_own_cell(source, whole(source))
+    with Result(source) as result:
+        refuse_parts(result.assembly, damped=damped)
+        left = as_left(result)
+        periods = left.bodies.periods
+        return _state(result.assembly, left.network, "run", np.nan, periods)
+
+
+def _state(
+    assembly: Assembly,
+    network: Network,
+    source: str,
+    residual: float,
+    periods: Array,
+    spread: float = 0.0,
+) -> State:
+    """Return a state; raise InputError if no contact bears a force."""
+    case = assembly.case
+    if not len(network.contacts):
+        raise InputError(
+            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
+            "stiffness; give a static load that closes the contacts"
+        )
+    if not network.n_freedoms and len(network.left_out):
+        raise InputError(
+            f"{case.name}: precompression: no grain that can move bears a force; give a static load "
+            "that closes their contacts"
+        )
+    return State(case.name, assembly, network, source, residual, periods, spread)
+
+
+def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
+    """Return the state of grains in the cell that they have."""
+    case = assembly.case
+    if case.precompression is None:
+        raise InputError(
+            f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
+        )
+    found = relax(bodies)
+    network = found.network
+    refuse_moved(assembly, bodies, network, found.position)
+    refuse_pushed(assembly, network, found.position)
+    return _state(assembly, network, "case", found.residual, found.periods)
+
+
+def _slab_state(source: Assembly | Path) -> State:
+    """Return the state of a column of a packing that repeats sideways, or of all of it where its
+    grains differ.
+    """
+    found = source if isinstance(source, Assembly) else packing_state(source)
+    assembly = found if isinstance(found, Assembly) else found.assembly
+    case = assembly.case
+    refuse_parts(assembly)
+    bodies = whole(assembly)
+    if not len(bodies.periods):
+        raise InputError(
+            f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
+            "(of a lattice with layers, or of grains with packing.cell)"
+        )
+    if isinstance(found, State):
+        return found
+    lattice = assembly.lattice
+    if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(case):
+        nx, ny, nz = lattice.shape
+        bodies = bodies.part(
+            np.arange(nz) * nx * ny, vectors_of_layer(lattice.rule) * lattice.diameter
+        )
+    return _in_own_cell(assembly, bodies)

@@ -1,0 +1,258 @@
+"""Stiffness and dynamical matrices of a network of springs.
+
+The stiffness between the cells at 0 and at the vector R of periods is K_R; with the phase k.R
+between them
+
+    K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R)),   D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
+
+where the sum has each pair of opposite R once. dD/dk gives the group velocities (Hellmann,
+Feynman).
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from functools import cached_property
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
+
+from granwave.extensions.waves.spectra.network import Array, Network, across
+from granwave.lammps_inputs.errors import InputError, RunError
+
+Complex = NDArray[np.complex128]
+# degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
+DENSE_UP_TO = 600
+# degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
+_FACTORISED_UP_TO = 3000
+_PRECISION = 1e-9
+_MOST_RESTARTS = 20_000
+_BATCH = 2**24  # numbers in the matrices that are solved at once
+_BELOW = 1e-7  # of the largest omega^2, where values are sought from
+
+
+def factorised(matrix: sparse.sparray) -> Any:
+    """Factorise a matrix whose pattern is symmetric; SuperLU's default for others fills in ten
+    times as much.
+    """
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
+
+
+def _cross(vectors: Array) -> Array:
+    """Matrices of ``vector x``: (n, 3, 3)."""
+    x, y, z = vectors.T
+    zero = np.zeros_like(x)
+    return np.stack([zero, -z, y, z, zero, -x, -y, x, zero], axis=1).reshape(-1, 3, 3)
+
+
+def _strains(network: Network) -> tuple[list[Array], list[Array]]:
+    """Stretch, turning, slip, rolling and twisting of each contact by the motion of its first and
+    of its second grain: (n, 1 or 3, 6).
+    """
+    springs = network.contacts
+    normal = springs.normal
+    turn = _cross(springs.normal)
+    none = np.zeros_like(turn)
+    aside = across(normal)
+    found = []
+    for side, lever in ((1.0, springs.lever[:, 0]), (-1.0, springs.lever[:, 1])):
+        stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
+        turning = np.concatenate([side * springs.turns, none], axis=2)
+        slip = np.concatenate([side * aside, -lever[:, None, None] * turn], axis=2)
+        rolling = np.concatenate([none, side * aside], axis=2)
+        twisting = np.concatenate([np.zeros_like(normal), side * normal], axis=1)[:, None, :]
+        found.append([stretch, turning, slip, rolling, twisting])
+    return found[0], found[1]
+
+
+def _block(one: list[Array], other: list[Array], weights: list[Array]) -> Array:
+    """Sum of the products of strains, the first ones, with their stiffnesses: (n, 6, 6)."""
+    parts = zip(one[: len(weights)], other[: len(weights)], weights, strict=True)
+    return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in parts], axis=0)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Stiffness:
+    """Stiffness of a network, cell by cell; see the module.
+
+    Attributes
+    ----------
+    network
+        The network.
+    own
+        K_0: (n_freedoms, n_freedoms), N/m.
+    images
+        Whole numbers of periods R: (n_images, n_periods).
+    others
+        K_R of each.
+    """
+
+    network: Network
+    own: sparse.csr_array
+    images: NDArray[np.int64]
+    others: tuple[sparse.csr_array, ...]
+
+    @property
+    def shifts(self) -> Array:
+        """Vectors R: (n_images, 3), m."""
+        return np.asarray(self.images @ self.network.periods)
+
+    @cached_property
+    def _scaled(self) -> tuple[sparse.csr_array, list[sparse.csr_array]]:
+        """M^(-1/2) K M^(-1/2) of K_0 and of each K_R."""
+        scale = sparse.diags_array(1 / np.sqrt(self.network.masses))
+        return scale @ self.own @ scale, [scale @ one @ scale for one in self.others]
+
+    @cached_property
+    def _dense(self) -> tuple[Array, Array]:
+        own, others = self._scaled
+        n = self.network.n_freedoms
+        return own.toarray(), np.array([one.toarray() for one in others]).reshape(-1, n, n)
+
+    @cached_property
+    def largest(self) -> float:
+        """Upper bound of omega^2 by Gershgorin's circles, s^-2."""
+        return float(np.abs(self.matrix(np.zeros(3))).sum(axis=1).max())
+
+    @property
+    def total(self) -> sparse.csr_array:
+        """K(0), of all cells that move alike: (n_freedoms, n_freedoms), N/m."""
+        return sparse.csr_array(sum((one + one.T for one in self.others), start=self.own))
+
+    def _phases(self, k: Array, axis: int | None) -> Complex:
+        """Factors of the K_R at wave vectors (n_k, 3), or their slopes along an axis: (n_k,
+        n_images).
+        """
+        phases = np.exp(1j * k @ self.shifts.T)
+        return np.asarray(phases if axis is None else 1j * self.shifts[:, axis] * phases)
+
+    def dense(self, k: Array, axis: int | None = None) -> Complex:
+        """Return D(k), or dD/dk along an axis, for wave vectors (n_k, 3), rad/m: (n_k, n_freedoms,
+        n_freedoms).
+        """
+        own, others = self._dense
+        half = np.tensordot(self._phases(k, axis), others, axes=1)
+        return np.asarray((own if axis is None else 0.0) + half + half.conj().transpose(0, 2, 1))
+
+    def matrix(self, k: Array, axis: int | None = None) -> sparse.csr_array:
+        """Return D(k), or dD/dk along an axis, of one wave vector (3,), rad/m, as a sparse matrix."""
+        own, others = self._scaled
+        found = (
+            own.astype(np.complex128)
+            if axis is None
+            else sparse.csr_array(own.shape, dtype=np.complex128)
+        )
+        for phase, one in zip(self._phases(k[None], axis)[0], others, strict=True):
+            part = one * phase
+            found = found + part + part.conj().T
+        return found.tocsr()
+
+    @property
+    def small(self) -> bool:
+        """True if whole spectra are found."""
+        return self.network.n_freedoms <= DENSE_UP_TO
+
+    @property
+    def at_once(self) -> int:
+        """Number of wave vectors whose spectra are found at once."""
+        return max(1, _BATCH // self.network.n_freedoms**2) if self.small else 1
+
+    def spectrum(self, k: Array, wanted: int) -> tuple[Array, Complex]:
+        """Return the lowest omega^2 and their vectors at wave vectors (n_k, 3), rad/m.
+
+        Returns
+        -------
+        ndarray, ndarray
+            (n_k, wanted), s^-2, rising, and (n_k, n_freedoms, wanted).
+        """
+        if self.small:
+            values, vectors = np.linalg.eigh(self.dense(k))
+            return values[:, :wanted], vectors[:, :, :wanted]
+        found = [lowest(self.matrix(one), wanted, self.largest) for one in k]
+        return np.array([values for values, _ in found]), np.array(
+            [vectors for _, vectors in found]
+        )
+
+    def slope(self, k: Array, axis: int, vectors: Complex) -> Complex:
+        """Return dD/dk along an axis times vectors, as `spectrum` gives them."""
+        if self.small:
+            return np.asarray(self.dense(k, axis) @ vectors)
+        return np.array(
+            [self.matrix(one, axis) @ part for one, part in zip(k, vectors, strict=True)]
+        )
+
+
+def stiffness_of(network: Network) -> Stiffness:
+    """Assemble the stiffness of a network.
+
+    Raises
+    ------
+    InputError
+        Nothing in it can move.
+    """
+    if not network.n_freedoms:
+        raise InputError(
+            "found no grain that can move; take out [[hold]], or give other --directions"
+        )
+    springs = network.contacts
+    first, second = _strains(network)
+    weights = [springs.stiffness, -springs.force / springs.distance, springs.tangential]
+    if springs.rolling is not None and springs.twisting is not None:
+        weights += [springs.rolling, springs.twisting]
+    # the last row is walls'
+    n = network.n_freedoms
+    number = np.append(network.numbers, np.full((1, 6), -1), axis=0)
+
+    def gathered(
+        rows: NDArray[np.int64], columns: NDArray[np.int64], blocks: Array
+    ) -> sparse.csr_array:
+        row = np.repeat(number[rows], 6, axis=1).reshape(-1)
+        column = np.tile(number[columns], (1, 6)).reshape(-1)
+        kept = (row >= 0) & (column >= 0)
+        return sparse.coo_array(
+            (blocks.reshape(-1)[kept], (row[kept], column[kept])), shape=(n, n)
+        ).tocsr()
+
+    own = gathered(springs.first, springs.first, _block(first, first, weights))
+    own = own + gathered(springs.second, springs.second, _block(second, second, weights))
+    between = _block(first, second, weights)
+    inside = ~springs.image.any(axis=1)
+    coupled = gathered(springs.first[inside], springs.second[inside], between[inside])
+    own = own + coupled + coupled.T
+    images = np.unique(springs.image[~inside], axis=0)
+    others = []
+    for image in images:
+        there = np.flatnonzero((springs.image == image).all(axis=1))
+        others.append(gathered(springs.first[there], springs.second[there], between[there]))
+    return Stiffness(network, own.tocsr(), images, tuple(others))
+
+
+def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
+    """Return the lowest eigenvalues of a sparse Hermitian matrix, rising, and their vectors.
+
+    Raises
+    ------
+    RunError
+        They are not found.
+    """
+    try:
+        if matrix.shape[0] > _FACTORISED_UP_TO:
+            basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
+            values, vectors = eigsh(
+                matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS
+            )
+        else:
+            shift = -_BELOW * largest
+            inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
+            operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
+            values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
+    except ArpackNoConvergence as error:
+        raise RunError(
+            f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)"
+        ) from None
+    order = np.argsort(values)
+    return values[order], vectors[:, order]

@@ -1,0 +1,389 @@
+"""Steady transmission through a finite packing against frequency.
+
+One grain is moved along an axis by exp(-i omega t); all others follow
+
+    (K + S(omega) - omega^2 M) u = 0
+
+with S of the end: none (reflecting), a matched one, or a layer. Behind a matched end the packing
+goes on without end: with the stiffness A of the contacts of a grain of the last layer with those
+before it, and B of its contacts with side walls, along each principal direction
+
+    S = A (1 - exp(i q)),   cos q = 1 - (m omega^2 - B)/(2 A)
+
+which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a
+layer the grains are damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest
+frequency of the packing over 20. Walls across the axis do not hold the grains of the end, side
+walls do. Grains that the case lets absorb waves are damped as in its runs, and contacts lose what
+they do there, -i omega C.
+
+A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
+time A (``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the
+effective mass m*, as in the runs: grains that are held or driven along the normal do not move. A
+network whose springs have c for k, no static force and no friction has the matrix of these dampers
+for its stiffness.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import re
+from collections.abc import Callable, Sequence
+from functools import cache
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy import sparse
+
+from granwave.extensions.waves.spectra.network import Array, Network, Springs, joined
+from granwave.extensions.waves.spectra.stiffness import Stiffness, factorised, stiffness_of
+from granwave.lammps_inputs.case.contact_tables import Resistance
+from granwave.lammps_inputs.case.material import Material, Shape
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
+from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.walls import walls
+
+REFLECTING = "reflecting"
+MATCHED = "matched"
+LAYER = "layer"
+# wall, and direction of its damper
+BOTTOM = "bottom"
+_RESISTANCES = ("rolling", "twisting")
+_Z = 2
+_FACING = 0.5  # part of a wall's normal along an axis, above which the wall is across it
+_END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
+_SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
+_HELD = 1e-12  # of an inverse mass, relative to that of free grains: less is rounding of the normal
+_FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Transmission:
+    """Steady motion of sensors over that of the drive.
+
+    Attributes
+    ----------
+    drive, sensors
+        Ids.
+    axis
+        Direction of drive and sensors, of "xyz".
+    frequency
+        (n_frequencies,), Hz.
+    ratio
+        Complex ratios of displacements: (n_frequencies, n_sensors); the phase is that of a motion
+        cos(2 pi f t).
+    end
+        Kind of the far end.
+    together
+        Ids of the grains that are moved as the drive is.
+    """
+
+    drive: int
+    sensors: tuple[int, ...]
+    axis: str
+    frequency: Array
+    ratio: NDArray[np.complex128]
+    end: str
+    together: tuple[int, ...] = ()
+
+    @property
+    def amplitude(self) -> Array:
+        """Ratios of amplitudes: (n_frequencies, n_sensors)."""
+        return np.abs(self.ratio)
+
+    @property
+    def phase(self) -> Array:
+        """Phases of the sensors behind the drive, -pi to pi: (n_frequencies, n_sensors), rad;
+        negative: later.
+        """
+        return np.asarray(-np.angle(self.ratio))
+
+
+def transmission(
+    stiffness: Stiffness,
+    drive: int,
+    sensors: Sequence[int],
+    frequency: Array,
+    *,
+    axis: str = "z",
+    end: str = "",
+    dampers: Array | None = None,
+    losses: Network | None = None,
+    together: Sequence[int] = (),
+    bottom: float | None = None,
+) -> Transmission:
+    """Find the steady response to a prescribed motion of one grain, or of several alike.
+
+    Parameters
+    ----------
+    drive, sensors
+        Ids.
+    frequency
+        (n_frequencies,), Hz.
+    end
+        Far end: ``reflecting``, ``matched`` or ``layer:N``.
+    dampers
+        Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m
+        s; none by default.
+    losses
+        The network with the damping constants of its contacts for stiffnesses, N s/m; none by
+        default.
+    together
+        Ids of grains that are moved as the drive is.
+    bottom
+        Constant of the damper under the bottom, whose plate has no mass, N s/m; None for a bottom
+        that stays.
+
+    Raises
+    ------
+    InputError
+        A grain is not there, or cannot move along the axis.
+    """
+    end = end or REFLECTING
+    layer = re.fullmatch(rf"{LAYER}:([1-9]\d*)", end)
+    if end not in (REFLECTING, MATCHED) and not layer:
+        raise InputError(f"--end: found {end!r}, expected {_FORM}")
+    network = stiffness.network
+    direction = "xyz".index(axis)
+    resisting = np.zeros((network.n_grains, 6)) if dampers is None else dampers
+    matched: Callable[[float], sparse.csc_array] | None = None
+    if end != REFLECTING:
+        last, share = _far(network, drive, direction, float(layer[1]) if layer else 0.0)
+        network = _without_ends(network, last, direction)
+        losses = None if losses is None else _without_ends(losses, last, direction)
+        stiffness = stiffness_of(network)
+        if layer:
+            rate = np.zeros(network.n_grains)
+            rate[last] = 2 * _SHARE_OF_HIGHEST * math.sqrt(stiffness.largest) * share**2
+            masses = np.stack([network.mass, network.inertia], axis=1)
+            resisting = resisting + np.repeat(rate[:, None] * masses, 3, axis=1)
+        else:
+            matched = _matched(network, last)
+
+    def place_of(grain: int, option: str) -> int:
+        place = int(network.numbers[_row(network, grain, option), direction])
+        if place < 0:
+            raise InputError(
+                f"{option}: grain {grain} is held along {axis}, expected one that moves"
+            )
+        return place
+
+    driven = [place_of(grain, "--drive") for grain in dict.fromkeys((drive, *together))]
+    places = [place_of(sensor, "--sensor") for sensor in sensors]
+    mass = sparse.diags_array(network.masses)
+    damping = sparse.diags_array(resisting[network.freedoms]).tocsc()
+    if losses is not None:
+        damping = damping + stiffness_of(losses).total
+    # stiffnesses and damping constants between each freedom and the bottom
+    below, lost = np.zeros((2, network.n_freedoms))
+    place = network.numbers[network.supports.first, _Z]
+    rows = np.flatnonzero((network.supports.wall == BOTTOM) & (place >= 0))
+    below[place[rows]] = network.supports.stiffness[rows]
+    lost[place[rows]] = 0.0 if losses is None else losses.supports.stiffness[rows]
+    on_plate = bottom is not None and bool(below.any())
+    n_unknowns = network.n_freedoms + on_plate
+    others = np.delete(np.arange(n_unknowns), driven)
+    ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
+    for row, one in enumerate(frequency.tolist()):
+        omega = 2 * np.pi * one
+        whole = stiffness.total - omega**2 * mass - 1j * omega * damping
+        if matched is not None:
+            whole = whole + matched(omega)
+        if on_plate:  # the last unknown is the motion of the plate along z
+            coupling = sparse.csc_array((below - 1j * omega * lost)[:, None])
+            own = sparse.csc_array([[coupling.sum() - 1j * omega * (bottom or 0.0)]])
+            whole = sparse.block_array([[whole, -coupling], [-coupling.T, own]])
+        whole = whole.astype(np.complex128).tocsc()
+        column = np.asarray(whole[:, driven].sum(axis=1)).ravel()
+        motion = np.zeros(n_unknowns, dtype=np.complex128)
+        motion[driven] = 1.0
+        if len(others):
+            motion[others] = factorised(whole[others][:, others]).solve(-column[others])
+        ratio[row] = motion[places]
+    return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
+
+
+def _without_ends(network: Network, rows: NDArray[np.int64], direction: int) -> Network:
+    """Take the walls across a direction from grains; those along it stay."""
+    contacts = network.contacts
+    ends = (contacts.second < 0) & (np.abs(contacts.normal[:, direction]) > _FACING)
+    kept = ~(ends & np.isin(contacts.first, rows))
+    return dataclasses.replace(network, contacts=joined([contacts], kept))
+
+
+def _row(network: Network, grain: int, option: str) -> int:
+    rows = np.flatnonzero(network.ids == grain)
+    if len(rows):
+        return int(rows[0])
+    if grain in network.left_out:
+        raise InputError(
+            f"{option}: grain {grain} bears no static load, so that no small wave reaches it"
+        )
+    raise InputError(
+        f"{option}: found {grain}, expected an id from {network.ids.min()} to {network.ids.max()}"
+    )
+
+
+def _far(
+    network: Network, drive: int, direction: int, n_layer: float
+) -> tuple[NDArray[np.int64], Array]:
+    """Rows of the grains at the end that is farther from the drive, and their places in the layer
+    from 0 to 1.
+    """
+    place = network.position[:, direction]
+    here = place[_row(network, drive, "--drive")]
+    low = float(place.min())
+    high = float(place.max())
+    away = high - place if high - here >= here - low else place - low
+    spacing = float(2 * np.median(network.springs.lever))
+    depth = max(n_layer - 0.5, 0.0) * spacing if n_layer else _END_LAYER * spacing
+    last = np.flatnonzero(away <= depth)
+    if np.isin(_row(network, drive, "--drive"), last):
+        raise InputError(
+            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner layer"
+        )
+    return last, 1 - away[last] / max(depth, 1e-300)
+
+
+def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], sparse.csc_array]:
+    """Return S of a matched end, (n_freedoms, n_freedoms), N/m, as a function of omega, rad/s."""
+    springs = network.springs
+    inside = np.zeros(network.n_grains, dtype=bool)
+    inside[last] = True
+    stiffness = np.zeros((network.n_grains, 3, 3))
+    for one, other in ((springs.first, springs.second), (springs.second, springs.first)):
+        between = np.flatnonzero(inside[one] & ~inside[other])
+        np.add.at(stiffness, one[between], _blocks(springs)[between])
+    held = np.zeros_like(stiffness)
+    np.add.at(held, network.supports.first, _blocks(network.supports))
+    number = network.numbers[last, :3]
+    n = network.n_freedoms
+    rows, columns = np.broadcast_arrays(number[:, :, None], number[:, None, :])
+    kept = (rows >= 0) & (columns >= 0)
+    strength, axes = np.linalg.eigh(np.where(kept, stiffness[last], 0.0))
+    sideways = np.einsum("nab,nai,nbi->ni", np.where(kept, held[last], 0.0), axes, axes)
+
+    def at(omega: float) -> sparse.csc_array:
+        stiff = np.where(strength > 0, strength, 1.0)
+        inertia = network.mass[last, None] * omega**2 - sideways
+        cosine = (1 - inertia / (2 * stiff)).astype(np.complex128)
+        decay = -np.sign(cosine.real) * np.sqrt(cosine**2 - 1)  # below and above the pass band
+        inner = np.where(np.abs(cosine) <= 1, 1j * np.sqrt(1 - cosine**2), decay)
+        impedance = np.where(strength > 0, stiff * (1 - cosine - inner), 0.0)
+        blocks = (axes * impedance[:, None, :]) @ axes.transpose(0, 2, 1)
+        return sparse.coo_array((blocks[kept], (rows[kept], columns[kept])), shape=(n, n)).tocsc()
+
+    return at
+
+
+def _blocks(springs: Springs) -> Array:
+    """Return the stiffness of each contact against displacements of its first grain: (n, 3, 3),
+    N/m.
+    """
+    normal = springs.normal
+    parallel = normal[:, :, None] * normal[:, None, :]
+    block = springs.stiffness[:, None, None] * parallel
+    block = block + springs.tangential[:, None, None] * (np.eye(3) - parallel)
+    return np.asarray(block - (springs.force / springs.distance)[:, None, None] * springs.turns)
+
+
+def dampers_of(assembly: Assembly, network: Network) -> Array:
+    """Return force over velocity, and moment over angular velocity, of each grain: (n_grains, 6), N
+    s/m and N m s.
+    """
+    found = np.zeros((network.n_grains, 6))
+    for entry in assembly.case.absorb:
+        rows = np.flatnonzero(np.isin(network.ids, absorbing_ids(assembly, entry)))
+        if entry.rate is None:
+            found[rows, _Z] = impedance_of(assembly, entry)
+            continue
+        rate = np.full(len(rows), entry.rate)
+        if (rise := rise_of(assembly, entry)) is not None:
+            place = network.position[rows, "xyz".index(entry.towards[1])]
+            rate *= np.clip((place - rise[0]) / (rise[1] - rise[0]), 0.0, 1.0) ** 2
+        found[rows, :3] = (rate * network.mass[rows])[:, None]
+        found[rows, 3:] = (rate * network.inertia[rows])[:, None]
+    return found
+
+
+def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
+    """Return the effective masses of contacts along their normals, of grains that move in some
+    directions only, (n_grains, 3): (n_contacts,), kg.
+
+    Where nothing moves along the normal, those of the same grains without what holds them, as in
+    the pair style.
+    """
+    contacts = network.contacts
+    square = contacts.normal**2
+    inverse = np.append(1 / network.mass, 0.0)  # walls are the row beyond the last
+    left = np.vstack([moves, np.zeros(3)])
+    free = np.zeros(len(contacts))
+    moved = np.zeros(len(contacts))
+    for rows in (contacts.first, contacts.second):
+        free += inverse[rows]
+        moved += inverse[rows] * (square * left[rows]).sum(axis=1)
+    return np.asarray(1 / np.where(moved > _HELD * free, moved, free))
+
+
+def losses_of(
+    assembly: Assembly, network: Network, driven: Sequence[int] = (), axis: str = ""
+) -> Network | None:
+    """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if
+    they lose nothing.
+
+    Parameters
+    ----------
+    driven
+        Ids of grains whose motion is prescribed.
+    axis
+        Direction in which it is.
+    """
+    case = assembly.case
+    for name, resistance in (
+        (name, getattr(contact, name)) for contact in case.contact_laws for name in _RESISTANCES
+    ):
+        if isinstance(resistance, Resistance) and resistance.coefficient and resistance.damping:
+            raise InputError(
+                f"{case.name}: contact.{name}.damping: found {resistance.damping:g}, expected 0: "
+                "only contact.loss is taken into account in a steady motion"
+            )
+    if not case.has_loss:
+        return None
+    contacts = network.contacts
+    partners = {wall.name: wall.material for wall in walls(assembly)}
+
+    @cache
+    def loss_of(
+        materials: tuple[Material, Material], shapes: tuple[Shape, Shape] | None
+    ) -> Viscous | None:
+        """Loss of a pair, or without shapes of a contact with a wall."""
+        more: dict[str, Any] = {"flat": True} if shapes is None else {"shapes": shapes}
+        return viscous_loss(assembly, case.contact_between(*materials), *materials, **more)
+
+    damping = np.zeros(len(contacts))
+    moves = network.moves[:, :3].copy()
+    for direction in axis:
+        moves[np.isin(network.ids, driven), "xyz".index(direction)] = False
+    effective = _effective_masses(network, moves)
+    ids = np.stack([network.ids[contacts.first], network.ids[contacts.second]], axis=1).tolist()
+    names = [""] * len(contacts) if contacts.wall is None else contacts.wall.tolist()
+    for row, ((i, j), wall) in enumerate(zip(ids, names, strict=True)):
+        if wall:
+            loss = loss_of((assembly.material_of(i), partners[wall]), None)
+        else:
+            materials = assembly.material_of(i), assembly.material_of(j)
+            loss = loss_of(materials, (assembly.shape_of(i), assembly.shape_of(j)))
+        if loss is not None:
+            kind, size = loss
+            k = float(contacts.stiffness[row])
+            damping[row] = size * (
+                k if kind == "time" else math.sqrt(2 / 3 * float(effective[row]) * k)
+            )
+    none = np.zeros(len(contacts))
+    damped = dataclasses.replace(
+        contacts, stiffness=damping, tangential=none, force=none, rolling=none, twisting=none
+    )
+    return dataclasses.replace(network, contacts=damped)

@@ -1,1 +1,0 @@
-"""Finite-element references: a punch on a block, and the contact of two spheres."""
