@@ -251,11 +251,10 @@ echo "${COMPREPLY[@]}"
     assert done.stdout.split() == ["fcc-small"], done.stderr
 
 
-SECTIONS = {
-    (kind.name, heading.strip("[]") or kind.name): section
-    for kind in file_kinds()
-    for heading, (section, _) in load(kind.sections).items()
-}
+SECTIONS: dict[tuple[str, str], type] = {}
+for kind in file_kinds():
+    for heading, (section, _) in load(kind.sections)().items():
+        SECTIONS[kind.name, heading.strip("[]") or kind.name] = section
 # tables and words that code besides the field's validator reads
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
 
