@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import ast
 import json
 import subprocess
 import sys
 import tomllib
-from pathlib import Path
 
 import h5py
 import numpy as np
@@ -16,7 +14,6 @@ import pytest
 import granwave as gw
 from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
-from granwave.lammps_inputs.extensions import added_by_name
 from granwave.workflows import library
 from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
@@ -91,28 +88,6 @@ def test_there_is_no_other_name():
     with pytest.raises(AttributeError, match="has no attribute 'x'"):
         _ = gw.x
     assert all(hasattr(gw, name) for name in gw.__all__)
-
-
-def names_for_types() -> tuple[list[str], list[str]]:
-    """Names that the package imports for type checkers, and its __all__ for them."""
-    tree = ast.parse(Path(gw.__file__).read_text(encoding="utf-8"))
-    (block,) = (node for node in tree.body if isinstance(node, ast.If))
-    imported = [
-        alias.name
-        for node in block.body
-        if isinstance(node, ast.ImportFrom)
-        for alias in node.names
-    ]
-    (listed,) = (node.value for node in block.body if isinstance(node, ast.Assign))
-    return sorted(imported), ast.literal_eval(listed)
-
-
-def test_types_see_what_is_there():
-    """The names for type checkers are those of the module, with those of our extensions."""
-    imported, listed = names_for_types()
-    assert imported == listed == gw.__all__
-    assert set(added_by_name("python")) <= set(listed)
-    assert set(gw.__all__) <= set(dir(gw))
 
 
 def test_run(tiny, directory):
@@ -194,7 +169,6 @@ def test_ways_to_give_a_case(tmp_path):
     again = tmp_path / "again.toml"
     again.write_text(expected.to_toml())
     assert gw.case(again) == expected
-    assert type(gw.case("half-space", punch__velocity=3)).__name__ == "ContinuumCase"
 
 
 def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):

@@ -142,6 +142,10 @@ def test_continuum(tmp_path):
         _ = run.spheres
 
 
+def test_a_case_in_python():
+    assert type(gw.case("half-space", punch__velocity=3)).__name__ == "ContinuumCase"
+
+
 def test_ranks_are_of_packings():
     message = "ranks: found 2, expected 1: half-space is a continuum case"
     with pytest.raises(gw.InputError, match=message):

@@ -16,6 +16,7 @@ import tomllib
 
 import pytest
 import tomli_w
+from jsonschema import Draft202012Validator
 
 import granwave as gw
 from granwave.extensions.design.search.design_file import load_problem
@@ -102,6 +103,10 @@ def rows_of(directory):
 
 def problem_of(folder, **changes):
     return load_problem({**TABLES, "base": str(folder / "chain.toml"), **changes})
+
+
+def test_a_design_without_variables_does_not_fit_the_schema():
+    assert not Draft202012Validator(schema_of("design")).is_valid({"base": "fcc-small"})
 
 
 def test_all_designs_of_a_small_space(searched):
