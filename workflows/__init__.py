@@ -1,4 +1,4 @@
-"""Runs, scans, finite-element references and the command line.
+"""Runs, scans and the command line.
 
 from granwave.workflows import load_case, run_case, load_scan, run_scan
 

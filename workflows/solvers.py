@@ -60,7 +60,7 @@ class CaseKind:
     verb
         Command that runs them.
     noun
-        Noun with its article, for messages: "a continuum case".
+        Noun with its article, for messages: "a granular case".
     tables
         Tables by which a case of this kind is recognised: it has one of them.
     file_kind

@@ -117,7 +117,7 @@ def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: 
     Returns
     -------
     Case
-        The case; of a continuum case an object of its own kind.
+        The case; of another kind of case an object of its own class.
 
     Raises
     ------

@@ -37,6 +37,7 @@ from granwave.extensions.design.search.study import Design, DesignStudy, first_d
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.workflows.cli.json_schema import schema_of
 from tests.conftest import PLAIN
 from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
