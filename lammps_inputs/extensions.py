@@ -16,7 +16,7 @@ import importlib
 import itertools
 import logging
 import os
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
@@ -155,6 +155,24 @@ def left_out() -> tuple[Extension, ...]:
     names = {extension.name for extension in extensions()}
     others = (_load(point) for point in _points() if point.name not in names)
     return tuple(extension for extension in others if extension is not None)
+
+
+def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
+    """Return that what is asked for belongs to an extension that is left out; empty if not.
+
+    Parameters
+    ----------
+    field
+        Name of a field that refers to a sequence, such as ``commands``.
+    is_it
+        Function that returns True for an entry that is asked for.
+    """
+    for extension in left_out():
+        reference = getattr(extension, field)
+        if reference and any(map(is_it, load(reference))):
+            owner = f"it belongs to the extension {extension.name}"
+            return f"{owner}, which {WITHOUT} leaves out: remove it from there"
+    return ""
 
 
 def distribution_of(extension: Extension) -> str:

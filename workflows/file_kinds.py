@@ -6,7 +6,8 @@ import dataclasses
 from collections.abc import Callable, Mapping
 from typing import Any
 
-from granwave.lammps_inputs.extensions import with_added
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import owner_left_out, with_added
 from granwave.workflows.solvers import GRANULAR, has_tables_of_a_case
 
 SCAN = "scan"  # command that runs scans
@@ -57,6 +58,10 @@ class FileKind:
     given_elsewhere: tuple[str, ...] = ()
     after: str = ""
 
+    def is_of(self, tables: Mapping[str, Any]) -> bool:
+        """Return True for the tables of a file that is recognised as one of this kind."""
+        return self.recognises is not None and self.recognises(tables)
+
 
 def is_scan(tables: Mapping[str, Any]) -> bool:
     """Return True for the tables of a scan file or a suite."""
@@ -95,8 +100,16 @@ def file_kinds() -> tuple[FileKind, ...]:
 
 
 def other_than_a_case(tables: Mapping[str, Any]) -> FileKind | None:
-    """Return the kind of a file from its tables; None for a case."""
+    """Return the kind of a file from its tables; None for a case.
+
+    Raises
+    ------
+    InputError
+        The kind is known to an extension that is left out.
+    """
     for kind in reversed(file_kinds()):  # those of extensions first: their files may vary keys too
-        if kind.recognises is not None and kind.recognises(tables):
+        if kind.is_of(tables):
             return kind
+    if owner := owner_left_out("file_kinds", lambda kind: kind.is_of(tables)):
+        raise InputError(f"this kind of file is not known; {owner}")
     return None

@@ -12,7 +12,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.extensions import WITHOUT, added, left_out, load
+from granwave.lammps_inputs.extensions import added, owner_left_out
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import assemble
@@ -160,21 +160,11 @@ def solver_of(tables: Mapping[str, Any]) -> CaseKind:
     for kind in _of_extensions():
         if kind.recognises(tables):
             return kind
-    if not GRANULAR.recognises(tables):
-        _refuse_left_out(tables)
+    if GRANULAR.recognises(tables):
+        return GRANULAR
+    if owner := owner_left_out("case_kinds", lambda kind: kind.recognises(tables)):
+        raise InputError(f"this kind of case is not known; {owner}")
     return GRANULAR
-
-
-def _refuse_left_out(tables: Mapping[str, Any]) -> None:
-    """Raise InputError for a kind of case of an extension that is left out."""
-    for extension in left_out():
-        kinds = load(extension.case_kinds) if extension.case_kinds else ()
-        for name in (name for kind in kinds for name in kind.tables):
-            if name in tables:
-                raise InputError(
-                    f"[{name}]: this kind of case is not known; it belongs to the extension "
-                    f"{extension.name}, which {WITHOUT} leaves out: remove it from there"
-                )
 
 
 def _check_files(case: Case) -> None:

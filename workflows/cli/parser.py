@@ -13,7 +13,7 @@ from granwave._contact_laws import LawParameter
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, type_of
 from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
-from granwave.lammps_inputs.extensions import with_added
+from granwave.lammps_inputs.extensions import owner_left_out, with_added
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.cli.commands import (
@@ -46,6 +46,7 @@ from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
 from granwave.workflows.file_kinds import file_kinds
 
 WRONG_INPUT = 2  # exit status
+_COMMAND = "COMMAND"  # stands for the name of a command in the help
 
 
 def _law_parameter(parameter: LawParameter) -> Option:
@@ -175,7 +176,7 @@ def make_parser() -> argparse.ArgumentParser:
         prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
     )
     parser.add_argument("--version", action="version", version=f"granwave {__version__}")
-    verbs = parser.add_subparsers(required=True, metavar="COMMAND")
+    verbs = parser.add_subparsers(required=True, metavar=_COMMAND)
     parser._positionals._group_actions.clear()  # the groups list them
     listed = commands()
     for title in dict.fromkeys(command.group for command in listed):
@@ -188,7 +189,7 @@ def make_parser() -> argparse.ArgumentParser:
         group._group_actions.extend(verbs._choices_actions[first:])
     shown = verbs.choices["help"]
     shown.add_argument(
-        "name", nargs="?", choices=[*verbs.choices], metavar="COMMAND", help="name of a command"
+        "name", nargs="?", choices=[*verbs.choices], metavar=_COMMAND, help="name of a command"
     )
     shown.set_defaults(parsers={None: parser, **verbs.choices})
     return parser
@@ -230,6 +231,9 @@ class _Parser(argparse.ArgumentParser):
             name, found, listed = choice.groups()
             options = re.findall(r"[\w-]+", listed)
             hint = did_you_mean(found, options)
+            if name == _COMMAND:
+                owner = owner_left_out("commands", lambda command: command.name == found)
+                hint = f"; {owner}" if owner else hint
             message = f"{name}: found {show(found)}, expected one of {', '.join(options)}{hint}"
         elif message.startswith("unrecognized arguments: "):
             message += _meant(message.split()[2].partition("=")[0])

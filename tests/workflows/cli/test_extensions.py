@@ -102,6 +102,7 @@ def test_there_are_the_cases_and_keys_of_the_core():
 def test_a_command_of_an_extension_is_not_known():
     done = bare("bands", "fcc-small")
     assert done.returncode == 2 and 'found "bands", expected one of cases, ' in done.stderr
+    assert "it belongs to the extension waves, which GRANWAVE_WITHOUT leaves out" in done.stderr
 
 
 @pytest.mark.parametrize("command", ["run", "check", "write"])
@@ -110,9 +111,16 @@ def test_a_case_of_an_extension_that_is_left_out(command, tmp_path):
     words = [command, "block.toml", *(["-o", "deck"] if command == "write" else [])]
     done = bare(*words, folder=tmp_path)
     assert done.returncode == 2
-    assert done.stderr.startswith("granwave: block.toml: [block]: this kind of case is not known")
-    assert "extension continuum, which GRANWAVE_WITHOUT leaves out" in done.stderr
+    words = "block.toml: this kind of case is not known; it belongs to the extension continuum"
+    assert words in done.stderr and "which GRANWAVE_WITHOUT leaves out" in done.stderr
     assert os.listdir(tmp_path) == ["block.toml"]
+
+
+def test_a_file_of_an_extension_that_is_left_out(tmp_path):
+    (tmp_path / "design.toml").write_text('base = "fcc-small"\n[variables]\n', encoding="utf-8")
+    done = bare("check", "design.toml", folder=tmp_path)
+    words = "design.toml: this kind of file is not known; it belongs to the extension design"
+    assert done.returncode == 2 and words in done.stderr
 
 
 PYTHON = """
