@@ -202,7 +202,7 @@ def digests(suite: Suite) -> dict[str, str]:
 
 def _files_of(module: str) -> set[Path]:
     """Return the file of a study's module, and the files of its folder that it imports."""
-    package = module.rpartition(".")[0]
+    package = _package_of(module)
     files: set[Path] = set()
     modules = [module]
     while modules:
@@ -216,9 +216,13 @@ def _files_of(module: str) -> set[Path]:
         for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
             if isinstance(node, ast.ImportFrom) and node.module == package:
                 modules += [f"{package}.{alias.name}" for alias in node.names]
-            elif isinstance(node, ast.ImportFrom) and (node.module or "").startswith(f"{package}."):
+            elif isinstance(node, ast.ImportFrom) and _package_of(node.module or "") == package:
                 modules.append(str(node.module))
     return files
+
+
+def _package_of(module: str) -> str:
+    return module.rpartition(".")[0]
 
 
 def studies_named(suite: Suite) -> set[str]:
