@@ -7,4 +7,5 @@ extension = Extension(
     title="cut packings, films, views, files for ParaView and OVITO",
     packages={"imageio_ffmpeg": "imageio-ffmpeg", "k3d": "k3d", "vtk": "vtk", "vtkmodules": "vtk"},
     extra="pictures",
+    commands="granwave.extensions.pictures.commands:COMMANDS",
 )
