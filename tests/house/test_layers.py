@@ -19,16 +19,17 @@ PACKAGES = ("extensions", "workflows", "analysis", "lammps_inputs", "plugins")
 # From top to bottom: a file imports from its own folder and from folders on lower levels. A name
 # denotes a folder or a file.
 FLOORS = """
-extensions/__init__
+extensions/__init__ workflows/package workflows/__main__
 extensions/design
 extensions/continuum extensions/inference extensions/pictures extensions/waves
-workflows/package workflows/__main__
 workflows/cli workflows/python
 workflows/bench
 workflows/scanning
 workflows/run
 workflows/library
+workflows/file_kinds
 workflows/solvers
+workflows/check_part
 analysis/reports
 analysis/notebook
 analysis/exports
@@ -54,7 +55,8 @@ lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
-lammps_inputs/errors lammps_inputs/extensions
+lammps_inputs/extensions
+lammps_inputs/errors
 plugins plugins/package
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
