@@ -32,7 +32,6 @@ from granwave.workflows.cli.json_schema import schema_of
 from granwave.workflows.cli.keys import Key, KeyTable, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
 from granwave.workflows.file_kinds import CASE_FILE, file_kinds
-from granwave.workflows.file_kinds import CASE_FILE
 
 ROOT = Path(__file__).parents[2]
 MANUAL = ROOT / "plugins" / "doc"
