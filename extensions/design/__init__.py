@@ -7,4 +7,6 @@ extension = Extension(
     title="search for the best packing",
     packages={"sklearn": "scikit-learn"},
     extra="design",
+    result_kinds="granwave.extensions.design.files:RESULT_KINDS",
+    report="granwave.extensions.design.report:REPORT_KINDS",
 )

@@ -7,4 +7,6 @@ extension = Extension(
     title="contact forces from measured grains",
     packages={"clarabel": "clarabel"},
     extra="inference",
+    result_kinds="granwave.extensions.inference.files:RESULT_KINDS",
+    report="granwave.extensions.inference.report:REPORT_KINDS",
 )

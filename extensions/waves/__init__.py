@@ -8,4 +8,7 @@ extension = Extension(
     name="waves",
     title="bands, modes and transmission of small waves",
     folder=Path(__file__).parent,
+    result_kinds="granwave.extensions.waves.files:RESULT_KINDS",
+    studies={"bands": "granwave.extensions.waves.study"},
+    report="granwave.extensions.waves.report:REPORT_KINDS",
 )

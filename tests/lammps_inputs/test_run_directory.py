@@ -13,10 +13,11 @@ import pytest
 
 from granwave.analysis import analyse, draw_figures, summarise
 from granwave.analysis.result.reader import Result
+from granwave.extensions.waves.files import SPECTRA
 from granwave.lammps_inputs import own_files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import MARKER, POINT_FILES, RUN, SCAN, SPECTRA
+from granwave.lammps_inputs.run_directory import MARKER, POINT_FILES, RUN, SCAN
 from tests.helpers import synthetic
 
 

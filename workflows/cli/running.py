@@ -13,7 +13,7 @@ from pathlib import Path
 from typing import Any
 
 from granwave.analysis.measures.zone_size import zone_warning
-from granwave.analysis.summary_table import summary_table
+from granwave.analysis.summary_table import rows_of, summary_table
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import read_deck, write_deck
 from granwave.lammps_inputs.directories import check_disk, results_directory
@@ -118,12 +118,12 @@ def continuum(options: argparse.Namespace) -> int:
     if not options.resume:  # a finished run needs no resources
         kind.afford(case, kind.cost(case, 1, options.figures), directory)
     assert kind.run is not None  # of continuum cases
-    with held(ResultDirectory(directory)):
+    results = ResultDirectory(directory)
+    with held(results):
         summary = kind.run(case, directory, progress=True, **_how(options))
-    print_json(summary) if options.json else print(
-        f"{summary_table(summary, continuum=True)}\n\nresults in {directory}"
-    )
-    _warn_of_zone(summary)
+    table = summary_table(summary, rows_of(results.kind.rows))
+    print_json(summary) if options.json else print(f"{table}\n\nresults in {directory}")
+    _warn_of_zone(summary, results.kind.body)
     return 0
 
 
@@ -213,7 +213,7 @@ def _assembly_of(directory: Path) -> Assembly:
         return assemble(read_deck(directory).case)
 
 
-def _warn_of_zone(summary: Mapping[str, Any]) -> None:
-    """Print a warning if the size of the packing or block limits the plastic zone."""
-    if warning := zone_warning(summary):
+def _warn_of_zone(summary: Mapping[str, Any], body: str = "packing") -> None:
+    """Print a warning if the size of the packing, or of another body, limits the plastic zone."""
+    if warning := zone_warning(summary, body):
         warn(f"{summary['name']}: {warning}")
