@@ -136,7 +136,6 @@ def _zone_sizes() -> tuple[Quantity, ...]:
 ENTRIES = (
     # the run
     Quantity("name", note="Name of the case."),
-    Quantity("kind", note="Of finite-element runs: continuum or sphere-contact."),
     Quantity("n_spheres", "Spheres", note="With strikers, and cylinders where there are any."),
     Quantity("n_cylinders", "Cylinders among the grains", short="cylinders", note="Only of packings that hold any."),
     Quantity("n_contacts", "Contacts at the start",

