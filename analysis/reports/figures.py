@@ -21,7 +21,7 @@ from granwave.analysis.document.model import (
     Link,
     Note,
 )
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
 from granwave.analysis.formatting.values import as_label, grains_called_in
@@ -51,7 +51,7 @@ _COLOURS = 256
 _MOST_INSTANTS = 2000  # points of a curve
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 
-_CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {
+_CAPTIONS = {name: figure.caption for name, figure in run_figures().items()} | {
     "bands": "Band diagram: frequency against wave vector",
     "group_velocity": "Group velocity against frequency",
     "slowness": "Slowness of long waves over the directions of a plane",
@@ -97,7 +97,7 @@ _LOOK = {  # the rest of a caption: what to look for
     "plastic_zone_volume": "Where the zone at one instant falls after a peak, the wave has passed.",
     "punch": "Where the velocity is level, the punch has left the block.",
     "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
-} | {name: figure.look for name, figure in FIGURES.items()}
+} | {name: figure.look for name, figure in run_figures().items()}
 _BY_KIND = {  # figures of results that may share a directory
     "bands": ("bands", "group_velocity", "slowness", "equal_frequency", "mode_shapes"),
     "modes": ("density_of_states", "participation"),

@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
@@ -175,7 +176,7 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
-    ("figures", "only"): _names(_table("figures.run_figures", "FIGURES")),
+    ("figures", "only"): _names(lambda _: figure_names()),
     ("film", "quantity"): _names(_table("films", "QUANTITIES")),
     ("film", "view"): _names(_table("films", "VIEWS")),
     ("export", "to"): _names(_table("exports.export", "FORMATS")),
