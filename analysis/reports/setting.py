@@ -15,7 +15,7 @@ from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
 from granwave.lammps_inputs.case.boundary import SUPPORTS
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Wording
-from granwave.lammps_inputs.case.loads.registry import LOADS
+from granwave.lammps_inputs.case.loads.registry import load_kinds
 from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
@@ -246,7 +246,7 @@ def is_chain(case: Mapping[str, Any]) -> bool:
 
 
 def _load(case: Mapping[str, Any]) -> str:
-    load = LOADS.get(str(case.get("load.kind")), ImpactLoad)
+    load = load_kinds().get(str(case.get("load.kind")), ImpactLoad)
     if "punch.velocity" in case:
         case = {"load.velocity": case["punch.velocity"], **case}
     return load.phrase(case, Wording(quantity_in, show))

@@ -26,7 +26,7 @@ from granwave.analysis.studies.registry import STUDIES
 from granwave.extensions.inference.forces.tables import ENTRIES as OF_INFERENCE
 from granwave.extensions.waves.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
 from granwave.workflows.cli.json_schema import schema_of
 from granwave.workflows.cli.keys import CASE, FILES, Key, KeyTable, state, tables
@@ -166,7 +166,7 @@ def lattices() -> str:
     """Return the table of the packings."""
     rows = [
         f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
-        for name, kind in KINDS.items()
+        for name, kind in lattice_kinds().items()
     ]
     head = "| kind | name | `packing.size` | its layers |"
     return "\n".join([head, "|---|---|---|---|", *rows])

@@ -23,7 +23,7 @@ from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.extensions.continuum.sphere_contact.case import Partner, SphereContactCase
 from granwave.extensions.design.search.problem import DESIGN_TABLES
 from granwave.extensions.inference.forces.case import InferCase
-from granwave.lammps_inputs.case.case import TABLES, CaseHead
+from granwave.lammps_inputs.case.case import CaseHead, case_tables
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
 from granwave.lammps_inputs.case.schema import (
@@ -116,7 +116,7 @@ def tables() -> tuple[KeyTable, ...]:
     """Return all tables of all kinds of files."""
     elements = {CONTINUUM: ContinuumCase.SECTIONS, SPHERE_CONTACT: SphereContactCase.SECTIONS}
     found = [_of_section(CASE, "", CaseHead, _HEAD)]
-    found += [_of_section(CASE, heading, section) for heading, section in TABLES.items()]
+    found += [_of_section(CASE, heading, section) for heading, section in case_tables().items()]
     found.append(_pair())
     for file, sections in elements.items():
         found.append(_of_section(file, "", CaseHead, _HEAD))
@@ -256,7 +256,7 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> K
 
 def _pair() -> KeyTable:
     """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
-    contact = _of_section(CASE, "[contact]", TABLES["[contact]"])
+    contact = _of_section(CASE, "[contact]", case_tables()["[contact]"])
     own = _of_section(CASE, "[[pair]]", Pair)
     of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
     taken = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)

@@ -19,8 +19,8 @@ from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.extensions.continuum.sphere_contact.case import SphereContactCase
 from granwave.extensions.inference.forces.case import InferCase
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.case import TABLES, case_keys
-from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
+from granwave.lammps_inputs.case.case import case_keys, case_tables
+from granwave.lammps_inputs.case.loads.registry import load_section, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
 from granwave.workflows import library
@@ -256,7 +256,7 @@ echo "${COMPREPLY[@]}"
 
 
 SECTIONS = {
-    **{(keys.CASE, heading.strip("[]")): section for heading, section in TABLES.items()},
+    **{(keys.CASE, heading.strip("[]")): section for heading, section in case_tables().items()},
     **{(keys.CONTINUUM, name): section for name, section in ContinuumCase.SECTIONS.items()},
     **{
         (keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()
@@ -285,7 +285,7 @@ def test_every_key_that_is_read_is_listed():
     }
     known = {key.replace(".1.", ".") for key in case_keys() if "." in key}
     assert known <= listed
-    assert {field.name for field in dataclasses.fields(LoadSection)} <= {
+    assert {field.name for field in dataclasses.fields(load_section())} <= {
         key.name for key in keys.find("load")[0].keys
     }
 
