@@ -69,7 +69,8 @@ class Extension:
         Files that a run leaves besides figures, as ``[figures]`` of its case asks: reference to a
         sequence of `granwave.analysis.products.Product`.
     exports
-        Formats of ``granwave export``: reference to a function by name of the format.
+        Formats of ``granwave export``: reference to a
+        `granwave.analysis.exports.formats.ExportFormat` by name of the format.
     studies
         Studies of runs by name: module, see `granwave.analysis.studies.registry`.
     report

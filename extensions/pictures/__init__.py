@@ -11,4 +11,8 @@ extension = Extension(
         "packing_3d": "granwave.extensions.pictures.packing3d:PEAK_FORCE",
         "packing_3d_dissipation": "granwave.extensions.pictures.packing3d:DISSIPATION",
     },
+    exports={
+        "ovito": "granwave.extensions.pictures.exports:OVITO",
+        "vtp": "granwave.extensions.pictures.exports:VTP",
+    },
 )

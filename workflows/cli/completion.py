@@ -13,6 +13,7 @@ import re
 from collections.abc import Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
+from granwave.analysis.exports.names import export_names
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.run import figure_names
@@ -179,7 +180,7 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("figures", "only"): _names(lambda _: figure_names()),
     ("film", "quantity"): _names(_table("films", "QUANTITIES")),
     ("film", "view"): _names(_table("films", "VIEWS")),
-    ("export", "to"): _names(_table("exports.export", "FORMATS")),
+    ("export", "to"): _names(lambda _: export_names()),
     ("law", "material"): _PRESETS,
     ("fit", "material"): _PRESETS,
     ("bench", "parts"): _names(lambda _: BENCH_PARTS),

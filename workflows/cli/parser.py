@@ -13,6 +13,7 @@ from typing import Any, NoReturn
 
 from granwave import __version__
 from granwave._contact_laws import LawParameter
+from granwave.analysis.exports.names import export_names
 from granwave.extensions.waves.spectra.quantities import MOST_BANDS, MOST_MODES, POINTS
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, type_of
@@ -264,7 +265,7 @@ COMMANDS = (
         _option("--rate", type=read.number, metavar="N", help="pictures per second (default: 3 to 25)"),
     )),
     Command("export", _LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "granwave.workflows.cli.results:export", (
-        _RUN_OR_SCAN, _option("--to", required=True, metavar="FORMAT", help="one of vtp, csv, netcdf, ovito"),
+        _RUN_OR_SCAN, _option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
         _output("where to (default: DIR/export)", "DIR"),
     )),
     Command("bands", _WAVES, "bands of an endless packing under a static load: gaps, speeds, modes", "granwave.extensions.waves.terminal:bands", (
