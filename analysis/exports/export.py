@@ -5,7 +5,6 @@ Files are written to a scratch directory, and moved into place when all are comp
 
 from __future__ import annotations
 
-from functools import cache
 from pathlib import Path
 
 from granwave.analysis.errors import OutputFormatError, did_you_mean
@@ -36,22 +35,16 @@ _OWN = {
 }
 
 
-@cache
-def export_formats() -> dict[str, ExportFormat]:
-    """Return the formats by name, those of extensions too, in alphabetical order.
+def export_format(name: str) -> ExportFormat:
+    """Return the format of a name, one of `export_names`.
 
     Raises
     ------
     InputError
-        Two formats have the same name.
+        Two formats have this name.
     """
     added = {one.name: one.exports for one in extensions()}
-    formats = joined("export format", _OWN, added)
-    return {name: _loaded(formats[name]) for name in sorted(formats)}
-
-
-def _loaded(entry: ExportFormat | str) -> ExportFormat:
-    """Return a format of the core, or that of a reference."""
+    entry: ExportFormat | str = joined("export format", _OWN, added)[name]
     return load(entry) if isinstance(entry, str) else entry
 
 
@@ -65,7 +58,7 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     directory
         Directory of a run or, for csv and netcdf, of a scan, whose table is exported.
     to
-        One of `export_formats`.
+        One of `export_names`.
     output
         Directory to write to; by default ``directory/export``.
 
@@ -103,11 +96,11 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
 
 
 def _export(directory: Path, to: str, output: Path) -> list[Path]:
-    chosen = export_formats()[to]
+    chosen = export_format(to)
     if not is_scan(directory):
         return chosen.run(directory, output)
     if chosen.scan is None:
-        able = " or ".join(name for name, one in export_formats().items() if one.scan is not None)
+        able = " or ".join(name for name in export_names() if export_format(name).scan)
         raise InputError(
             f"{directory}: is a scan, and --to {to} shows a single run; give the directory of a point, "
             f"{directory / 'points'}/ID (scan.csv tells which), or use --to {able}"
