@@ -204,6 +204,30 @@ def _loaded(extension: Extension, field: str, reference: str) -> Any:
     )
 
 
+def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
+    """Return the objects in the sequences of a field of all extensions by one of their attributes.
+
+    Parameters
+    ----------
+    field
+        Name of a field that is a reference to a sequence, such as ``products``.
+    noun
+        Noun for the objects, in messages.
+    key
+        Name of the attribute.
+
+    Raises
+    ------
+    InputError
+        A reference cannot be loaded, or two objects have the same attribute.
+    """
+    added = {
+        extension: {getattr(entry, key): entry for entry in entries}
+        for extension, entries in loaded(field).items()
+    }
+    return joined(noun, {}, added)
+
+
 def added_by_name(field: str) -> dict[str, str]:
     """Return the references of a field of all extensions by name.
 

@@ -11,6 +11,7 @@ extension = Extension(
         "packing_3d": "granwave.extensions.pictures.packing3d:PEAK_FORCE",
         "packing_3d_dissipation": "granwave.extensions.pictures.packing3d:DISSIPATION",
     },
+    products="granwave.extensions.pictures.products:PRODUCTS",
     exports={
         "ovito": "granwave.extensions.pictures.exports:OVITO",
         "vtp": "granwave.extensions.pictures.exports:VTP",

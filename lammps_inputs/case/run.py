@@ -15,6 +15,7 @@ from granwave.lammps_inputs.case.hints import INTERVAL, TIME
 from granwave.lammps_inputs.case.material import AXES
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.extensions import extensions, joined
+from granwave.lammps_inputs.run_directory import FILM_FILE, VIEW_FILE
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
@@ -387,6 +388,16 @@ class Figures:
         "a page to turn and cut the packing in a browser, view.html, made with the figures", (True, False),
         default=False,
     )  # fmt: skip
+
+    @property
+    def products(self) -> dict[str, str]:
+        """Names of the files that are made with the figures, by the key that asks for them."""
+        files = {}
+        if self.film != "none":
+            files["film"] = FILM_FILE.format(self.film)
+        if self.view:
+            files["view"] = VIEW_FILE
+        return files
 
 
 def read_figures(table: Any, source: str) -> Figures:

@@ -168,8 +168,7 @@ def decide(
     expected = plan(assembly, n_ranks=n_ranks)
     names = run_files(assembly, expected.schedule)
     if figures:
-        names += [files.FILM_FILE.format(case.figures.film)] if case.figures.film != "none" else []
-        names += [files.VIEW_FILE] if case.figures.view else []
+        names += case.figures.products.values()
         if os.path.lexists(results / files.FIGURES_DIRECTORY):
             names += [file for name in figure_names() for file in figure_files(name)]
 
