@@ -262,7 +262,7 @@ QUESTIONS = {
         "cite": (["LAMMPS", "source of the contact law"], "howto/cite.md"),
         "restart": (["--resume"], "howto/stop-and-resume.md"),
         "its own MPI": (["launcher", "slurm"], "howto/own-lammps.md"),
-        "contact law differs": (["granwave fit", "thornton"], "howto/fit-a-law.md"),
+        "contact law differs": (["granwave fit", "thornton"], "extensions/continuum/fit-a-law.md"),
     },
     "more-questions.md": {
         "units": (["SI units", "granwave keys", "peak_force_N"], ""),

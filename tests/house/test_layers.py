@@ -1,5 +1,5 @@
-"""Packages and directions of imports: workflows -> analysis -> lammps_inputs -> bindings of the
-plugin, and within each.
+"""Packages and directions of imports: extensions -> workflows -> analysis -> lammps_inputs ->
+bindings of the plugin, and within each.
 """
 
 from __future__ import annotations
@@ -14,31 +14,29 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
+PACKAGES = ("extensions", "workflows", "analysis", "lammps_inputs", "plugins")
 
 # From top to bottom: a file imports from its own folder and from folders on lower levels. A name
 # denotes a folder or a file.
 FLOORS = """
+extensions/__init__
+extensions/design
+extensions/continuum extensions/inference extensions/pictures extensions/waves
 workflows/package workflows/__main__
 workflows/cli workflows/python
 workflows/bench
-workflows/inference workflows/spectra
-extensions/design/search
 workflows/scanning
 workflows/run
 workflows/library
-workflows/solvers workflows/counterpart
-workflows/finite_elements
+workflows/solvers
 analysis/reports
 analysis/notebook
 analysis/exports
 analysis/studies
-analysis/scans analysis/contact_law extensions/inference/forces
+analysis/scans analysis/contact_law
 analysis/document
 analysis/pipeline
-analysis/films extensions/pictures/view
 analysis/figures analysis/summary analysis/summary_table
-extensions/waves/spectra
 analysis/measures
 analysis/result
 analysis/lammps_output
@@ -56,7 +54,7 @@ lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
-lammps_inputs/errors
+lammps_inputs/errors lammps_inputs/extensions
 plugins plugins/package
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}
