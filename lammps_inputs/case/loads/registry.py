@@ -16,9 +16,9 @@ from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.plate import PlateLoad
 from granwave.lammps_inputs.case.loads.shapes import read_points
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
-from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
+from granwave.lammps_inputs.case.schema import ErrorList, info_of, read_table, show
 from granwave.lammps_inputs.case.schema.tables import FURTHER_KEYS
-from granwave.lammps_inputs.errors import Mismatch
+from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.extensions import joined, loaded
 
 #: Loads of the core; the first one is the default.
@@ -88,11 +88,14 @@ def load_section() -> type:
         f"{', '.join(earlier)}, or {last}", tuple(kinds), default=next(iter(kinds))
     )
     keys: dict[str, tuple[str, Any, Field]] = {}
+    owners: dict[str, type[Load]] = {}
     for load in sorted(kinds.values(), key=lambda load: len(load_keys(load))):
         types = get_type_hints(load)
         for field in _own_fields_first(load):
             copy: Field = dataclasses.field(default=field.default, metadata=field.metadata)
-            keys.setdefault(field.name, (field.name, types[field.name], copy))
+            _, _, there = keys.setdefault(field.name, (field.name, types[field.name], copy))
+            owner = owners.setdefault(field.name, load)
+            _check_same(there, copy, f"load.{field.name}", owner, load)
     _give_keys_of_others(keys)
     return dataclasses.make_dataclass(
         "LoadSection",
@@ -101,6 +104,16 @@ def load_section() -> type:
         frozen=True,
         kw_only=True,
     )
+
+
+def _check_same(one: Field, other: Field, key: str, *loads: type[Load]) -> None:
+    """Raise InputError unless a key means the same in two loads."""
+    same = info_of(one).description == info_of(other).description and one.default == other.default
+    if not same:
+        whose = " and ".join(f"{load.__name__} of {load.__module__}" for load in loads)
+        raise InputError(
+            f"{key}: {whose} have a key of this name with another meaning or default; rename one"
+        )
 
 
 def _give_keys_of_others(names: Iterable[str]) -> None:

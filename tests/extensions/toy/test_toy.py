@@ -20,13 +20,8 @@ from pathlib import Path
 import pytest
 
 HERE = Path(__file__).parent
-CASE = """
-material = "steel"
-packing = {kind = "simple-hexagonal", size = [5, 5, 3], diameter = 0.01}
-load = {kind = "fall", height = 0.2}
-run = {end_time = 1e-4, frames = 3}
-figures = {only = ["ranked_forces", "energies"], formats = []}
-"""
+ROOT = HERE.parents[2]
+PAGE = ROOT / "docs" / "howto" / "own-extension.md"
 #: Another extension, with one field.
 OTHER = """
 from granwave.lammps_inputs.extensions import Extension
@@ -82,9 +77,19 @@ def output(done: subprocess.CompletedProcess) -> str:
 def folder(granwave: Granwave, tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Folder with a case of the toy's lattice and load, and its run ``out``."""
     folder = tmp_path_factory.mktemp("toy")
-    (folder / "case.toml").write_text(CASE, encoding="utf-8")
+    shutil.copy(HERE / "case.toml", folder)
     output(granwave("run", "case.toml", "-o", "out", cwd=folder))
     return folder
+
+
+def test_the_page_has_all_files():
+    """Each is included, and no line of a file that is shown in parts is left out."""
+    text = PAGE.read_text(encoding="utf-8")
+    for path in (HERE / "pyproject.toml", HERE / "case.toml", *(HERE / "toy").glob("*.py")):
+        assert f"../../{path.relative_to(ROOT)}\n" in text, path.name
+    parts = re.findall(r"^:(?:start-at|end-before): (.*)$", text, re.MULTILINE)
+    functions = ["def ranked_forces", "def participation"]
+    assert parts == [functions[0], *functions, functions[1]]
 
 
 def test_the_project_has_the_entry_point():
@@ -166,7 +171,7 @@ def test_clashes_and_faults_name_the_extension(tmp_path, field, message):
     other.mkdir()
     (other / "__init__.py").write_text(OTHER.format(field), encoding="utf-8")
     install(site, "other", other)
-    (tmp_path / "case.toml").write_text(CASE, encoding="utf-8")
+    shutil.copy(HERE / "case.toml", tmp_path)
     done = runner(site)("run", "case.toml", cwd=tmp_path)
     assert done.returncode == 2 and not (tmp_path / "case").exists(), done.stderr
     assert message in done.stderr
