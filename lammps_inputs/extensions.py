@@ -13,13 +13,14 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import itertools
 import logging
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
 
 from granwave.lammps_inputs.errors import InputError
 
@@ -28,6 +29,21 @@ WITHOUT = "GRANWAVE_WITHOUT"
 ALL = "all"
 
 _LOG = logging.getLogger(__name__)
+
+
+class ListEntry(Protocol):
+    """An entry of a list that extensions add to."""
+
+    @property
+    def name(self) -> str:
+        """Name, unique in the list."""
+
+    @property
+    def after(self) -> str:
+        """Name of the entry that it stands behind; empty: at the end."""
+
+
+Listed = TypeVar("Listed", bound=ListEntry)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -50,7 +66,8 @@ class Extension:
     extra
         Extra of the distribution that installs these packages, as ``granwave[design]``.
     folder
-        Folder with built-in cases in ``cases/`` and scans in ``scans/``.
+        Folder with built-in cases in ``cases/``, scans in ``scans/``, and examples of keys in
+        ``key_examples.toml``: a table for each table of each kind of file.
     lattices
         Reference: mapping of names to `granwave.lammps_inputs.lattices.PackingKind`.
     loads
@@ -80,13 +97,13 @@ class Extension:
         Reference: sequence of `granwave.workflows.solvers.CaseKind`: cases that are not of
         spheres.
     file_kinds
-        Reference: sequence of `granwave.workflows.cli.file_kinds.FileKind`: files that users
-        write, with the tables of their keys.
+        Reference: sequence of `granwave.workflows.file_kinds.FileKind`: files that users write,
+        with the tables of their keys.
     commands
         Reference: sequence of `granwave.workflows.cli.commands.Command`.
     check
-        Reference: function of an assembly that returns what ``granwave check`` says beside the
-        plan, a `granwave.workflows.cli.check_parts.CheckPart`.
+        Reference: function of an assembly that returns what ``granwave check`` shows in addition
+        to the plan, a `granwave.workflows.check_part.CheckPart`.
     python
         Names of ``import granwave``: reference to a function or class by name.
     """
@@ -120,18 +137,43 @@ def extensions() -> tuple[Extension, ...]:
 
     One that cannot be loaded is left out with a warning.
     """
-    left_out = {name.strip() for name in os.environ.get(WITHOUT, "").split(",")}
-    if ALL in left_out:
+    unwanted = {name.strip() for name in os.environ.get(WITHOUT, "").split(",")}
+    if ALL in unwanted:
         return ()
     found: dict[str, Extension] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        extension = None if point.name in left_out else _load(point)
+    for point in _points():
+        extension = None if point.name in unwanted else _load(point)
         if extension is not None:
             found[extension.name] = extension
     while lacking := [name for name, one in found.items() if set(one.uses) - found.keys()]:
         for name in lacking:
             del found[name]
     return tuple(found.values())
+
+
+def left_out() -> tuple[Extension, ...]:
+    """Return the extensions that are installed but not among `extensions`, for messages."""
+    names = {extension.name for extension in extensions()}
+    others = (_load(point) for point in _points() if point.name not in names)
+    return tuple(extension for extension in others if extension is not None)
+
+
+def distribution_of(extension: Extension) -> str:
+    """Return name and version of the distribution that brings an extension; empty: not known."""
+    for point in _points():
+        if point.name == extension.name and point.dist is not None:
+            return f"{point.dist.name} {point.dist.version}"
+    return ""
+
+
+def _distribution_name(extension: Extension) -> str:
+    return distribution_of(extension).partition(" ")[0] or "granwave"
+
+
+@cache
+def _points() -> tuple[EntryPoint, ...]:
+    """Return the entry points of all installed extensions by name."""
+    return tuple(sorted(entry_points(group=GROUP), key=lambda point: point.name))
 
 
 def _load(point: EntryPoint) -> Extension | None:
@@ -228,6 +270,30 @@ def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
     return joined(noun, {}, added)
 
 
+def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
+    """Return entries of the core and those that extensions add, in the order of lists.
+
+    An entry whose ``after`` is the name of another stands behind that one, others at the end. One
+    whose name is taken is left out with a warning.
+
+    Parameters
+    ----------
+    own
+        Entries of the core, which have a ``name``, as those of extensions.
+    field
+        Name of a field that refers to a sequence of entries, such as ``commands``.
+    """
+    entries = list(own)
+    for entry in itertools.chain.from_iterable(added(field)):
+        names = [other.name for other in entries]
+        if entry.name in names:
+            _LOG.warning("%s: %s of an extension is left out: its name is taken", entry.name, field)
+            continue
+        place = names.index(entry.after) + 1 if entry.after in names else len(entries)
+        entries.insert(place, entry)
+    return tuple(entries)
+
+
 def added_by_name(field: str) -> dict[str, str]:
     """Return the references of a field of all extensions by name.
 
@@ -272,11 +338,19 @@ def joined(
     return table
 
 
+def install_command(extension: Extension) -> str:
+    """Return the command that installs the packages that only an extension needs."""
+    if extension.extra:
+        return f'pip install "{_distribution_name(extension)}[{extension.extra}]"'
+    return f"pip install {' '.join(extension.packages.values())}"
+
+
 def missing_package(error: ModuleNotFoundError) -> str:
     """Return how a package that an extension needs is installed; empty if none needs it."""
     package = (error.name or "").partition(".")[0]
     for extension in extensions():
         if package in extension.packages:
             what = extension.packages[package]
-            return f'{what} is not installed, which {extension.name} needs: pip install "granwave[{extension.extra}]"'
+            command = install_command(extension)
+            return f"{what} is not installed, which {extension.name} needs: {command}"
     return ""

@@ -12,4 +12,8 @@ extension = Extension(
     packages={"skfem": "scikit-fem", "numba": "numba"},
     extra="continuum",
     folder=Path(__file__).parent,
+    case_kinds="granwave.extensions.continuum.kinds:CASE_KINDS",
+    file_kinds="granwave.extensions.continuum.kinds:FILE_KINDS",
+    commands="granwave.extensions.continuum.commands:COMMANDS",
+    check="granwave.extensions.continuum.counterpart:check",
 )

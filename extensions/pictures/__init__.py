@@ -16,4 +16,5 @@ extension = Extension(
         "ovito": "granwave.extensions.pictures.exports:OVITO",
         "vtp": "granwave.extensions.pictures.exports:VTP",
     },
+    commands="granwave.extensions.pictures.commands:COMMANDS",
 )

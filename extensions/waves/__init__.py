@@ -8,4 +8,11 @@ extension = Extension(
     name="waves",
     title="bands, modes and transmission of small waves",
     folder=Path(__file__).parent,
+    commands="granwave.extensions.waves.commands:COMMANDS",
+    check="granwave.extensions.waves.check:check",
+    python={
+        "bands": "granwave.extensions.waves.python:bands",
+        "modes": "granwave.extensions.waves.python:modes",
+        "transmission": "granwave.extensions.waves.python:transmission",
+    },
 )

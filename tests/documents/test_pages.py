@@ -22,7 +22,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.python.api import __all__ as PYTHON_NAMES
+from granwave.workflows.python.api import public_names
 from granwave.workflows.scanning.suite import load_suite
 from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files
 
@@ -78,7 +78,7 @@ def test_names_of_python():
     (page,) = [
         page for page in WITH_PYTHON if page.name == "python.md" and page.parent.name == "howto"
     ]
-    assert set(re.findall(r"\bgw\.(\w+)", page.read_text(encoding="utf-8"))) <= set(PYTHON_NAMES)
+    assert set(re.findall(r"\bgw\.(\w+)", page.read_text(encoding="utf-8"))) <= set(public_names())
 
 
 def load(block: Block, folder: Path) -> None:

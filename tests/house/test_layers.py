@@ -41,7 +41,7 @@ analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar
+analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar analysis/products
 lammps_inputs/functions_of_case
 lammps_inputs/deck
 lammps_inputs/load_case
@@ -54,7 +54,8 @@ lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
-lammps_inputs/errors lammps_inputs/extensions
+lammps_inputs/extensions
+lammps_inputs/errors
 plugins plugins/package
 """
 FLOOR = {room: -number for number, line in enumerate(FLOORS.split("\n")) for room in line.split()}

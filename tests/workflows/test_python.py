@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import argparse
+import ast
 import inspect
 import json
 import subprocess
@@ -17,9 +18,9 @@ import pytest
 import granwave as gw
 from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
+from granwave.lammps_inputs.extensions import added_by_name
 from granwave.workflows import library
-from granwave.workflows.cli.parser import COMMANDS
-from granwave.workflows.python import api
+from granwave.workflows.cli.parser import commands
 from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
 from tests.conftest import PLAIN
@@ -41,14 +42,11 @@ def test_options_of_commands_are_keywords(name):
     """Options of a command are keywords of its function, with the same defaults; keys of cases are
     keywords.
     """
-    (command,) = (command for command in COMMANDS if command.name == name)
-    options = [
-        one
-        for option in command.options
-        for one in (option if isinstance(option, list) else [option])
-    ]
+    (command,) = (command for command in commands() if command.name == name)
     parser = argparse.ArgumentParser()
-    actions = [parser.add_argument(*option.names, **option.settings) for option in options]
+    actions = [
+        parser.add_argument(*option.names, **option.settings) for option in command.each_option()
+    ]
     own = {
         "overrides",
         "json",
@@ -117,14 +115,26 @@ def test_there_is_no_other_name():
     assert all(hasattr(gw, name) for name in gw.__all__)
 
 
+def names_for_types() -> tuple[list[str], list[str]]:
+    """Names that the package imports for type checkers, and its __all__ for them."""
+    tree = ast.parse(Path(gw.__file__).read_text(encoding="utf-8"))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    imported = [
+        alias.name
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+    (listed,) = (node.value for node in block.body if isinstance(node, ast.Assign))
+    return sorted(imported), ast.literal_eval(listed)
+
+
 def test_types_see_what_is_there():
-    """The names for type checkers, those of __all__ and those of the module are the same."""
-    text = Path(gw.__file__).read_text(encoding="utf-8")
-    typed = text.partition("import (\n")[2].partition(")")[0].replace(",", "").split()
-    modules = {"measures", "theory"}
-    assert typed == api.__all__ and gw.__all__ == sorted(
-        [*typed, *modules], key=lambda name: (name.islower(), name)
-    )
+    """The names for type checkers are those of the module, with those of our extensions."""
+    imported, listed = names_for_types()
+    assert imported == listed == gw.__all__
+    assert set(added_by_name("python")) <= set(listed)
+    assert set(gw.__all__) <= set(dir(gw))
 
 
 def test_run(tiny, directory):

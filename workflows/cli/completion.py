@@ -8,7 +8,6 @@ Names are collected when they are asked for, as most need modules that the parse
 from __future__ import annotations
 
 import argparse
-import importlib
 import re
 from collections.abc import Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any
@@ -19,13 +18,15 @@ from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import load
 from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.scanning.engine import EXECUTORS
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
+from granwave.workflows.solvers import GRANULAR, case_commands, case_kinds, solver_of
 
 if TYPE_CHECKING:
+    from granwave.workflows.cli.commands import Command
     from granwave.workflows.cli.keys import Key
 
 Names = Callable[[argparse.Namespace], Iterable[str]]
@@ -56,11 +57,39 @@ def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
         action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
     )
     for name, verb in verbs.choices.items():
+        completers = _completers_of(verb.get_default("command"))
         for action in verb._actions:
-            completer = _COMPLETERS.get((name, action.dest)) or _COMPLETERS.get(("", action.dest))
+            completer = completers.get(action.dest) or _COMPLETERS.get((name, action.dest))
+            if completer is None:
+                completer = _COMPLETERS.get(("", action.dest))
             if completer is not None and not action.choices:
                 action.completer = completer  # type: ignore[attr-defined]
     return parser
+
+
+def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
+    """Return the completers of the options of a command whose words it gives; and of its case, if
+    it runs cases of a kind.
+    """
+    completers = {
+        option.destination: _names(_words(option.words))
+        for option in command.each_option()
+        if option.words
+    }
+    if command.name in case_commands():
+        completers["case"] = _studies(library.CASES, command.name)
+    return completers
+
+
+def _words(reference: str) -> Names:
+    """Return a function that loads the words of a reference, or those that its function returns."""
+
+    def words(_: argparse.Namespace) -> Iterable[str]:
+        found = load(reference)
+        listed: Iterable[str] = found() if callable(found) else found
+        return listed
+
+    return words
 
 
 def _names(names: Names) -> Callable[..., list[str]]:
@@ -94,7 +123,7 @@ def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[s
         return [f"{key}={value}" for value in _values(key) if value.startswith(written)]
     return [
         f"{name}="
-        for name in _keys(_kind_of_file(parsed_args), first=".1")
+        for name in _keys(*_kinds_of_file(parsed_args), first=".1")
         if name.startswith(prefix)
     ]
 
@@ -122,19 +151,15 @@ def _numbered(name: str, lists: Collection[str], first: str) -> str:
     return numbered.removeprefix(".")
 
 
-def _kind_of_file(options: argparse.Namespace) -> str:
-    """Return the kind of the case on the command line, as `granwave.workflows.cli.keys.FILES` calls
-    it.
-    """
-    from granwave.workflows.cli import keys
-
+def _kinds_of_file(options: argparse.Namespace) -> list[str]:
+    """Return the kind of the case on the command line, or the kinds that it may have."""
     try:
         tables = read_toml(library.find(getattr(options, "case", None) or ""))
+        return [solver_of(tables).file_kind]
     except InputError:  # none is given yet
-        return keys.CONTINUUM if options.command.name == CONTINUUM.verb else keys.CASE
-    return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(
-        solver_of(tables), keys.CASE
-    )
+        command = options.command.name
+    kinds = [kind.file_kind for kind in case_kinds() if kind.verb == command]
+    return kinds or [GRANULAR.file_kind]
 
 
 def _values(name: str) -> list[str]:
@@ -154,21 +179,12 @@ def _tables(_: argparse.Namespace) -> Iterable[str]:
     )
 
 
-def _table(module: str, name: str) -> Names:
-    """Return the names in a table of `granwave.analysis`, whose module is loaded when they are
-    asked for.
-    """
-    return lambda _: getattr(importlib.import_module(f"granwave.analysis.{module}"), name)
-
-
 _OVERRIDES = "overrides"
-_PRESETS = _names(lambda _: presets())
-#: Completers by command and name of the argument; an empty command stands for all.
+#: Completers by command and name of the argument; an empty command stands for all. Options that give
+#: their words need none.
 _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("", _OVERRIDES): _overrides,
-    ("run", "case"): _studies(library.CASES, GRANULAR.verb),
     ("write", "case"): _studies(library.CASES, GRANULAR.verb),
-    ("continuum", "case"): _studies(library.CASES, CONTINUUM.verb),
     ("check", "case"): _studies(library.CASES),
     ("scan", "scan"): _studies(library.SCANS),
     ("scan", "executor"): _names(lambda _: EXECUTORS),
@@ -178,10 +194,6 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
     ("figures", "only"): _names(lambda _: figure_names()),
-    ("film", "quantity"): _names(_table("films", "QUANTITIES")),
-    ("film", "view"): _names(_table("films", "VIEWS")),
     ("export", "to"): _names(lambda _: export_names()),
-    ("law", "material"): _PRESETS,
-    ("fit", "material"): _PRESETS,
     ("bench", "parts"): _names(lambda _: BENCH_PARTS),
 }

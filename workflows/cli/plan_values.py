@@ -11,7 +11,6 @@ import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.contact.law import viscous_loss
-from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
@@ -20,7 +19,6 @@ from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
 
-_MOST_GAPS = 3
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
@@ -178,46 +176,4 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
             "reaches": list(zone.reaches),
             "may_reach": list(zone.may_reach),
         },
-    }
-
-
-def small_waves(assembly: Assembly) -> dict[str, Any] | None:
-    """Return the small waves of a chain that repeats and bears a static force; None for other
-    packings.
-
-    The bands of the endless chain tell them; a finite one, with other spheres in it, has none of
-    its own. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
-    from end to end, and for each frequency of the load if it passes; units are part of the names.
-    """
-    case = assembly.case
-    if case.precompression is None or not case.packing.rule.is_chain:
-        return None
-    from granwave.extensions.waves.spectra.band_structure import (
-        band_structure,
-    )  # takes longer to load than a plan to make
-
-    try:
-        found = band_structure(assembly)
-    except InputError:  # no chain that repeats, or nothing bears the load
-        return None
-    highest = float(np.nanmax(found.bands.frequency))
-    inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]
-    low, high = assembly.lattice_bounds()
-    keys = case.load.keys()
-    frequencies = [keys[name] for name in ("frequency", "last_frequency") if keys.get(name)]
-    speed = float(found.speeds[-1]) if len(found.speeds) else None
-    length = float(high[2] - low[2])
-    return {
-        "highest_Hz": highest,
-        "gaps_Hz": [list(gap) for gap in inside[:_MOST_GAPS]],
-        "speed_m_s": speed,
-        "length_m": length,
-        "travel_time_s": None if speed is None else length / speed,
-        "load": [
-            {
-                "frequency_Hz": one,
-                "passes": not (one > highest or any(a < one < b for a, b in inside)),
-            }
-            for one in frequencies
-        ],
     }

@@ -30,7 +30,7 @@ from granwave.workflows import library
 from granwave.workflows.run.progress import Progress, each_warning_once
 from granwave.workflows.run.record import versions
 from granwave.workflows.scanning.header import ScanHeader, flat, studies_beside, variations_of
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, CaseKind, Cost, solver_of
+from granwave.workflows.solvers import AnyCase, CaseKind, Cost, case_commands, solver_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -286,9 +286,7 @@ def _build(
         )
     if template is None:
         try:
-            base = library.find_for(
-                header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent
-            )
+            base = library.find_for(header.case, *case_commands(), directory=path.parent)
         except InputError as error:
             raise InputError(item.inside(f"{path}: case") for item in error.items) from None
         except OSError as error:

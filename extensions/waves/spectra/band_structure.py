@@ -19,8 +19,8 @@ from granwave.extensions.waves.spectra.bands import (
     gaps,
     solve_bands,
 )
+from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.extensions.waves.spectra.network import Array
-from granwave.extensions.waves.spectra.quantities import POINTS
 from granwave.extensions.waves.spectra.states import State, cell_state
 from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
 from granwave.extensions.waves.spectra.wave_vectors import ComplexBands, complex_bands, make_path

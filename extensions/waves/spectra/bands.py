@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.extensions.waves.spectra.defaults import MOST_BANDS, MOST_MODES
 from granwave.extensions.waves.spectra.network import FREEDOMS, Array, Network
-from granwave.extensions.waves.spectra.quantities import MOST_BANDS, MOST_MODES
 from granwave.extensions.waves.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.extensions.waves.spectra.wave_vectors import Path
 

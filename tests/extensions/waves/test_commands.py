@@ -13,15 +13,14 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.extensions.continuum.counterpart import energy_unit, inputs_of_packing
 from granwave.extensions.waves import small_waves as commands
+from granwave.extensions.waves.check import small_waves, wave_rows
 from granwave.extensions.waves.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.lammps_inputs.case.material import material
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import assemble
-from granwave.workflows.cli.check import wave_rows
+from granwave.lammps_inputs.planning.impact_input import energy_unit, inputs_of_packing
 from granwave.workflows.cli.main import main
-from granwave.workflows.cli.plan_values import small_waves
 from granwave.workflows.library import find_for, load_case
 from granwave.workflows.run.driver import run_case
 

@@ -15,24 +15,20 @@ import pytest
 from argcomplete.finders import CompletionFinder
 from argcomplete.lexers import split_line
 
-from granwave.extensions.continuum.punch.case import ContinuumCase
-from granwave.extensions.continuum.sphere_contact.case import SphereContactCase
-from granwave.extensions.inference.forces.case import InferCase
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.case import case_keys, case_tables
+from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.loads.registry import load_section, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.extensions import load
 from granwave.workflows import library
 from granwave.workflows.cli import keys, package
 from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import FAILED, main
 from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
+from granwave.workflows.file_kinds import CASE_FILE, file_kinds
 from granwave.workflows.run.lammps_engine import Engine
-from granwave.workflows.scanning.header import RanksBySize, ScanHeader
-from granwave.workflows.scanning.slurm import Profile
-from granwave.workflows.scanning.suite import SuiteFile
 from tests.conftest import BIN, PLAIN
 
 
@@ -256,16 +252,9 @@ echo "${COMPREPLY[@]}"
 
 
 SECTIONS = {
-    **{(keys.CASE, heading.strip("[]")): section for heading, section in case_tables().items()},
-    **{(keys.CONTINUUM, name): section for name, section in ContinuumCase.SECTIONS.items()},
-    **{
-        (keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()
-    },
-    (keys.SCAN, "scan"): ScanHeader,
-    (keys.SCAN, "ranks"): RanksBySize,
-    (keys.SUITE, "suite"): SuiteFile,
-    (keys.PROFILE, "slurm"): Profile,
-    **{(keys.INFERENCE, name): section for name, section in InferCase.SECTIONS.items()},
+    (kind.name, heading.strip("[]") or kind.name): section
+    for kind in file_kinds()
+    for heading, (section, _) in load(kind.sections).items()
 }
 # tables and words that code besides the field's validator reads
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
@@ -280,7 +269,7 @@ def test_every_key_that_is_read_is_listed():
     listed = {
         f"{table.name}.{key.name}"
         for table in keys.tables()
-        if table.file == keys.CASE
+        if table.file == CASE_FILE.name
         for key in table.keys
     }
     known = {key.replace(".1.", ".") for key in case_keys() if "." in key}

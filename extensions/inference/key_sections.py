@@ -1,0 +1,8 @@
+"""Tables of a case of inferred forces, for ``granwave keys``."""
+
+from __future__ import annotations
+
+from granwave.extensions.inference.forces.case import InferCase
+from granwave.workflows.cli.key_sections import Sections
+
+INFERENCE: Sections = {f"[{name}]": (section, "") for name, section in InferCase.SECTIONS.items()}

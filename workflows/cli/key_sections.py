@@ -1,0 +1,31 @@
+"""Tables of the files that the core reads: heading, dataclass of the keys, and description.
+
+A description that is empty is the first line of the dataclass.
+"""
+
+from __future__ import annotations
+
+from granwave.lammps_inputs.case.case import CaseHead, case_tables
+from granwave.lammps_inputs.case.contact import Pair
+from granwave.workflows.scanning.header import RanksBySize, ScanHeader
+from granwave.workflows.scanning.slurm import Profile
+from granwave.workflows.scanning.suite import SuiteFile
+
+#: Tables of a file by heading: dataclass and description.
+Sections = dict[str, tuple[type, str]]
+
+#: Description of the keys above all tables of a case.
+HEAD = "name, material and the tables below"
+CONTACT = "[contact]"
+PAIR = "[[pair]]"
+_TABLES = {heading: (section, "") for heading, section in case_tables().items()}
+
+CASE: Sections = {"": (CaseHead, HEAD), **_TABLES, PAIR: (Pair, "")}
+SCAN: Sections = {
+    "": (ScanHeader, "top-level keys and the tables of what varies"),
+    "[ranks]": (RanksBySize, ""),
+}
+SUITE: Sections = {"": (SuiteFile, "")}
+PROFILE: Sections = {
+    "[slurm]": (Profile, "how the cluster is used; every key may be left out"),
+}
