@@ -1,4 +1,4 @@
-"""Extensions: features outside the core, found by entry points of the group ``granwave.extensions``.
+"""Extensions: features outside the core, by entry points of the group ``granwave.extensions``.
 
 An entry point names one `Extension`, an object that says what the extension adds. The core goes
 through these objects and knows no extension by its name; granwave's own extensions are registered
@@ -273,8 +273,7 @@ def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
 def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
     """Return entries of the core and those that extensions add, in the order of lists.
 
-    An entry whose ``after`` is the name of another stands behind that one, others at the end. One
-    whose name is taken is left out with a warning.
+    An entry whose ``after`` is the name of another stands behind that one, others at the end.
 
     Parameters
     ----------
@@ -282,13 +281,20 @@ def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
         Entries of the core, which have a ``name``, as those of extensions.
     field
         Name of a field that refers to a sequence of entries, such as ``commands``.
+
+    Raises
+    ------
+    InputError
+        Two entries have the same name.
     """
     entries = list(own)
     for entry in itertools.chain.from_iterable(added(field)):
         names = [other.name for other in entries]
         if entry.name in names:
-            _LOG.warning("%s: %s of an extension is left out: its name is taken", entry.name, field)
-            continue
+            raise InputError(
+                f"{field}: {entry.name} is there twice; rename that of an extension, or leave the "
+                f"extension out: {WITHOUT}=NAME (granwave doctor lists the extensions)"
+            )
         place = names.index(entry.after) + 1 if entry.after in names else len(entries)
         entries.insert(place, entry)
     return tuple(entries)

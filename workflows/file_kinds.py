@@ -24,9 +24,9 @@ class FileKind:
     title
         Heading of its tables, with the command that reads it: "Scan files (granwave scan)".
     sections
-        Reference, "MODULE:NAME", of a mapping: heading of each table, as "[search]", to the
-        dataclass of its keys and its description; the heading of the keys above all tables is
-        empty, and a description that is empty is the first line of the dataclass.
+        Reference, "MODULE:NAME", of a function that returns a mapping: heading of each table, as
+        "[search]", to the dataclass of its keys and its description. The heading of the keys above
+        all tables is empty; a description that is empty is the first line of the dataclass.
     recognises
         Function of the tables of a file that returns True for this kind. None for cases, which
         `granwave.workflows.solvers.solver_of` recognises, and for files that no command takes for
@@ -64,24 +64,26 @@ def is_scan(tables: Mapping[str, Any]) -> bool:
 
 
 CASE_FILE = FileKind(
-    GRANULAR.file_kind, "Case files (granwave run)", "granwave.workflows.cli.key_sections:CASE"
+    GRANULAR.file_kind,
+    "Case files (granwave run)",
+    "granwave.workflows.cli.key_sections:case_sections",
 )
 SCAN_FILE = FileKind(
     "scan",
     "Scan files (granwave scan)",
-    "granwave.workflows.cli.key_sections:SCAN",
+    "granwave.workflows.cli.key_sections:scan_sections",
     recognises=is_scan,
     noun="a scan",
     command=SCAN,
     may_be_missing=("ranks",),
 )
 SUITE_FILE = FileKind(
-    "suite", "Suites of scans (granwave scan)", "granwave.workflows.cli.key_sections:SUITE"
+    "suite", "Suites of scans (granwave scan)", "granwave.workflows.cli.key_sections:suite_sections"
 )
 PROFILE_FILE = FileKind(
     "profile",
     "Profiles of a cluster (granwave scan --profile)",
-    "granwave.workflows.cli.key_sections:PROFILE",
+    "granwave.workflows.cli.key_sections:profile_sections",
     may_be_missing=("slurm",),
 )
 _CORE = (CASE_FILE, SCAN_FILE, SUITE_FILE, PROFILE_FILE)

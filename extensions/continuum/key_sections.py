@@ -15,5 +15,11 @@ def _with_head(sections: Mapping[str, type]) -> Sections:
     return {"": (CaseHead, HEAD), **tables}
 
 
-PUNCH = _with_head(ContinuumCase.SECTIONS)
-SPHERE_CONTACT = {**_with_head(SphereContactCase.SECTIONS), "[partner]": (Partner, "")}
+def punch_sections() -> Sections:
+    """Return the tables of a case of a punch on a block."""
+    return _with_head(ContinuumCase.SECTIONS)
+
+
+def sphere_contact_sections() -> Sections:
+    """Return the tables of a case of two spheres."""
+    return {**_with_head(SphereContactCase.SECTIONS), "[partner]": (Partner, "")}

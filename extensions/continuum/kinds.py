@@ -95,13 +95,13 @@ FILE_KINDS = (
     FileKind(
         CONTINUUM,
         "Continuum cases (granwave continuum)",
-        "granwave.extensions.continuum.key_sections:PUNCH",
+        "granwave.extensions.continuum.key_sections:punch_sections",
         after="case",
     ),
     FileKind(
         _SPHERE_CONTACT,
         "Cases of the contact of two spheres (granwave continuum)",
-        "granwave.extensions.continuum.key_sections:SPHERE_CONTACT",
+        "granwave.extensions.continuum.key_sections:sphere_contact_sections",
         may_be_missing=("partner",),
         given_elsewhere=("partner",),
         after=CONTINUUM,

@@ -16,7 +16,7 @@ FILE_KINDS = (
     FileKind(
         "design",
         "Searches for a design (granwave design)",
-        "granwave.extensions.design.search.problem:DESIGN_TABLES",
+        "granwave.extensions.design.key_sections:design_sections",
         recognises=_is_design,
         noun="a search for a design",
         command="design",

@@ -5,4 +5,7 @@ from __future__ import annotations
 from granwave.extensions.inference.forces.case import InferCase
 from granwave.workflows.cli.key_sections import Sections
 
-INFERENCE: Sections = {f"[{name}]": (section, "") for name, section in InferCase.SECTIONS.items()}
+
+def inference_sections() -> Sections:
+    """Return the tables."""
+    return {f"[{name}]": (section, "") for name, section in InferCase.SECTIONS.items()}

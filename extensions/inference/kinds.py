@@ -16,7 +16,7 @@ FILE_KINDS = (
     FileKind(
         "inference",
         "Cases of inferred forces (granwave infer --case)",
-        "granwave.extensions.inference.key_sections:INFERENCE",
+        "granwave.extensions.inference.key_sections:inference_sections",
         recognises=_is_inference,
         noun="a case of inferred forces",
         command="infer GRAINS.csv --case",

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 from granwave.workflows.cli import arguments as read
 from granwave.workflows.cli.commands import (
     LOOK,
@@ -15,6 +17,19 @@ from granwave.workflows.cli.commands import (
 
 #: Keys of ``[figures]`` that have an option of films.
 FILM_KEYS = ("plane", "colour_map", "force_limits", "dissipation_limits")
+
+
+def _quantities() -> Iterable[str]:
+    from granwave.extensions.pictures.films import QUANTITIES
+
+    return QUANTITIES
+
+
+def _views() -> Iterable[str]:
+    from granwave.extensions.pictures.films import VIEWS
+
+    return VIEWS
+
 
 COMMANDS = (
     Command(
@@ -51,13 +66,13 @@ COMMANDS = (
                 "--quantity",
                 default="force",
                 metavar="NAME",
-                words="granwave.extensions.pictures.films:QUANTITIES",
+                words=_quantities,
                 help="what is shown: force, velocity or dissipation (default: force)",
             ),
             option(
                 "--view",
                 metavar="NAME",
-                words="granwave.extensions.pictures.films:VIEWS",
+                words=_views,
                 help="what is seen: orthogonal, principal, section, 3d or chain "
                 "(default: what there is)",
             ),

@@ -2,9 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
 import ast
-import inspect
 import json
 import subprocess
 import sys
@@ -20,11 +18,11 @@ from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.extensions import added_by_name
 from granwave.workflows import library
-from granwave.workflows.cli.parser import commands
 from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
 from tests.conftest import PLAIN
 from tests.helpers.export_inputs import equal
+from tests.helpers.keywords import check_keywords
 
 TINY = {"packing.size": [4, 4, 3], "run.end_time": 5e-5, "run.frames": 2}
 PAIR = {
@@ -37,29 +35,9 @@ PAIR = {
 }
 
 
-@pytest.mark.parametrize("name", ["run", "scan", "bands", "modes", "transmission", "infer"])
-def test_options_of_commands_are_keywords(name):
-    """Options of a command are keywords of its function, with the same defaults; keys of cases are
-    keywords.
-    """
-    (command,) = (command for command in commands() if command.name == name)
-    parser = argparse.ArgumentParser()
-    actions = [
-        parser.add_argument(*option.names, **option.settings) for option in command.each_option()
-    ]
-    own = {
-        "overrides",
-        "json",
-        "plan",
-        *(("figures",) if name in ("bands", "modes", "transmission") else ()),
-    }
-    keywords = inspect.signature(getattr(gw, name)).parameters
-    for action in actions:
-        if action.option_strings and action.dest not in own:
-            assert action.dest in keywords, action.dest
-            default = keywords[action.dest].default
-            same = action.dest == "figures" or action.required or default == action.default
-            assert same, f"{action.dest}: {default}, {action.default}"
+@pytest.mark.parametrize(("name", "own"), [("run", ()), ("scan", ("plan",))])
+def test_options_of_commands_are_keywords(name, own):
+    check_keywords(name, *own)
 
 
 @pytest.fixture(scope="module")
@@ -277,10 +255,6 @@ def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):
             lambda: gw.run(PAIR, force=True, resume=True),
             "resume=True and force=True exclude each other",
         ),
-        (
-            lambda: gw.run("half-space", ranks=2),
-            "ranks: found 2, expected 1: half-space is a continuum case",
-        ),
         (lambda: gw.scan("restitutio"), "did you mean restitution"),
         (lambda: gw.scan("fcc-small"), "is a case, expected a scan"),
         (lambda: gw.scan("protection"), "is a suite of scans, expected one scan: one of"),
@@ -341,10 +315,3 @@ def test_points_that_fail_are_reported(tmp_path, caplog):
     assert scan.table["status"].tolist() == ["done", "failed"] and len(scan) == 1
     assert "the energy balance was refused" in scan.table.loc[2, "reason"]
     assert f"{tmp_path}: of 2 points 1 failed; table.reason tells why" in caplog.text
-
-
-def test_continuum(tmp_path):
-    run = gw.run("half-space", directory=tmp_path, run__elements=200, run__end_time=2e-6)
-    assert run["n_elements"] > 100 and "elements" in repr(run) and run.figures == ()
-    with pytest.raises(gw.OutputFormatError, match=r"expected the result.h5 of a run of spheres"):
-        _ = run.spheres

@@ -9,9 +9,10 @@ from __future__ import annotations
 import argparse
 import dataclasses
 import inspect
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterable, Iterator
 from typing import Any
 
+from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.extensions import load
 from granwave.workflows.cli import arguments as read
 
@@ -34,13 +35,13 @@ class Option:
     settings
         Settings of ``ArgumentParser.add_argument``.
     words
-        Reference, "MODULE:NAME", of the words that a shell completes its value by; they are loaded
-        then. Empty: file names, or the choices of the settings.
+        Function that returns the words that a shell completes its value by. None: names of files,
+        or the choices of the settings.
     """
 
     names: tuple[str, ...]
     settings: dict[str, Any]
-    words: str = ""
+    words: Callable[[], Iterable[str]] | None = None
 
     @property
     def destination(self) -> str:
@@ -100,7 +101,9 @@ def chosen(options: argparse.Namespace, function: Callable[..., Any]) -> dict[st
 # ----------------------------------------------------------------------------- makers of options
 
 
-def option(*names: str, words: str = "", **settings: Any) -> Option:
+def option(
+    *names: str, words: Callable[[], Iterable[str]] | None = None, **settings: Any
+) -> Option:
     """Make an option; settings as of ``ArgumentParser.add_argument``, words as of `Option`."""
     return Option(names, settings, words)
 
@@ -137,7 +140,7 @@ def materials(what: str) -> Option:
         default=["brass"],
         metavar="M",
         help=what,
-        words="granwave.lammps_inputs.case.material:presets",
+        words=presets,
     )
 
 

@@ -18,7 +18,6 @@ from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.extensions import load
 from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.arguments import BENCH_PARTS
@@ -26,7 +25,7 @@ from granwave.workflows.scanning.engine import EXECUTORS
 from granwave.workflows.solvers import GRANULAR, case_commands, case_kinds, solver_of
 
 if TYPE_CHECKING:
-    from granwave.workflows.cli.commands import Command
+    from granwave.workflows.cli.commands import Command, Option
     from granwave.workflows.cli.keys import Key
 
 Names = Callable[[argparse.Namespace], Iterable[str]]
@@ -72,24 +71,20 @@ def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
     it runs cases of a kind.
     """
     completers = {
-        option.destination: _names(_words(option.words))
+        option.destination: _words_of(option)
         for option in command.each_option()
-        if option.words
+        if option.words is not None
     }
     if command.name in case_commands():
         completers["case"] = _studies(library.CASES, command.name)
     return completers
 
 
-def _words(reference: str) -> Names:
-    """Return a function that loads the words of a reference, or those that its function returns."""
-
-    def words(_: argparse.Namespace) -> Iterable[str]:
-        found = load(reference)
-        listed: Iterable[str] = found() if callable(found) else found
-        return listed
-
-    return words
+def _words_of(option: Option) -> Callable[..., list[str]]:
+    """Completer of an option by the words that it gives."""
+    words = option.words
+    assert words is not None
+    return _names(lambda _: words())
 
 
 def _names(names: Names) -> Callable[..., list[str]]:

@@ -18,14 +18,27 @@ Sections = dict[str, tuple[type, str]]
 HEAD = "name, material and the tables below"
 CONTACT = "[contact]"
 PAIR = "[[pair]]"
-_TABLES = {heading: (section, "") for heading, section in case_tables().items()}
 
-CASE: Sections = {"": (CaseHead, HEAD), **_TABLES, PAIR: (Pair, "")}
-SCAN: Sections = {
-    "": (ScanHeader, "top-level keys and the tables of what varies"),
-    "[ranks]": (RanksBySize, ""),
-}
-SUITE: Sections = {"": (SuiteFile, "")}
-PROFILE: Sections = {
-    "[slurm]": (Profile, "how the cluster is used; every key may be left out"),
-}
+
+def case_sections() -> Sections:
+    """Return the tables of a case."""
+    tables = {heading: (section, "") for heading, section in case_tables().items()}
+    return {"": (CaseHead, HEAD), **tables, PAIR: (Pair, "")}
+
+
+def scan_sections() -> Sections:
+    """Return the tables of a scan file."""
+    return {
+        "": (ScanHeader, "top-level keys and the tables of what varies"),
+        "[ranks]": (RanksBySize, ""),
+    }
+
+
+def suite_sections() -> Sections:
+    """Return the tables of a suite."""
+    return {"": (SuiteFile, "")}
+
+
+def profile_sections() -> Sections:
+    """Return the tables of a profile of a cluster."""
+    return {"[slurm]": (Profile, "how the cluster is used; every key may be left out")}

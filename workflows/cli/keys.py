@@ -30,7 +30,7 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import extensions, load
-from granwave.workflows.cli.key_sections import CASE, CONTACT, PAIR
+from granwave.workflows.cli.key_sections import CONTACT, PAIR, case_sections
 from granwave.workflows.cli.terminal import BOLD, coloured
 from granwave.workflows.file_kinds import file_kinds
 
@@ -96,7 +96,7 @@ def tables() -> tuple[KeyTable, ...]:
     """Return all tables of all kinds of files."""
     found = []
     for kind in file_kinds():
-        sections = load(kind.sections)
+        sections = load(kind.sections)()
         for heading, (section, what) in sections.items():
             table = _of_section(kind.name, heading, section, what)
             found.append(_with_contact(table) if heading == PAIR else table)
@@ -226,7 +226,7 @@ def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> K
 
 def _with_contact(pair: KeyTable) -> KeyTable:
     """Return the table ``[[pair]]`` with the keys that it has in common with ``[contact]``."""
-    contact = _of_section(pair.file, CONTACT, CASE[CONTACT][0])
+    contact = _of_section(pair.file, CONTACT, case_sections()[CONTACT][0])
     of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
     taken = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)
     return dataclasses.replace(pair, keys=(*pair.keys, *taken))

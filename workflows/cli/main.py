@@ -48,7 +48,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complete(make_parser())
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_output()
-    options = make_parser().parse_args(words)
+    try:
+        parser = make_parser()
+    except InputError as error:  # of extensions
+        return _report([line_of(item) for item in error.items], WRONG_INPUT)
+    options = parser.parse_args(words)
     _set_up_logging()
     if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
         with contextlib.chdir(os.sep):

@@ -47,7 +47,6 @@ from granwave.workflows.cli.terminal import BOLD, RED, SHELLS, coloured
 from granwave.workflows.file_kinds import file_kinds
 
 WRONG_INPUT = 2  # exit status
-_FILES = tuple(kind.name for kind in file_kinds())
 
 
 def _law_parameter(parameter: LawParameter) -> Option:
@@ -60,111 +59,113 @@ def _law_parameter(parameter: LawParameter) -> Option:
     return option(name, type=kind, metavar=parameter.symbol, help=what)
 
 
-#: Commands of the core.
-COMMANDS = (
-    Command("cases", FIND, "the studies that come with the package", "granwave.workflows.cli.package:cases", (
-        option("words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"),
-        flag("--all", "list all, with what each is"),
-        as_json("the list"),
-    )),
-    Command("show", FIND, "an editable copy of a built-in study, on stdout", "granwave.workflows.cli.package:show", (
-        option("name", metavar="NAME", help="name of a built-in case or scan"),
-    )),
-    Command("keys", FIND, "keys of all files: unit, default, accepted values, example", "granwave.workflows.cli.package:keys", (
-        option("table", nargs="*", metavar="TABLE", help="a table, as packing; a key, as packing.diameter; or words "
-                "of keys or descriptions (default: a list)"),
-        [as_json("the tables and their keys"),
-         option("--schema", choices=_FILES, metavar="FILE",
-                 help=f"print the JSON Schema of a kind of files, for editors: {', '.join(_FILES)}")],
-    )),
-    Command("check", FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
-        CASE, SET, RANKS, as_json("the plan"),
-    )),
-    Command("run", RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
-        CASE, SET, directory(), RANKS,
-        option("--checkpoint", type=read.seconds, default=60.0, metavar="SECONDS",
-                help="wall time between checkpoints (default: 60)"),
-        NO_FIGURES, as_json("the summary"), RESUME_OR_FORCE,
-    )),
-    Command("scan", RUNNING, "run a case many times with some keys varied; table, figures and report", "granwave.workflows.cli.scan:scan", (
-        option("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan"),
-        SET, directory(),
-        option("--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"),
-        option("--profile", type=read.input_name, metavar="FILE",
-                help="how to use the cluster: partition, account, time, ..."),
-        option("--jobs", type=read.positive, metavar="N",
-                help="jobs at once (default: the cores of this machine; 100 on a cluster)"),
-        flag("--plan", "say what the scan would be, and run nothing"),
-        as_json("the plan, or at the end all points and their values,"), RESUME_OR_FORCE,
-    )),
-    Command("write", RUNNING, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave", "granwave.workflows.cli.running:write", (
-        CASE, SET, directory("where the deck goes; required", required=True), FORCE,
-    )),
-    Command("analyse", RUNNING, "once more from the dumps: result.h5, figures, summary.json", "granwave.workflows.cli.running:analyse", (
-        RUN, RANKS, NO_FIGURES, as_json("the summary"),
-    )),
-    Command("report", LOOK, "a page that compares any number of runs and scans", "granwave.workflows.cli.results:report", (
-        option("directories", nargs="+", type=read.input_name, metavar="DIR", help="directories of runs and scans"),
-        output("a file that ends in .html, .pdf or .md (default: report.html)", default=Path("report.html")),
-        option("--study", action="append", default=[], metavar="NAME|FILE.py",
-                help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite "
-                "files name; may be repeated"),
-    )),
-    Command("figures", LOOK, "draw the figures of a run again, all or some", "granwave.workflows.cli.results:figures", (
-        RUN,
-        option("--only", type=read.words, metavar="NAME,...",
-                help="names of figures (default: those of the case, or all)"),
-        *figure_options(*FIGURE_KEYS),
-    )),
-    Command("export", LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "granwave.workflows.cli.results:export", (
-        RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
-        output("where to (default: DIR/export)", "DIR"),
-    )),
-    Command("law", CONTACTS, "force-overlap curves of a contact: a plot or a table", "granwave.workflows.cli.contacts:law", (
-        materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
-        radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
-        option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
-        *(_law_parameter(p) for p in PARAMETERS.values() if set(laws_with(p)) & set(LAWS)),
-        option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
-        option("--max-overlap", type=read.overlap, default=200.0, metavar="A",
-                help="largest overlap, in units of that at first yield (default: 200)"),
-        option("--velocity", type=read.speed, default=0.0, metavar="V",
-                help="approach velocity, m/s, with --rate-sensitivity (default: slow)"),
-        flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "
-              "and a rigid wall"),
-        output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),
-    )),
-    Command("doctor", PACKAGE, "versions, plugin, MPI: what works and how to mend what does not", "granwave.workflows.cli.doctor:doctor", (
-        option("--profile", type=read.input_name, metavar="FILE",
-                help="also check the profile of a cluster, on its login node"),
-        as_json("the findings"),
-    )),
-    Command("selftest", PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
-            "granwave.workflows.cli.selftest:selftest", (
-        option("--np", dest="ranks", type=read.positive, default=2, metavar="N",
-                help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
-        option("--profile", type=read.input_name, metavar="FILE",
-                help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
-        as_json("the checks"),
-    )),
-    Command("bench", PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "granwave.workflows.cli.package:bench", (
-        option("--json", type=read.output_name, metavar="FILE", help="write the results there too"),
-        option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each (default: 5)"),
-        [option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
-                 help=f"what to measure: {', '.join(BENCH_PARTS)} (default: all, some ten minutes)"),
-         option("--styles-only", action="store_const", const=("styles",), dest="parts",
-                 help="the same as --parts styles")],
-    )),
-    Command("completion", PACKAGE, "code that switches on tab completion in a shell", "granwave.workflows.cli.completion:completion", (
-        option("shell", choices=SHELLS, help="the shell: bash, zsh or fish"),
-    )),
-    Command("help", PACKAGE, "this list, or the options of a command", "granwave.workflows.cli.package:show_help"),
-)  # fmt: skip
+def _core() -> tuple[Command, ...]:
+    """Return the commands of the core."""
+    files = [kind.name for kind in file_kinds()]
+    return (
+        Command("cases", FIND, "the studies that come with the package", "granwave.workflows.cli.package:cases", (
+            option("words", nargs="*", metavar="WORD", help="list only those whose name or title has all these words"),
+            flag("--all", "list all, with what each is"),
+            as_json("the list"),
+        )),
+        Command("show", FIND, "an editable copy of a built-in study, on stdout", "granwave.workflows.cli.package:show", (
+            option("name", metavar="NAME", help="name of a built-in case or scan"),
+        )),
+        Command("keys", FIND, "keys of all files: unit, default, accepted values, example", "granwave.workflows.cli.package:keys", (
+            option("table", nargs="*", metavar="TABLE", help="a table, as packing; a key, as packing.diameter; or words "
+                    "of keys or descriptions (default: a list)"),
+            [as_json("the tables and their keys"),
+             option("--schema", choices=files, metavar="FILE",
+                     help=f"print the JSON Schema of a kind of files, for editors: {', '.join(files)}")],
+        )),
+        Command("check", FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
+            CASE, SET, RANKS, as_json("the plan"),
+        )),
+        Command("run", RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
+            CASE, SET, directory(), RANKS,
+            option("--checkpoint", type=read.seconds, default=60.0, metavar="SECONDS",
+                    help="wall time between checkpoints (default: 60)"),
+            NO_FIGURES, as_json("the summary"), RESUME_OR_FORCE,
+        )),
+        Command("scan", RUNNING, "run a case many times with some keys varied; table, figures and report", "granwave.workflows.cli.scan:scan", (
+            option("scan", metavar="SCAN", help="a scan file, or the name of a built-in scan"),
+            SET, directory(),
+            option("--executor", default="local", metavar="local|slurm", help="where the points run (default: local)"),
+            option("--profile", type=read.input_name, metavar="FILE",
+                    help="how to use the cluster: partition, account, time, ..."),
+            option("--jobs", type=read.positive, metavar="N",
+                    help="jobs at once (default: the cores of this machine; 100 on a cluster)"),
+            flag("--plan", "say what the scan would be, and run nothing"),
+            as_json("the plan, or at the end all points and their values,"), RESUME_OR_FORCE,
+        )),
+        Command("write", RUNNING, "write the LAMMPS deck alone; it runs by hand: lmp -in in.granwave", "granwave.workflows.cli.running:write", (
+            CASE, SET, directory("where the deck goes; required", required=True), FORCE,
+        )),
+        Command("analyse", RUNNING, "once more from the dumps: result.h5, figures, summary.json", "granwave.workflows.cli.running:analyse", (
+            RUN, RANKS, NO_FIGURES, as_json("the summary"),
+        )),
+        Command("report", LOOK, "a page that compares any number of runs and scans", "granwave.workflows.cli.results:report", (
+            option("directories", nargs="+", type=read.input_name, metavar="DIR", help="directories of runs and scans"),
+            output("a file that ends in .html, .pdf or .md (default: report.html)", default=Path("report.html")),
+            option("--study", action="append", default=[], metavar="NAME|FILE.py",
+                    help="a study to make of all runs, by name or in a file of yours, beside those that scan and suite "
+                    "files name; may be repeated"),
+        )),
+        Command("figures", LOOK, "draw the figures of a run again, all or some", "granwave.workflows.cli.results:figures", (
+            RUN,
+            option("--only", type=read.words, metavar="NAME,...",
+                    help="names of figures (default: those of the case, or all)"),
+            *figure_options(*FIGURE_KEYS),
+        )),
+        Command("export", LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "granwave.workflows.cli.results:export", (
+            RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
+            output("where to (default: DIR/export)", "DIR"),
+        )),
+        Command("law", CONTACTS, "force-overlap curves of a contact: a plot or a table", "granwave.workflows.cli.contacts:law", (
+            materials("one or two: a name, or FILE.toml:NAME (default: brass)"),
+            radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
+            option("--law", default="elastoplastic", choices=list(LAWS), help="contact law (default: elastoplastic)"),
+            *(_law_parameter(p) for p in PARAMETERS.values() if set(laws_with(p)) & set(LAWS)),
+            option("--cohesion", nargs=2, metavar=("KIND", "W"), help="jkr or dmt, and the work of adhesion, J/m^2"),
+            option("--max-overlap", type=read.overlap, default=200.0, metavar="A",
+                    help="largest overlap, in units of that at first yield (default: 200)"),
+            option("--velocity", type=read.speed, default=0.0, metavar="V",
+                    help="approach velocity, m/s, with --rate-sensitivity (default: slow)"),
+            flag("--restitution", "coefficient of restitution against velocity instead, of two spheres and of a sphere "
+                  "and a rigid wall"),
+            output("a file that ends in .png, .pdf or .csv (default: law.png, restitution.png)"),
+        )),
+        Command("doctor", PACKAGE, "versions, plugin, MPI: what works and how to mend what does not", "granwave.workflows.cli.doctor:doctor", (
+            option("--profile", type=read.input_name, metavar="FILE",
+                    help="also check the profile of a cluster, on its login node"),
+            as_json("the findings"),
+        )),
+        Command("selftest", PACKAGE, "known answers, plugin, MPI and restart, computed on this machine: run it first",
+                "granwave.workflows.cli.selftest:selftest", (
+            option("--np", dest="ranks", type=read.positive, default=2, metavar="N",
+                    help="MPI ranks that must give the numbers of one (default: 2; 1 leaves that out)"),
+            option("--profile", type=read.input_name, metavar="FILE",
+                    help="profile of a cluster, whose launcher starts the ranks (default: mpiexec)"),
+            as_json("the checks"),
+        )),
+        Command("bench", PACKAGE, "speed beside LAMMPS's own granular styles, on this machine", "granwave.workflows.cli.package:bench", (
+            option("--json", type=read.output_name, metavar="FILE", help="write the results there too"),
+            option("--repeats", type=read.positive, default=5, metavar="N", help="timings of each (default: 5)"),
+            [option("--parts", type=read.bench_parts, default=BENCH_PARTS, metavar="PART,...",
+                     help=f"what to measure: {', '.join(BENCH_PARTS)} (default: all, some ten minutes)"),
+             option("--styles-only", action="store_const", const=("styles",), dest="parts",
+                     help="the same as --parts styles")],
+        )),
+        Command("completion", PACKAGE, "code that switches on tab completion in a shell", "granwave.workflows.cli.completion:completion", (
+            option("shell", choices=SHELLS, help="the shell: bash, zsh or fish"),
+        )),
+        Command("help", PACKAGE, "this list, or the options of a command", "granwave.workflows.cli.package:show_help"),
+    )  # fmt: skip
 
 
 def commands() -> tuple[Command, ...]:
     """Return all commands, with those of extensions, in the order of the list of commands."""
-    listed = with_added(COMMANDS, "commands")
+    listed = with_added(_core(), "commands")
     groups = list(dict.fromkeys(command.group for command in listed))
     return tuple(sorted(listed, key=lambda command: groups.index(command.group)))
 
