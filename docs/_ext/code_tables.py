@@ -26,7 +26,7 @@ from granwave.analysis.quantities import Quantity, entries
 from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
 from granwave.workflows.cli.json_schema import schema_of
 from granwave.workflows.cli.keys import Key, KeyTable, state, tables
@@ -174,7 +174,7 @@ def lattices() -> str:
     """Return the table of the packings."""
     rows = [
         f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
-        for name, kind in KINDS.items()
+        for name, kind in lattice_kinds().items()
     ]
     head = "| kind | name | `packing.size` | its layers |"
     return "\n".join([head, "|---|---|---|---|", *rows])

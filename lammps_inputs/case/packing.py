@@ -27,12 +27,12 @@ from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
     FILE,
-    KINDS,
     ROWS,
     Lattice,
     PackingKind,
     kind_names,
     kind_of,
+    lattice_kinds,
 )
 
 LARGEST_ID = schema.LARGEST_COUNT
@@ -179,7 +179,7 @@ _WAYS = schema.ListType(
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
-    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names())
+    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names)
     size: tuple[int, ...] = schema.typed(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
         _SIZE,
@@ -332,8 +332,10 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
     # a cell may come with [[grains]]: see `parse_case`
     found = show("" if kind is None else kind)
     foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {found}')
-    if kind in list(KINDS) and not KINDS[kind].is_plane_crystal:
-        able = " or ".join(show(name) for name, rule in KINDS.items() if rule.is_plane_crystal)
+    rule = lattice_kinds().get(kind) if isinstance(kind, str) else None
+    if rule is not None and not rule.is_plane_crystal:
+        plane = [name for name, other in lattice_kinds().items() if other.is_plane_crystal]
+        able = " or ".join(map(show, plane))
         foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     return foreign
 
@@ -372,7 +374,7 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
     if (shape := packing.of_grain) is None:
         return
     along = np.abs(packing.rule.contact_directions @ shape.vector).max()
-    flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
+    flat = [name for name, kind in lattice_kinds().items() if kind.dimension < len("xyz")]
     errors.check_first(
         (
             packing.kind not in flat,

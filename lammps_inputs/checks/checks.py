@@ -18,6 +18,7 @@ from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_siz
 from granwave.lammps_inputs.case.run import RunSettings
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.checks import grains, loads, packing, precompression
+from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.contact.initial_dents import KEY, error_in_dents
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
@@ -551,7 +552,7 @@ def _check_held_strikers(assembly: Assembly, errors: ErrorList) -> None:
 def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
     """Log warnings about values that are valid but may not be meant."""
     case = assembly.case
-    warnings = list[str]()
+    warnings = missing_products(case.figures)
     ratio = case.material.poisson_ratio
     n = assembly.lattice.n_spheres
     law = case.contact

@@ -13,10 +13,9 @@ import pytest
 
 from granwave.lammps_inputs.extensions import ALL, WITHOUT, added, extensions
 from tests.helpers.hidden import FOLDER, NAMES
-from tests.house.test_layers import MODULES, imports
+from tests.house.test_layers import CORE, MODULES, imports
 
 ROOT = Path(__file__).parents[2]
-CORE = sorted(name for name in MODULES if ".extensions." not in name)
 SMALL = (
     "packing.size=[3,3,3]", "run.frames=3", "run.end_time=2e-5", "figures.formats=[]",
 )  # fmt: skip
@@ -47,13 +46,6 @@ def test_every_folder_is_an_extension():
     for name in NAMES:
         assert list((ROOT / "tests" / "extensions" / name).glob("test_*.py")), name
         assert list((ROOT / "docs" / "extensions" / name).glob("*.md")), name
-
-
-@pytest.mark.parametrize("module", CORE)
-def test_the_core_imports_no_extension(module):
-    names = [f"granwave.extensions.{name}" for name in NAMES]
-    found = [other for other in imports(MODULES[module]) if other.startswith(tuple(names))]
-    assert found == []
 
 
 @pytest.mark.parametrize("name", NAMES)

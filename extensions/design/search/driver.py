@@ -100,7 +100,7 @@ def run_design(
     results = ResultDirectory(results_directory(directory))
     if find_spec("sklearn") is None:
         raise InputError(
-            "granwave design: scikit-learn is not installed; pip install 'granwave[design]'"
+            'granwave design: scikit-learn is not installed; pip install "granwave[design]"'
         )
     with held(results), Interrupts() as stop:
         results.check(resume=resume, force=force)
