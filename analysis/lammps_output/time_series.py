@@ -1,9 +1,9 @@
 """Readers of the time series and of the record of a run, and the check that its output is complete.
 
-``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``), the
-last of which names the columns, followed by a row of numbers for each instant. A last row that was
-cut is dropped; of rows of the same instant (resumed run) the last one is used. Truncated files
-would silently give wrong results.
+``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``) and a
+row of numbers for each instant; the last comment names the columns. A last row that was cut is
+dropped. If rows have the same instant (resumed run), the last one is used. Truncated files would
+silently give wrong results.
 """
 
 from __future__ import annotations

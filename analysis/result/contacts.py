@@ -114,7 +114,7 @@ def merge_dents(dents: Frame) -> Contacts:
 
 
 def _or_never(time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return times with NaN for those that never came."""
+    """Return times with NaN where an event never came."""
     return np.where(np.isfinite(time), time, np.nan)
 
 
@@ -162,7 +162,7 @@ def list_contacts(
 
 
 def leave_out_rounding(contacts: Contacts, box: NDArray[np.float64]) -> None:
-    """Take the time of arrival from contacts whose overlap was never more than the rounding of
+    """Remove the time of arrival of contacts with an overlap that never exceeded the rounding of
     coordinates in the box, (3, 2), m: no wave has been there.
     """
     untouched = contacts["peak_overlap"] <= _ROUNDING * np.abs(box).max()

@@ -64,8 +64,8 @@ def after_static_stage(
 
 
 def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
-    """Return the forces (i, j, force) of contacts: (n_contacts,), N; 0 for those that are not among
-    the rows.
+    """Return the forces of contacts from rows (i, j, force): (n_contacts,), N; 0 for contacts
+    without a row.
     """
     i, j = frame.pairs.T
     stride = 1 + max(j.max(initial=0), contacts["j"].max(initial=0))

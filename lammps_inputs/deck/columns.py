@@ -1,7 +1,7 @@
 """Columns of the output of LAMMPS: name in the file, source in LAMMPS, and unit.
 
-The input script, the readers and ``result.h5`` take names, order and units from here. Column
-numbers are those of the computes and fixes of the plugin (plugins/doc).
+The input script, the readers and ``result.h5`` take names, order and units from here. The pages of
+the computes and fixes of the plugin (plugins/doc) list the column numbers.
 """
 
 from __future__ import annotations

@@ -100,8 +100,8 @@ def _integration(assembly: Assembly) -> list[str]:
 
 
 def _prescribed(assembly: Assembly) -> list[str]:
-    """Return the groups of spheres whose motion is prescribed: those held in place, and those that
-    are moved.
+    """Return the groups of spheres with a prescribed motion: spheres held in place, and driven
+    spheres.
     """
     case = assembly.case
     held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []

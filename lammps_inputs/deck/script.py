@@ -201,8 +201,8 @@ def _run(case: Case, schedule: Schedule) -> list[str]:
 
 
 def with_absolute_files(commands: str, directory: str) -> str:
-    """Return commands whose files of a run are those in ``directory``, whatever the working
-    directory of LAMMPS is.
+    """Return commands that use the files of a run in ``directory``, whatever the working directory
+    of LAMMPS is.
 
     Parameters
     ----------

@@ -61,7 +61,9 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
 
 
 def _images(centres: NDArray[np.float64], assembly: Assembly) -> NDArray[np.int64]:
-    """Return how many periods along x, y, z LAMMPS will move the centres back by: (n, 3)."""
+    """Return the number of periods along x, y, z by which LAMMPS will move the centres back: (n,
+    3).
+    """
     inside = centres.copy()
     images = np.zeros(centres.shape, dtype=np.int64)
     low, high = box_of(assembly)[:2].T
