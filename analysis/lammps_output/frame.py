@@ -206,7 +206,7 @@ class Lines:
         self._file.close()
 
     def take(self, n: int | None) -> list[str]:
-        """Return the next n lines, or all that are left: at the end of the file, or if n is None."""
+        """Return the next n lines, or all that are left if there are fewer or n is None."""
         found = list(itertools.islice(self._file, n))
         self.n_read += len(found)
         return found
