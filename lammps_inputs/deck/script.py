@@ -11,7 +11,8 @@ from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, wall_commands
-from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
+from granwave.lammps_inputs.deck.ledger import ledger, thermo
+from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import (
     dumps_at_end,
     frames,
