@@ -31,6 +31,7 @@ ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
 
 Table = dict[str, NDArray[np.float64]]
+_INSTANT = 0  # column of the step or the time
 _RECORDED = {
     "n_steps": int,
     "wall_time_s": int | float,
@@ -104,14 +105,15 @@ def read_table(directory: str | Path, name: str) -> Table:
         what = "no names of columns" if rows else "no row: the run ended before its first report"
         raise OutputFormatError(f"{path} holds {what}; {AGAIN}")
     values = read_rows(rows, names, lambda row: f"{path}: line {lines[row]}")
-    _, backwards = np.unique(values[::-1, 0], return_index=True)
+    instants = values[:, _INSTANT]
+    _, backwards = np.unique(instants[::-1], return_index=True)
     values = values[len(values) - 1 - backwards]
-    apart = np.diff(
-        values[:, 0]
-    )  # rows are evenly spaced; a temporarily full disk could have left some out
-    if names[0] == "step" and len(apart) and apart.max() > apart.min():
+    instants = values[:, _INSTANT]
+    # rows are evenly spaced; a temporarily full disk could have left some out
+    apart = np.diff(instants)
+    if names[_INSTANT] == "step" and len(apart) and apart.max() > apart.min():
         n = int(apart.argmax())
-        first, second = values[n : n + 2, 0]
+        first, second = instants[n : n + 2]
         raise OutputFormatError(
             f"{path} lacks rows between the steps {first:.0f} and {second:.0f}; {AGAIN}"
         )

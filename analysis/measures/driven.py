@@ -199,7 +199,7 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
         return None
     interval = float(time[-1] - time[0]) / (len(time) - 1)
     if (
-        load.frequencies[1] * interval * LEAST_PER_PERIOD > 1 + 1e-9
+        load.highest_frequency * interval * LEAST_PER_PERIOD > 1 + 1e-9
     ):  # the record does not resolve the load
         return None
     if velocity.ndim > 2:
@@ -221,8 +221,8 @@ def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
     if load.shape == "up-and-down":
         return None
     if load.shape == "harmonic":
-        fit = steady_amplitudes(time, velocity, load.frequencies[1])
-        return None if fit is None else SteadyMotion(load.frequencies[1], *fit, row)
+        fit = steady_amplitudes(time, velocity, load.highest_frequency)
+        return None if fit is None else SteadyMotion(load.highest_frequency, *fit, row)
     averaged = _AVERAGED if load.shape == "noise" else 1
     ratios = transfer(time, velocity[:, row.first], velocity[:, row.last], averaged=averaged)
     return Spectrum(*ratios, *row.ends) if len(ratios[0]) else None
@@ -251,7 +251,7 @@ class AmplitudeSweep:
     @property
     def apart(self) -> float:
         """Largest difference of the last sphere's branches at one load, over its largest amplitude."""
-        answer = self.last[0]
+        answer = self.last[MULTIPLES.index(1.0)]
         both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
         there = np.linspace(
             max(load.min() for load, _ in both), min(load.max() for load, _ in both), _COMPARED
@@ -291,7 +291,7 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     if found is None or not isinstance(load, DrivenLoad) or load.shape != "up-and-down":
         return None
     row, time, velocity = found
-    frequency = load.frequencies[1]
+    frequency = load.highest_frequency
     whole = load.lasts
     length = WINDOW_PERIODS / frequency
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
@@ -308,7 +308,8 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
         )
     amplitudes = np.stack(fits, axis=2)
     size = (load.amplitude or 0.0) * (1 - np.abs(2 * middles / whole - 1))
-    return AmplitudeSweep(size, middles < whole / 2, amplitudes[:, 0], amplitudes[:, 1])
+    first, last = np.moveaxis(amplitudes, 1, 0)
+    return AmplitudeSweep(size, middles < whole / 2, first, last)
 
 
 def mean_power_of(result: Result) -> tuple[float, float | None] | None:
@@ -325,7 +326,7 @@ def mean_power_of(result: Result) -> tuple[float, float | None] | None:
     later = time >= time[-1] / 2
     if (
         np.count_nonzero(later) < _FEWEST_INSTANTS
-        or time[-1] / 2 * load.frequencies[1] < LEAST_PERIODS
+        or time[-1] / 2 * load.highest_frequency < LEAST_PERIODS
     ):
         return None
     since = time[later] - time[later].mean()

@@ -343,9 +343,8 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     """
     members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
     last = result.assembly.lattice.n_spheres
-    # of each set: force and time
     of_all = 0.0
-    fronts = [np.empty((2, 0)) for _ in members]
+    fronts = [np.empty((2, 0)) for _ in members]  # of each set: force and time
     for i, j, force, time in result.blocks(
         "contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"
     ):
@@ -355,17 +354,25 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
         of_all = max(of_all, float(force.max(initial=0.0)))
         for n, of_set in enumerate(members):
             here = (own & of_set[at_rows]).any(axis=0) & (force > 0)
-            found = np.concatenate([fronts[n], [force[here], time[here]]], axis=1)
-            # only a contact that bears more than all contacts with an earlier peak can be the first
-            found = found[:, found[0] >= _BEARS * found[0].max(initial=0.0)]
-            found = found[:, np.argsort(found[1], kind="stable")]
-            fronts[n] = found[:, np.diff(np.maximum.accumulate(found[0]), prepend=0.0) > 0]
+            fronts[n] = _front(np.concatenate([fronts[n], [force[here], time[here]]], axis=1))
     arrivals = []
     for force, time in fronts:
         largest = float(force.max(initial=0.0))
         first = float(np.nanmin(time[force >= _BEARS * largest], initial=np.inf))
         arrivals.append(first if largest > _NO_WAVE * of_all else np.inf)
     return arrivals
+
+
+def _front(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Select the peaks that can be the first of a wave: forces, N, and times, s, (2, n).
+
+    Only a contact that bears more than all contacts with an earlier peak can be the first.
+    """
+    force, time = peaks
+    bears = np.flatnonzero(force >= _BEARS * force.max(initial=0.0))
+    by_time = bears[np.argsort(time[bears], kind="stable")]
+    rises = np.diff(np.maximum.accumulate(force[by_time]), prepend=0.0) > 0
+    return peaks[:, by_time[rises]]
 
 
 class Mark(IntEnum):

@@ -240,8 +240,8 @@ def _contacts_of(
         rows = hdf5.rows_of(near_ids, np.stack([contacts["i"], contacts["j"]], axis=1))
         return pairs.pair_laws(assembly, near["type"].astype(np.int64)[rows], radii[rows])
 
-    lengths = start.box[:, 1] - start.box[:, 0]
-    periods = tuple(length * goes_on for length, goes_on in zip(lengths, sides, strict=True))
+    low, high = start.box.T
+    periods = tuple(length * goes_on for length, goes_on in zip(high - low, sides, strict=True))
     if assembly.has_cylinders:  # they touch at other distances
         touching = np.unique(assembly.contacts(), axis=0)
     else:

@@ -104,7 +104,7 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     if fault := _too_few_periods(load, case.run.longest):
         _LOG.warning("%s: %s", case.name, fault)
     n = chain_history(assembly) if row.group == "chain" else line_history(assembly)
-    period = 1 / load.frequencies[1]
+    period = 1 / load.highest_frequency
     least = math.ceil(LEAST_PER_PERIOD / period * case.run.longest * (1 + _TOLERANCE))
     if 0 < n < least:
         _LOG.warning(
@@ -119,7 +119,7 @@ def _too_few_periods(load: DrivenLoad, end: float) -> str:
     """Describe a run or a load that is too short for what is measured, with its key; empty if there
     is none.
     """
-    period = 1 / load.frequencies[1]
+    period = 1 / load.highest_frequency
     ends = end * (1 + _TOLERANCE)
     if load.shape == "harmonic" and ends < (least := 2 * LEAST_PERIODS * period):
         return (

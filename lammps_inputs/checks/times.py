@@ -83,7 +83,7 @@ def check_resolution(case: Case, errors: ErrorList) -> None:
     step = case.run.timestep
     if not isinstance(load, DrivenLoad) or not load.oscillates or isinstance(step, str):
         return
-    highest = load.frequencies[1]
+    highest = load.highest_frequency
     most = 1 / (_STEPS_IN_A_PERIOD * step)
     errors.check(
         (

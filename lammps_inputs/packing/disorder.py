@@ -173,7 +173,8 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     # distances from the two walls
     u = np.empty_like(radii)
     v = np.empty_like(radii)
-    u[:, 0], v[0, :] = radii[:, 0], radii[0, :]
+    u[:, 0] = radii[:, 0]
+    v[0, :] = radii[0, :]
     for diagonal in range(1, nx + ny - 1):
         b = np.arange(max(0, diagonal - nx + 1), min(ny, diagonal + 1))
         a = diagonal - b

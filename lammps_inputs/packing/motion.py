@@ -235,7 +235,7 @@ def chain_history(assembly: Assembly) -> int:
         return 0
     instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / assembly.n_particles))
     if case.load.oscillates:
-        instants = max(instants, _IN_A_PERIOD * case.load.frequencies[1] * case.run.longest)
+        instants = max(instants, _IN_A_PERIOD * case.load.highest_frequency * case.run.longest)
     return int(min(instants, _MOST_HISTORY_VALUES / assembly.n_particles))
 
 

@@ -226,7 +226,7 @@ def check_load_frequency(assembly: Assembly) -> None:
     except (ArithmeticError, ValueError):  # no contact takes up energy
         return
     cutoff = _OF_CUTOFF / (2 * math.pi * shortest)
-    highest = load.frequencies[1]
+    highest = load.highest_frequency
     if highest <= _FAR * cutoff:
         return
     found = (

@@ -84,7 +84,7 @@ def _own(
     """
     n = assembly.lattice.n_spheres
     lattice = assembly.lattice
-    box = box_of(assembly)
+    box_low, box_high = box_of(assembly)[:2].T
     layered = isinstance(lattice, Lattice) and assembly.sites.leaning is None
     low = low - _MARGIN * lattice.diameter
     high = high + _MARGIN * lattice.diameter
@@ -98,9 +98,7 @@ def _own(
         if layered:
             inside = centres.copy()
             if lattice.periodic:
-                inside[:, :2] = box[:2, 0] + (inside[:, :2] - box[:2, 0]) % (
-                    box[:2, 1] - box[:2, 0]
-                )
+                inside[:, :2] = box_low + (inside[:, :2] - box_low) % (box_high - box_low)
             chosen = chosen & ((inside >= low) & (inside < high)).all(axis=1)
         here = np.flatnonzero(chosen)
         yield here + first, centres[here]
