@@ -14,7 +14,8 @@ from typing import Any
 from granwave.lammps_inputs.case.case import RECORD, Case, PartialCase, case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_case, parse_overrides
 from granwave.lammps_inputs.case.schema import ErrorList
-from granwave.lammps_inputs.checks.checks import check_case, check_together, warn_about
+from granwave.lammps_inputs.checks.checks import check_case, check_together
+from granwave.lammps_inputs.checks.warnings import warn_about
 from granwave.lammps_inputs.errors import InputError, fault_of
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly

@@ -29,7 +29,7 @@ class Balance:
         Largest error so far over the largest input, see `granwave.analysis.result.reader`; NaN if
         any value is NaN.
     moved
-        Mass of the grains whose displacement is prescribed, kg.
+        Mass of the grains with a prescribed displacement, kg.
     row
         Last row, by column.
     """
@@ -86,7 +86,7 @@ _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
 
 def _advice(case: Case) -> str:
-    """Return what confines a packing of this kind, of the keys that it takes."""
+    """Return advice on keys that confine a packing of this kind."""
     rule = case.packing.rule
     if case.packing.grains is not None and case.packing.cell is None:
         remedy = _HELD
@@ -142,11 +142,11 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
 
 
 def expected_neighbours(assembly: Assembly) -> tuple[int, float] | None:
-    """Return how many pairs of spheres LAMMPS must find at the start, and within which distance
-    (m).
+    """Return the number of pairs of spheres that LAMMPS must find at the start, and their largest
+    distance (m).
 
-    None if no one distance tells them. Packings of unlike spheres hold an array of all sites for
-    this; one rank does it for all.
+    None if no single distance selects these pairs. Packings of dissimilar spheres need an array of
+    all sites for this; one rank computes it for all.
     """
     case = assembly.case
     packing = case.packing
