@@ -51,11 +51,14 @@ lammps_inputs/planning lammps_inputs/checks
 lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
+lammps_inputs/readers
+lammps_inputs/tables
 lammps_inputs/result_directory
 lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
+lammps_inputs/message_words
 lammps_inputs/errors
 plugins plugins/package
 """
