@@ -8,9 +8,10 @@ from pathlib import Path
 from typing import Any
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.grains import Grains, read_grains
+from granwave.lammps_inputs.case.grains import GrainChoices, Grains, read_grains
 from granwave.lammps_inputs.case.schema import ErrorList, read_table
 from granwave.lammps_inputs.readers.columns import QUANTITIES
+from granwave.lammps_inputs.readers.grain_table import TURNS
 from granwave.lammps_inputs.readers.registry import READERS
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
 from granwave.lammps_inputs.tables.units import LENGTH_UNITS
@@ -111,6 +112,12 @@ class GrainFileSection:
         "initial velocities of the file: keep or drop", _VELOCITIES, default=_VELOCITIES[0]
     )
 
+    up: str = schema.choice(
+        "direction of the file that points up; granwave has the top at the lowest z",
+        tuple(TURNS),
+        default="-z",
+    )
+
     def options(self, diameter: float | None) -> FileOptions:
         """Return what the reader is told; ``diameter`` is that of grains without one, m."""
         return FileOptions(
@@ -142,10 +149,14 @@ def read_grain_file(
     if section is None:
         return None
     options = section.options(diameter)
-    keeps = section.velocities == _VELOCITIES[0]
+    choices = GrainChoices(
+        materials=section.types or {},
+        keeps_velocities=section.velocities == _VELOCITIES[0],
+        up=section.up,
+    )
 
     def read(path: Path) -> Grains:
-        return read_grains(GrainSource(path, options), section.types, keep_velocities=keeps)
+        return read_grains(GrainSource(path, options), choices)
 
     grains = schema.read_named("packing.file", table["file"], FORM_OF_FILE, read, errors)
     if grains is not None and grains.reading is not None:

@@ -177,19 +177,34 @@ class Grains:
         return tuple(number for number, group in enumerate(self.group, start=1) if group == name)
 
 
-def read_grains(
-    source: GrainSource, materials: Mapping[str, str] | None = None, *, keep_velocities: bool = True
-) -> Grains:
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class GrainChoices:
+    """What becomes of the grains of a file.
+
+    Attributes
+    ----------
+    materials
+        Names of materials by type of the file; empty: types have no meaning.
+    keeps_velocities
+        False: the velocities of the file are left out.
+    up
+        Direction of the file that points up, a key of `TURNS`.
+    """
+
+    materials: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    keeps_velocities: bool = True
+    up: str = "-z"
+
+
+def read_grains(source: GrainSource, choices: GrainChoices | None = None) -> Grains:
     """Read a file of grains.
 
     Parameters
     ----------
     source
         The file, with what the user says of it.
-    materials
-        Names of materials by type of the file.
-    keep_velocities
-        False: the velocities of the file are left out.
+    choices
+        What becomes of its grains.
 
     Raises
     ------
@@ -198,17 +213,20 @@ def read_grains(
     OSError
         It cannot be read.
     """
+    choices = choices or GrainChoices()
     table = read_grain_table(source)
-    if not keep_velocities:
+    if not choices.keeps_velocities:
         table.velocity = None
         table.spin = None
-    if materials:
-        _name_materials(table, materials)
+    if choices.materials:
+        _name_materials(table, choices.materials)
+    if choices.up != "-z":
+        _turn(table, choices.up)
     grains = _grains(table, source.options.diameter)
     grains.file = str(source.path)
     grains.period = table.period
     grains.cell = table.cell
-    grains.reading = _reading(table, grains, materials or {})
+    grains.reading = _reading(table, grains, choices.materials)
     return grains
 
 
@@ -226,6 +244,16 @@ def parse_grains(text: str, diameter: float | None) -> Grains:
         It is no table of grains; the message says where and why.
     """
     return _grains(read_table_text(text, FileOptions(diameter=diameter)).in_order(), diameter)
+
+
+def _turn(table: GrainTable, up: str) -> None:
+    """Turn the grains of a file until a direction of it is up."""
+    if "axis" in table.words or "length" in table.numbers:
+        raise ValueError(
+            f'found packing.up = "{up}" with cylinders, whose axes are not turned; give their '
+            "places with the top at the lowest z"
+        )
+    table.turn(up)
 
 
 def _name_materials(table: GrainTable, materials: Mapping[str, str]) -> None:

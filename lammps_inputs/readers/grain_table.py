@@ -8,6 +8,17 @@ from collections.abc import Sequence
 import numpy as np
 from numpy.typing import NDArray
 
+#: Axes of the file that become x, y and z, with their signs, by the direction that is up in it: +z
+#: is down here, and the axes stay right-handed.
+TURNS: dict[str, tuple[tuple[int, int, int], tuple[int, int, int]]] = {
+    "-z": ((0, 1, 2), (1, 1, 1)),
+    "z": ((0, 1, 2), (1, -1, -1)),
+    "-x": ((1, 2, 0), (1, 1, 1)),
+    "x": ((1, 2, 0), (1, -1, -1)),
+    "-y": ((2, 0, 1), (1, 1, 1)),
+    "y": ((2, 0, 1), (1, -1, -1)),
+}
+
 
 @dataclasses.dataclass(eq=False, kw_only=True)
 class GrainTable:
@@ -110,6 +121,22 @@ class GrainTable:
                 "the order of these"
             )
         return self.taken(order)
+
+    def turn(self, up: str) -> None:
+        """Turn the grains until a direction of the file, a key of `TURNS`, is up."""
+        axes, signs = TURNS[up]
+        order = list(axes)
+        sign = np.array(signs, dtype=np.float64)
+        self.position = self.position[:, order] * sign
+        self.half_unit = self.half_unit[:, order]
+        self.periodic = (self.periodic[axes[0]], self.periodic[axes[1]], self.periodic[axes[2]])
+        if self.velocity is not None:
+            self.velocity = self.velocity[:, order] * sign
+        if self.spin is not None:
+            self.spin = self.spin[:, order] * sign
+        if self.bounds is not None:
+            self.bounds = np.sort(self.bounds[order] * sign[:, None], axis=1)
+        self.cell = [(np.array(vector)[order] * sign).tolist() for vector in self.cell]
 
     def _wrap(self) -> None:
         """Put grains outside of a periodic box back into it, with a note."""

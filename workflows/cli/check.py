@@ -27,6 +27,7 @@ from granwave.lammps_inputs.packing.cylinders import GRAINS
 from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
+from granwave.workflows.cli.grain_file_values import grain_file_rows
 from granwave.workflows.cli.plan_values import packing_values, small_waves
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
@@ -167,6 +168,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, waves
         grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
     yield "case", plan.name
     yield assembly.grains_called, grains
+    yield from grain_file_rows(values["packing_file"])
     yield "contacts at the start", f"{plan.n_contacts}"
     across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
     yield (
