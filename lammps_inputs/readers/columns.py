@@ -81,7 +81,8 @@ def _all_names() -> dict[str, str]:
     for quantity, (number, letter) in itertools.product(_STEMS, enumerate("xyz")):
         component = f"{quantity}{letter}"
         names |= dict.fromkeys(_vector_names(quantity, letter, number), component)
-    names |= {f"{letter}{suffix}": letter for letter in "xyz" for suffix in ("u", "c")}
+    for letter in "xyz":
+        names |= dict.fromkeys((f"{letter}u", f"{letter}c", f"c{letter}"), letter)
     return names | {name: name for name in QUANTITIES}
 
 

@@ -104,6 +104,13 @@ class GrainSource:
         return self.content[:_HEAD].decode("utf-8-sig", errors="replace")
 
     @property
+    def whole_lines(self) -> str:
+        """First lines of the file, without one that the head cuts."""
+        if len(self.content) <= _HEAD:
+            return self.head
+        return self.head.rpartition("\n")[0]
+
+    @property
     def is_binary(self) -> bool:
         """True if the file is no text."""
         return b"\0" in self.content[:_HEAD]

@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 from granwave.lammps_inputs.readers.columns import (
+    PLACE,
     QUANTITIES,
     ColumnReader,
     find_columns,
+    quantity_of,
     require_columns,
 )
 from granwave.lammps_inputs.readers.grain_table import GrainTable
@@ -22,10 +24,10 @@ _NOTHING = (
 
 
 def recognises(source: GrainSource) -> bool:
-    """Return True for rows of equally many cells, of which the second one has numbers."""
+    """Return True for a line with a name of a place, or equally many cells with numbers."""
     if source.is_binary:
         return False
-    layout = layout_of("\n".join(source.head.splitlines()[:-1]) or source.head)
+    layout = layout_of(source.whole_lines)
     if not layout.rows:
         return True
     try:
@@ -33,6 +35,8 @@ def recognises(source: GrainSource) -> bool:
         second = layout.cells(min(1, len(layout.rows) - 1))
     except ValueError:
         return False
+    if any(quantity_of(head)[0] == PLACE[0] for head in first):
+        return True
     n_numbers = sum(is_number(with_decimal_point(cell)) for cell in second)
     return len(first) == len(second) >= _LEAST_COLUMNS <= n_numbers
 

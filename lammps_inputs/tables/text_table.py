@@ -184,7 +184,7 @@ def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[
             rows[k] = join_cells(cells, sign)
         if n_cells != expected:
             line = layout.numbers[start + k]
-            hint = _hint_of_decimals(layout, n_cells, expected)
+            hint = _hint_at_cells(layout, start + k, n_cells, expected)
             raise ValueError(
                 f"line {line}: found {n_cells} values, expected {expected}: "
                 f"{', '.join(names)}{hint}"
@@ -192,11 +192,13 @@ def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[
     return rows
 
 
-def _hint_of_decimals(layout: Layout, n_cells: int, expected: int) -> str:
-    """Return a hint at decimal commas among commas that separate cells."""
-    if layout.separator != "," or n_cells <= expected:
-        return ""
-    return "; decimal commas need semicolons, tabs or blanks between the columns"
+def _hint_at_cells(layout: Layout, row: int, n_cells: int, expected: int) -> str:
+    """Return a hint at the reason why a row has another number of cells; empty without one."""
+    if n_cells < expected and row > 1 and row == len(layout.rows) - 1:
+        return "; the file may be truncated"
+    if n_cells > expected and layout.separator == ",":
+        return "; decimal commas need semicolons, tabs or blanks between the columns"
+    return ""
 
 
 def _frame(layout: Layout, rows: Sequence[str], n_columns: int) -> pd.DataFrame:
