@@ -134,7 +134,7 @@ def read_text_table(
     if not layout.rows:
         raise ValueError(nothing)
     first = layout.cells(0)
-    is_headed = not all(is_number(cell) or not cell for cell in first)
+    is_headed = not any(map(is_number, first))
     names = list(heads)
     head_line = layout.numbers[0]
     if is_headed and not names:

@@ -127,6 +127,15 @@ def test_a_packing_is_turned(up: str, down: tuple[int, int, int], tmp_path: Path
     assert np.linalg.norm(second - first) == pytest.approx(0.01)
 
 
+def test_a_table_of_a_spreadsheet(tmp_path: Path) -> None:
+    """A byte-order mark, line ends of Windows, decimal commas, millimetres."""
+    text = "\ufeffx (mm);y (mm);z (mm);d (mm)\r\n0;0;0;6,35\r\n0;0;6,35;6,35\r\n"
+    grains = read(writers.write(tmp_path / "g.csv", text))
+    assert grains.position[:, 2].tolist() == [0.0, 6.35e-3]
+    assert grains.diameter.tolist() == [6.35e-3, 6.35e-3]
+    assert grains.half_unit.max() == pytest.approx(5e-6)
+
+
 def test_ids_that_are_not_those_of_rows_are_noted(tmp_path: Path) -> None:
     text = writers.dump_step(100).replace("\n3 1 ", "\n30 1 ")
     grains = read(writers.write(tmp_path / "grains", text))
