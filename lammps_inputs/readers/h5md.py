@@ -117,6 +117,9 @@ def _add_box(group: Any, grains: GrainTable, row: int, power: int) -> None:
     flags = [str(flag) for flag in np.atleast_1d(group["box"].attrs.get("boundary", []))]
     periodic = ["periodic" in flag and "none" not in flag for flag in flags]
     lengths = in_si(np.asarray(edges, dtype=np.float64), power)
-    grains.bounds = np.stack([np.zeros(3), lengths], axis=1)
+    lower = np.zeros(3)
+    if "lower" in group["box"]:  # of `result.h5`
+        lower = in_si(np.asarray(group["box"]["lower"][()], dtype=np.float64), power)
+    grains.bounds = np.stack([lower, lower + lengths], axis=1)
     if len(periodic) == len(lengths):
         grains.periodic = periodic[0], periodic[1], periodic[2]

@@ -106,6 +106,9 @@ def read_points(path: Path) -> Points:
 def _power(head: str, line: int) -> int:
     """Return the power of ten of the unit in the name of a column; 0 without a unit."""
     _, unit = split_unit(head)
+    joined = head.rpartition("_")[2]  # time_us
+    if joined in _UNITS:
+        unit = joined
     if unit and unit not in _UNITS:
         expected = ", ".join(_UNITS)
         raise ValueError(f"line {line}: found the unit {show(unit)}, expected one of {expected}")
