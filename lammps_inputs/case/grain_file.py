@@ -95,8 +95,8 @@ class GrainFileSection:
         default=(),
     )
     units: str | None = schema.typed(
-        "unit of the lengths of the file (and of its velocities, each second), if that is not in the "
-        "names of its columns; metres by default",
+        "unit of the lengths of the file (and of its velocities, each second), if that is not in "
+        "the names of its columns; metres by default",
         schema.ChoiceType(tuple(LENGTH_UNITS)),
         default=None,
     )

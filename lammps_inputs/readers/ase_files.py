@@ -1,4 +1,4 @@
-"""Other formats, read by ASE: XYZ and extended XYZ, and whatever else it reads; lengths in metres."""
+"""Other formats, read by ASE, in metres: XYZ and extended XYZ, and whatever else it reads."""
 
 from __future__ import annotations
 

@@ -77,7 +77,9 @@ def _vector_names(quantity: str, letter: str, number: int) -> Iterable[str]:
 
 def _all_names() -> dict[str, str]:
     """Return the quantity of each usual name."""
-    names = {name: quantity for quantity, text in _OTHER_NAMES.items() for name in text.split()}
+    names: dict[str, str] = {}
+    for quantity, text in _OTHER_NAMES.items():
+        names |= dict.fromkeys(text.split(), quantity)
     for quantity, (number, letter) in itertools.product(_STEMS, enumerate("xyz")):
         component = f"{quantity}{letter}"
         names |= dict.fromkeys(_vector_names(quantity, letter, number), component)

@@ -164,6 +164,8 @@ class GrainTable:
         rows = order.tolist()
         if self.types:
             changed["types"] = [self.types[row] for row in rows]
-        changed["words"] = {name: [words[k] for k in rows] for name, words in self.words.items()}
+        changed["words"] = {
+            name: list(map(words.__getitem__, rows)) for name, words in self.words.items()
+        }
         changed["numbers"] = {name: values[order] for name, values in self.numbers.items()}
         return dataclasses.replace(self, **changed)  # type: ignore[arg-type]

@@ -57,6 +57,8 @@ def _grains(group: Any, source: GrainSource) -> GrainTable:
     unit = str(_values(position).attrs.get("unit", ""))
     power = options.power(LENGTH_UNITS.get(unit, 0))
     points = _at(position, row)
+    if points is None:
+        raise ValueError("found no values of the positions, expected an H5MD file with them")
     arrays = {}
     for name in group:
         if name in ("position", "box", "image", "force"):

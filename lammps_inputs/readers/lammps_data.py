@@ -156,14 +156,14 @@ def _of_style(words: list[str], n_columns: int) -> list[str]:
 
 def _bounds(head: str, power: int) -> NDArray[np.float64] | None:
     """Return the box: (3, 2), m; None unless the head of the file has it along all axes."""
-    found = {match[3]: (match[1], match[2]) for match in _BOX.finditer(head)}
-    if len(found) < len(_PLACE):
+    edges = {match[3]: (match[1], match[2]) for match in _BOX.finditer(head)}
+    if len(edges) < len(_PLACE):
         return None
     try:
-        box = [[float(word) for word in found[axis]] for axis in _PLACE]
+        box = np.array([edges[axis] for axis in _PLACE], dtype=np.float64)
     except ValueError:
         return None
-    return in_si(np.array(box), power)
+    return in_si(box, power)
 
 
 def _add_velocities(text: str, grains: GrainTable, power: int) -> None:

@@ -63,7 +63,7 @@ def read(source: GrainSource) -> GrainTable:
 
 
 def power_of_style(style: str, options: FileOptions) -> int:
-    """Return the power of ten of the lengths of a style of units; raise ValueError if it has none."""
+    """Return the power of ten of the lengths of a style of units; raise ValueError without one."""
     if options.units or not style:
         return options.power()
     if style not in UNIT_STYLES:
@@ -160,11 +160,11 @@ class _DumpFrame:
         if item.startswith("ITEM: BOX BOUNDS"):
             words = item.removeprefix("ITEM: BOX BOUNDS").split()
             self.flags = tuple(word for word in words if len(word) == 2 and "_" not in word)[-3:]
-            numbers = [[float(word) for word in line.split()] for line in values[:3]]
-            self.bounds = np.array([row[:2] for row in numbers])
-            self.tilts = tuple(number for row in numbers for number in row[2:])
-            if self.bounds.shape != (3, 2):
-                raise ValueError("no three rows of two numbers")
+            numbers = np.array([line.split() for line in values[:3]], dtype=np.float64)
+            if numbers.shape not in ((3, 2), (3, 3)):
+                raise ValueError("no three rows of two or three numbers")
+            self.bounds = numbers[:, :2]
+            self.tilts = tuple(numbers[:, 2:].ravel().tolist())
             return 4
         if item.startswith(_STEP):
             self.step = int(values[0])

@@ -33,12 +33,13 @@ def recognises(source: GrainSource) -> bool:
     """Return True for a restart file, or a first line of a step above a particle."""
     if source.head.startswith(_VERSION):
         return True
-    lines = source.head.splitlines()[:2]
-    words = [line.split() for line in lines]
-    if not all(is_number(word) for row in words for word in row) or len(words) < len("ab"):
+    first, _, rest = source.head.partition("\n")
+    step = first.split()
+    particle = rest.partition("\n")[0].split()
+    counts = (len(step), len(particle))
+    if counts not in ((_N_OF_STEP, len(_HEADS)), _N_OF_PLANE):
         return False
-    counts = (len(words[0]), len(words[1]))
-    return counts in ((_N_OF_STEP, len(_HEADS)), _N_OF_PLANE) and words[0][0].isdigit()
+    return step[0].isdigit() and all(map(is_number, [*step, *particle]))
 
 
 def read(source: GrainSource) -> GrainTable:
@@ -126,7 +127,7 @@ def _read_restart(source: GrainSource) -> GrainTable:
     grains = ColumnReader(table, columns, source.options).grains(f"{LABEL} restart", notes)
     domain = {axis: (low, high) for axis, low, high in _DOMAIN.findall(text[: match.start()])}
     if len(domain) == len("xyz"):
-        box = np.array([[float(word) for word in domain[axis]] for axis in "xyz"])
+        box = np.array([domain[axis] for axis in "xyz"], dtype=np.float64)
         grains.bounds = in_si(box, source.options.power())
     return grains
 

@@ -1,4 +1,4 @@
-"""Tables: CSV and text of any program with a line of names, as of lethe, Chrono and spreadsheets."""
+"""Tables: CSV and text of any program, as of lethe, Chrono and spreadsheets."""
 
 from __future__ import annotations
 

@@ -11,6 +11,7 @@ import re
 import xml.etree.ElementTree as ElementTree
 import zlib
 from collections.abc import Mapping
+from typing import Literal
 
 import numpy as np
 from numpy.typing import NDArray
@@ -58,7 +59,9 @@ def read(source: GrainSource) -> GrainTable:
     """Read the points and their arrays; raise ValueError if they have no sizes."""
     if source.head.startswith(_LEGACY):
         reader = _LegacyReader(source.content)
-        points, arrays, texts = reader.points, reader.arrays, reader.texts
+        points = reader.points
+        arrays = reader.arrays
+        texts = reader.texts
         form = f"{LABEL} legacy file"
     else:
         points, arrays, texts = _read_xml(source)
@@ -121,7 +124,7 @@ def grains_of_arrays(
         velocity=None if velocity is None else in_si(velocity, power),
         spin=_vector(values, SPINS),
         words={
-            name: [str(word) for word in values[name].tolist()]
+            name: list(map(str, values[name].tolist()))
             for name in ("material", "group")
             if name in values
         },
@@ -156,7 +159,8 @@ def _by_quantity(
         else:
             values.setdefault(quantity, array)
     if left_out:
-        notes.append(f"array{'s' * (len(left_out) > 1)} left out: {', '.join(left_out)}")
+        several = "s" if len(left_out) > 1 else ""
+        notes.append(f"array{several} left out: {', '.join(left_out)}")
     return values
 
 
@@ -230,10 +234,10 @@ class _LegacyReader:
             self._keep(words[1], self._numbers(3 * self.n_points, words[2]), 3)
         elif keyword == "FIELD":
             for _ in range(int(words[2])):
-                name, n_parts, n_rows, kind = self._line() or ["", "0", "0", "float"]
-                values = self._numbers(int(n_parts) * int(n_rows), kind)
-                if int(n_rows) == self.n_points:
-                    self._keep(name, values, int(n_parts))
+                name, parts, rows, kind = self._line() or ["", "0", "0", "float"]
+                values = self._numbers(int(parts) * int(rows), kind)
+                if int(rows) == self.n_points:
+                    self._keep(name, values, int(parts))
 
     def _keep(self, name: str, values: NDArray[np.generic], n_parts: int) -> None:
         if self.of_points:
@@ -319,7 +323,8 @@ class _XmlReader:
     def __init__(self, root: ElementTree.Element, blob: bytes, *, is_raw: bool) -> None:
         self.blob = blob
         self.is_raw = is_raw
-        self.order = "<" if root.get("byte_order", "LittleEndian") == "LittleEndian" else ">"
+        is_little = root.get("byte_order", "LittleEndian") == "LittleEndian"
+        self.order: Literal["<", ">"] = "<" if is_little else ">"
         self.header = np.dtype(_XML_TYPES[root.get("header_type") or "UInt32"])
         self.header = self.header.newbyteorder(self.order)
         compressor = root.get("compressor", "")

@@ -24,7 +24,7 @@ FORMS = {
     "decimal commas and blanks": "x y z d\n0 0,5 1,25 1\n2 -1,5 3e-3 2,0\n",
     "decimal commas and tabs": "x\ty\tz\td\n0\t0,5\t1,25\t1\n2\t-1,5\t3e-3\t2\n",
     "line ends of Windows": "x;y;z;d\r\n0;0,5;1,25;1\r\n2;-1,5;0,003;2\r\n",
-    "comments": "# mine\n% yours\n// theirs\nx,y,z,d # names\n\n0,0.5,1.25,1\n# here\n2,-1.5,3e-3,2\n",
+    "comments": "# a\n% b\n// c\nx,y,z,d # names\n\n0,0.5,1.25,1\n# here\n2,-1.5,3e-3,2\n",
     "names in a comment": "# made by numpy\n# x y z d\n0 0.5 1.25 1\n2 -1.5 3e-3 2\n",
     "names in quotes": '"x","y","z","d"\n0,"0.5",1.25,1\n2,-1.5,3e-3,2\n',
     "units in the names": "x (mm),y [cm],z_um,d in m\n0,50,1250000,1\n2000,-150,3e3,2\n",
