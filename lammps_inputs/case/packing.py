@@ -5,13 +5,13 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from granwave.lammps_inputs.case import hints, schema
-from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
+from granwave.lammps_inputs.case.grain_file import FILE_FIELDS, FORM_OF_FILE, read_grain_file
+from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.case.material import (
     Shape,
@@ -37,9 +37,6 @@ from granwave.lammps_inputs.lattices import (
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
-_FORM_OF_FILE = (
-    "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-)
 _NOT_OF_FILE = (
     "size",
     "top_row",
@@ -50,7 +47,7 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = ("file", "grains", "period")
+_OF_FILE = (*FILE_FIELDS, "grains", "period")
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -249,12 +246,7 @@ class PackingSection:
         default=None,
     )
 
-    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
-        "file": schema.path(
-            "grains of a packing of kind file: a table (x, y, z, diameter ...), or what ASE reads",
-            default=None,
-        )
-    }
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = FILE_FIELDS
 
     @property
     def rule(self) -> PackingKind:
@@ -309,7 +301,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     for name, text in foreign.items():
         if name in table:
             errors.add(f"packing.{name}", text)
-    own = {name: value for name, value in table.items() if name not in (*foreign, "file")}
+    own = {name: value for name, value in table.items() if name not in (*foreign, *FILE_FIELDS)}
     if table.get("kind") != FILE:
         return _read_lattice(own, errors)
     given = _given_grains(table, errors)
@@ -353,16 +345,17 @@ def _given_grains(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]
     """Return grains, periods and cell of the file that a packing names, as values of its keys."""
     given: dict[str, Any] = {}
     if "grains" in table:
-        if "file" in table:
-            beside = Mismatch("beside packing.grains", remedy="give one of them")
-            errors.add("packing.file", beside)
+        for name in FILE_FIELDS:
+            if name in table:
+                beside = Mismatch("beside packing.grains", remedy="give one of them")
+                errors.add(f"packing.{name}", beside)
         return given
     grains = _from_file(table, errors)
     given["grains"] = grains
     if grains is not None and grains.period is not None:
         given["period"] = grains.period
-    if grains is not None and "cell" not in table and (cell := read_cell(Path(table["file"]))):
-        given["cell"] = cell
+    if grains is not None and "cell" not in table and grains.cell:
+        given["cell"] = grains.cell
     return given
 
 
@@ -392,14 +385,12 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     diameter = table.get("diameter")
     if "file" not in table:
-        errors.add("packing.file", f'missing; packing.kind = "file" needs {_FORM_OF_FILE}')
+        errors.add("packing.file", f'missing; packing.kind = "file" needs {FORM_OF_FILE}')
         return None
     if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
         diameter = None
     name = table["file"]
-    grains = schema.read_named(
-        "packing.file", name, _FORM_OF_FILE, lambda path: read_grains(path, diameter), errors
-    )
+    grains = read_grain_file(table, diameter, errors)
     if grains and (
         odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)
     ):

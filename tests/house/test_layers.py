@@ -50,6 +50,8 @@ lammps_inputs/planning lammps_inputs/checks
 lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
+lammps_inputs/readers
+lammps_inputs/tables
 lammps_inputs/result_directory
 lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
@@ -57,6 +59,7 @@ lammps_inputs/result_kinds
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/extensions
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
+lammps_inputs/message_words
 lammps_inputs/errors
 plugins plugins/package
 """

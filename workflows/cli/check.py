@@ -22,6 +22,7 @@ from granwave.lammps_inputs.planning.impact_input import ImpactInput, inputs_of_
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.check_part import CheckPart, Rows, input_rows, input_values
+from granwave.workflows.cli.grain_file_values import grain_file_rows
 from granwave.workflows.cli.plan_values import packing_values
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.file_kinds import file_kinds
@@ -150,6 +151,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
     yield "case", plan.name
     yield assembly.grains_called, grains
+    yield from grain_file_rows(values["packing_file"])
     yield "contacts at the start", f"{plan.n_contacts}"
     across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
     yield (

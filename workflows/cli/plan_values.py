@@ -18,6 +18,7 @@ from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.workflows.cli.grain_file_values import grain_file_values
 
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
@@ -124,6 +125,7 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "n_cylinders": assembly.n_cylinders,
         "n_contacts": plan.n_contacts,
         "coordination": coordination,
+        "packing_file": grain_file_values(assembly),
         "precompression": None
         if stage is None
         else {

@@ -27,7 +27,8 @@ from granwave.extensions.inference.forces.grains import (
 )
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_csv_rows, read_number
+from granwave.lammps_inputs.files import read_number
+from granwave.lammps_inputs.tables.layout import read_rows
 
 _UNIT = re.compile("_(m_s2|rad_s2|rad_s|rad|kg_m3|Pa|m|s|N)$")
 _SHOWN = 10  # largest number of faults in a message
@@ -90,7 +91,7 @@ def _number(text: str) -> float:
 
 def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
     """Return the columns of numbers, NaN where a cell is empty; the index has the line of each row."""
-    rows = read_csv_rows(Path(path))
+    rows = read_rows(Path(path))
     if not rows:
         raise InputError(
             f"{path}: found nothing, expected a line of names and a row for each grain"
