@@ -63,13 +63,15 @@ class Grains:
         Shapes: (n,); by default all are spheres.
     period
         Periods along x and y of the file that they come from, m; None if it has none. Not part of
-        the table, as the three below.
+        the table, as the four below.
     file
         Name of the file that they come from; empty if from no file.
     lines
         Lines of the file, from 1, of those that come from a table: (at most n,).
     added_from
         First id of each entry of ``[[grains]]``.
+    found
+        The grains as they were found, of those that were moved until they touch.
     """
 
     position: NDArray[np.float64]
@@ -82,6 +84,7 @@ class Grains:
     file: str = ""
     lines: Sequence[int] = ()
     added_from: Sequence[int] = ()
+    found: Grains | None = None
 
     def __post_init__(self) -> None:
         """Make the columns tuples."""
