@@ -134,6 +134,18 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
     ]
 
 
+def may_lose_its_load(assembly: Assembly) -> bool:
+    """Return True if overlaps at the start are all of the load: grains that are free to move apart
+    lose it, and contacts that bear hardly any force have hardly any stiffness.
+
+    Forces are then compared with those at the start.
+    """
+    stage = assembly.case.precompression
+    if stage is None or not stage.takes_overlaps or not stage.moves_walls:
+        return False
+    return not (stage.moves or stage.presses or stage.force)
+
+
 def largest_move(assembly: Assembly) -> float:
     """Return the largest displacement of a sphere in a packing that does not rearrange, m; infinite
     for one that may.
@@ -368,11 +380,16 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     """
     disordered = has_gaps(assembly.case)
     mean = force_of_contact(assembly)
+    tolerance = _TOLERANCE
+    if disordered:
+        tolerance = _FIRST_HALF
+    elif may_lose_its_load(assembly):
+        tolerance = _TOLERANCE_OF_DISORDER
     span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
     )  # of coordinates
-    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
+    least = num(float(f"{tolerance * mean + rounding:.3g}"))
     if disordered and not first:
         largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
         least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"

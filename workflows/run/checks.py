@@ -10,7 +10,11 @@ from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import force_of_contact
-from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE, largest_move
+from granwave.lammps_inputs.deck.static_stage import (
+    FORCE_TOLERANCE,
+    largest_move,
+    may_lose_its_load,
+)
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -150,9 +154,8 @@ def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:
     Overlaps that push the grains of a free packing apart leave no forces: theirs is that at the
     start.
     """
-    stage = assembly.case.precompression
     largest = found["largest_force"]
-    if stage is None or not (stage.takes_overlaps and stage.moves_walls and largest):
+    if not largest or not may_lose_its_load(assembly):
         return found["residual"]
     return found["residual"] * min(1.0, largest / force_of_contact(assembly))
 
