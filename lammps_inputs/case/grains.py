@@ -102,6 +102,8 @@ class Grains:
         What was read of the file; None if they come from no file.
     added_from
         First id of each entry of ``[[grains]]``.
+    found
+        The grains as they were found, of those that were moved until they touch.
     """
 
     position: NDArray[np.float64]
@@ -117,6 +119,7 @@ class Grains:
     cell: Sequence[Sequence[float]] = ()
     reading: FileReading | None = None
     added_from: Sequence[int] = ()
+    found: Grains | None = None
 
     def __post_init__(self) -> None:
         """Make the columns tuples."""

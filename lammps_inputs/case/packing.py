@@ -10,6 +10,13 @@ from typing import Any, ClassVar
 import numpy as np
 
 from granwave.lammps_inputs.case import hints, schema
+from granwave.lammps_inputs.case.contact_ways import (
+    CONTACT_WAYS,
+    CONTACTS,
+    TOLERANCE,
+    ContactWay,
+    described_ways,
+)
 from granwave.lammps_inputs.case.grain_file import FILE_FIELDS, FORM_OF_FILE, read_grain_file
 from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
@@ -48,6 +55,7 @@ _NOT_OF_FILE = (
     "seed",
 )
 _OF_FILE = (*FILE_FIELDS, "grains", "period")
+_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", CONTACTS, TOLERANCE)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -205,6 +213,19 @@ class PackingSection:
         unit=LENGTH,
         default=None,
     )
+    contacts: str | None = schema.choice(
+        f"contacts of grains of a file that overlap or nearly touch: {described_ways()}; left out: overlaps are "
+        "refused, but for those that the digits of the file explain, which touch",
+        tuple(CONTACT_WAYS),
+        default=None,
+    )
+    touch_tolerance: float | None = schema.number(
+        "largest gap or overlap of two grains of a file that touch; by default what half a unit of the last place of "
+        "its numbers makes of a gap",
+        hints.DISPLACEMENT,
+        above=0,
+        default=None,
+    )
     gaps: tuple[tuple[int, float], ...] = schema.typed(
         "gaps in a chain: after which sphere, and how wide; negative: an overlap",
         _GAPS,
@@ -253,6 +274,11 @@ class PackingSection:
         """Properties of the kind."""
         return kind_of(self.kind)
 
+    @property
+    def contact_way(self) -> ContactWay | None:
+        """Way to start contacts of grains that overlap or nearly touch; None: overlaps are refused."""
+        return CONTACT_WAYS[self.contacts] if self.contacts else None
+
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
         top_row = self.top_row if self.rule.is_plane_crystal else "equal"
@@ -274,13 +300,13 @@ class PackingSection:
             field.name: getattr(self, field.name) for field in dataclasses.fields(self)
         }
         if self.grains is not None:
-            own = {name: keys[name] for name in ("kind", "diameter", "grains", "period", "cell")}
+            own = {name: keys[name] for name in _OF_GRAINS}
             return {
                 name: value
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
+        unused = {"cell": True, CONTACTS: True, TOLERANCE: True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
                   "shape": self.shape == "sphere"}  # fmt: skip
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
