@@ -75,6 +75,9 @@ class Extension:
     result_kinds
         Reference: sequence of `granwave.lammps_inputs.result_kinds.ResultKind`, one for each kind
         of directories of results that it writes.
+    case_keys
+        Reference: mapping of dotted keys of its cases to `granwave.analysis.formatting.values.Naming`,
+        their labels and units.
     quantities
         Reference: sequence of `granwave.analysis.quantities.Quantity`: values that it writes.
     summary
@@ -86,9 +89,12 @@ class Extension:
         Files that a run leaves besides figures, as ``[figures]`` of its case asks: reference to a
         sequence of `granwave.analysis.products.Product`.
     exports
-        Formats of ``granwave export``: reference to a function by name of the format.
+        Formats of ``granwave export``: reference to a
+        `granwave.analysis.exports.formats.ExportFormat` by name of the format.
     studies
         Studies of runs by name: module, see `granwave.analysis.studies.registry`.
+    comparisons
+        Studies that every report and suite makes of all its runs, by name: module, likewise.
     report
         Reference: sequence of `granwave.analysis.reports.kinds.ReportKind`, one for each kind of
         results that a report shows in its own way.
@@ -116,12 +122,14 @@ class Extension:
     lattices: str = ""
     loads: str = ""
     result_kinds: str = ""
+    case_keys: str = ""
     quantities: str = ""
     summary: str = ""
     figures: Mapping[str, str] = dataclasses.field(default_factory=dict)
     products: str = ""
     exports: Mapping[str, str] = dataclasses.field(default_factory=dict)
     studies: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    comparisons: Mapping[str, str] = dataclasses.field(default_factory=dict)
     report: str = ""
     case_kinds: str = ""
     file_kinds: str = ""
@@ -226,9 +234,65 @@ def added(field: str) -> Iterator[Any]:
     field
         Name of a field that holds one reference, such as ``commands``.
     """
-    for extension in extensions():
-        if reference := getattr(extension, field):
-            yield load(reference)
+    yield from loaded(field).values()
+
+
+def loaded(field: str) -> dict[str, Any]:
+    """Return what a field of all extensions stands for, by the names of the extensions.
+
+    Parameters
+    ----------
+    field
+        Name of a field that holds one reference, such as ``lattices``.
+
+    Raises
+    ------
+    InputError
+        A reference cannot be loaded; the message says which extension to leave out.
+    """
+    return {
+        extension.name: _loaded(extension, field, getattr(extension, field))
+        for extension in extensions()
+        if getattr(extension, field)
+    }
+
+
+def _loaded(extension: Extension, field: str, reference: str) -> Any:
+    """Return the object of a reference of an extension."""
+    try:
+        return load(reference)
+    except ModuleNotFoundError as error:
+        reason = missing_package(error) or str(error)
+    except Exception as error:  # of anyone's package
+        reason = f"{type(error).__name__}: {error}"
+    raise InputError(
+        f"extension {extension.name}: {field} {reference} cannot be loaded: {reason}; "
+        f"fix it, or leave the extension out: {WITHOUT}={extension.name}"
+    )
+
+
+def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
+    """Return the objects in the sequences of a field of all extensions by one of their attributes.
+
+    Parameters
+    ----------
+    field
+        Name of a field that is a reference to a sequence, such as ``products``.
+    noun
+        Noun for the objects, in messages.
+    key
+        Name of the attribute.
+
+    Raises
+    ------
+    InputError
+        A reference cannot be loaded, or two objects have the same attribute.
+    """
+    added = {
+        extension: {getattr(entry, key): entry for entry in entries}
+        for extension, entries in loaded(field).items()
+    }
+    return joined(noun, {}, added)
 
 
 def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
@@ -269,10 +333,40 @@ def added_by_name(field: str) -> dict[str, str]:
     field
         Name of a field that is a mapping, such as ``figures``.
     """
-    found: dict[str, str] = {}
-    for extension in extensions():
-        found |= getattr(extension, field)
-    return found
+    return joined(field, {}, {one.name: getattr(one, field) for one in extensions()})
+
+
+def joined(
+    noun: str, own: Mapping[str, Any], added: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Return the entries of the core and those of extensions in one table.
+
+    Parameters
+    ----------
+    noun
+        Noun for the entries, in the message.
+    own
+        Entries of the core by name.
+    added
+        Entries by name, of each extension by its name.
+
+    Raises
+    ------
+    InputError
+        Two entries have the same name; the message says whose they are.
+    """
+    table = dict(own)
+    owners = dict.fromkeys(own, "granwave itself")
+    for extension, entries in added.items():
+        for name, entry in entries.items():
+            if name in table:
+                raise InputError(
+                    f"{noun} {name}: it is in {owners[name]} and in the extension {extension}; "
+                    f"rename one, or leave the extension out: {WITHOUT}={extension}"
+                )
+            table[name] = entry
+            owners[name] = f"the extension {extension}"
+    return table
 
 
 def install_command(extension: Extension) -> str:

@@ -8,13 +8,14 @@ Names are collected when they are asked for, as most need modules that the parse
 from __future__ import annotations
 
 import argparse
-import importlib
 import re
 from collections.abc import Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
+from granwave.analysis.exports.names import export_names
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
@@ -173,13 +174,6 @@ def _tables(_: argparse.Namespace) -> Iterable[str]:
     )
 
 
-def _table(module: str, name: str) -> Names:
-    """Return the names in a table of `granwave.analysis`, whose module is loaded when they are
-    asked for.
-    """
-    return lambda _: getattr(importlib.import_module(f"granwave.analysis.{module}"), name)
-
-
 _OVERRIDES = "overrides"
 #: Completers by command and name of the argument; an empty command stands for all. Options that give
 #: their words need none.
@@ -194,7 +188,7 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
-    ("figures", "only"): _names(_table("figures.run_figures", "FIGURES")),
-    ("export", "to"): _names(_table("exports.export", "FORMATS")),
+    ("figures", "only"): _names(lambda _: figure_names()),
+    ("export", "to"): _names(lambda _: export_names()),
     ("bench", "parts"): _names(lambda _: BENCH_PARTS),
 }

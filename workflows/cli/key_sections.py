@@ -5,7 +5,7 @@ A description that is empty is the first line of the dataclass.
 
 from __future__ import annotations
 
-from granwave.lammps_inputs.case.case import TABLES, CaseHead
+from granwave.lammps_inputs.case.case import CaseHead, case_tables
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.slurm import Profile
@@ -22,7 +22,7 @@ PAIR = "[[pair]]"
 
 def case_sections() -> Sections:
     """Return the tables of a case."""
-    tables = {heading: (section, "") for heading, section in TABLES.items()}
+    tables = {heading: (section, "") for heading, section in case_tables().items()}
     return {"": (CaseHead, HEAD), **tables, PAIR: (Pair, "")}
 
 

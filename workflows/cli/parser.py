@@ -10,6 +10,7 @@ from typing import Any, NoReturn
 
 from granwave import __version__
 from granwave._contact_laws import LawParameter
+from granwave.analysis.exports.names import export_names
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with, type_of
 from granwave.lammps_inputs.case.schema import did_you_mean, printable, show
@@ -118,7 +119,7 @@ def _core() -> tuple[Command, ...]:
             *figure_options(*FIGURE_KEYS),
         )),
         Command("export", LOOK, "the results for other programs: ParaView, pandas, xarray, OVITO", "granwave.workflows.cli.results:export", (
-            RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help="one of vtp, csv, netcdf, ovito"),
+            RUN_OR_SCAN, option("--to", required=True, metavar="FORMAT", help=f"one of {', '.join(export_names())}"),
             output("where to (default: DIR/export)", "DIR"),
         )),
         Command("law", CONTACTS, "force-overlap curves of a contact: a plot or a table", "granwave.workflows.cli.contacts:law", (

@@ -10,7 +10,7 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from granwave.lammps_inputs.case.run import FIGURE_NAMES, NO_NORMAL, Figures
+from granwave.lammps_inputs.case.run import NO_NORMAL, Figures, figure_names
 from granwave.lammps_inputs.case.schema import (
     ValidationError,
     declared_fields,
@@ -69,10 +69,10 @@ def figures(options: argparse.Namespace) -> int:
     from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
 
     wanted = options.only
-    if unknown := [name for name in wanted or () if name not in FIGURE_NAMES]:
+    if unknown := [name for name in wanted or () if name not in figure_names()]:
         hint = (
-            did_you_mean(unknown[0], FIGURE_NAMES)
-            or f", expected some of {', '.join(FIGURE_NAMES)}"
+            did_you_mean(unknown[0], figure_names())
+            or f", expected some of {', '.join(figure_names())}"
         )
         raise InputError(f"--only: found {unknown[0]}{hint}")
     results = ResultDirectory(existing(options.directory))

@@ -15,7 +15,7 @@ import pytest
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.case import case_keys
-from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
+from granwave.lammps_inputs.case.loads.registry import load_section, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
 from granwave.lammps_inputs.extensions import load
@@ -260,7 +260,7 @@ def test_every_key_that_is_read_is_listed():
     }
     known = {key.replace(".1.", ".") for key in case_keys() if "." in key}
     assert known <= listed
-    assert {field.name for field in dataclasses.fields(LoadSection)} <= {
+    assert {field.name for field in dataclasses.fields(load_section())} <= {
         key.name for key in keys.find("load")[0].keys
     }
 
