@@ -13,7 +13,6 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
-import itertools
 import logging
 import os
 from collections.abc import Callable, Iterable, Iterator, Mapping
@@ -288,11 +287,15 @@ def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
     InputError
         A reference cannot be loaded, or two objects have the same attribute.
     """
-    added = {
+    return joined(noun, {}, _by_key(field, key))
+
+
+def _by_key(field: str, key: str) -> dict[str, dict[str, Any]]:
+    """Return the objects in the sequences of a field by one of their attributes, by extension."""
+    return {
         extension: {getattr(entry, key): entry for entry in entries}
         for extension, entries in loaded(field).items()
     }
-    return joined(noun, {}, added)
 
 
 def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
@@ -313,13 +316,9 @@ def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
         Two entries have the same name.
     """
     entries = list(own)
-    for entry in itertools.chain.from_iterable(added(field)):
+    table = joined(field, {entry.name: entry for entry in entries}, _by_key(field, "name"))
+    for entry in list(table.values())[len(entries) :]:
         names = [other.name for other in entries]
-        if entry.name in names:
-            raise InputError(
-                f"{field}: {entry.name} is there twice; rename that of an extension, or leave the "
-                f"extension out: {WITHOUT}=NAME (granwave doctor lists the extensions)"
-            )
         place = names.index(entry.after) + 1 if entry.after in names else len(entries)
         entries.insert(place, entry)
     return tuple(entries)

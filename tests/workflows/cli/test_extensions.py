@@ -235,10 +235,10 @@ def print_word(options) -> int:
 def test_a_name_that_is_taken(installed, capsys):
     OTHERS[:] = [Command("run", LOOK, "another run", f"{__name__}:print_word")]
     installed.append(other(commands=f"{__name__}:OTHERS"))
-    with pytest.raises(InputError, match="commands: run is there twice"):
+    with pytest.raises(InputError, match="commands run: it is in granwave itself and in the extension other"):
         make_parser()
     assert main(["cases"]) == 2
-    assert "run is there twice" in capsys.readouterr().err
+    assert "commands run: it is in granwave itself" in capsys.readouterr().err
 
 
 def test_entries_stand_behind_those_that_they_name(installed):
