@@ -292,10 +292,10 @@ def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
 
 def _by_key(field: str, key: str) -> dict[str, dict[str, Any]]:
     """Return the objects in the sequences of a field by one of their attributes, by extension."""
-    return {
-        extension: {getattr(entry, key): entry for entry in entries}
-        for extension, entries in loaded(field).items()
-    }
+    tables = {}
+    for extension, entries in loaded(field).items():
+        tables[extension] = {getattr(entry, key): entry for entry in entries}
+    return tables
 
 
 def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:

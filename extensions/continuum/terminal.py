@@ -78,7 +78,8 @@ def fit(options: argparse.Namespace) -> int:
     if pair:
         print(f"\n{pair_toml(found, pair)}")
     print(
-        f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}"
+        f"\n{written[0]} holds [contact] for a case file, and runs by itself: "
+        f"granwave run {written[0]}"
     )
     return 0
 
@@ -104,5 +105,8 @@ def fit_summary(found: Fit) -> str:
     text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
     text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
     if found.correlation:
-        text += f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
+        text += (
+            f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): "
+            "the uncertainties are widened for it"
+        )
     return text

@@ -70,8 +70,9 @@ def wave_rows(waves: Mapping[str, Any] | None) -> Rows:
     but = f", but for gaps: {bounds} kHz" if bounds else ""
     yield "small waves", f"up to {_KILO * waves['highest_Hz']:.4g} kHz{but}"
     if waves["speed_m_s"] is not None:
-        long = f"long ones {waves['speed_m_s']:.4g} m/s: from end to end ({waves['length_m']:.3g} m) in "
-        yield "", f"{long}{waves['travel_time_s']:.3g} s"
+        long = f"long ones {waves['speed_m_s']:.4g} m/s"
+        way = f"from end to end ({waves['length_m']:.3g} m)"
+        yield "", f"{long}: {way} in {waves['travel_time_s']:.3g} s"
     for load in waves["load"]:
         fate = "passes" if load["passes"] else "is stopped"
         yield "load's frequency", f"{_KILO * load['frequency_Hz']:.4g} kHz {fate}"

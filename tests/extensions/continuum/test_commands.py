@@ -1,4 +1,4 @@
-"""Continuum cases on the command line and in Python; packings and continuum cases of equal input."""
+"""Continuum cases on the command line and in Python; packings and blocks of equal input."""
 
 from __future__ import annotations
 
@@ -13,6 +13,14 @@ from tests.helpers.completion import completed
 
 SMALL = ["--set", "packing.size=[6,6,4]"]
 UNIT = "energy_input_over_sigma2_D3_E"
+
+
+def settings(changes: list[str]) -> list[str]:
+    """Options that make these changes of a case."""
+    words = []
+    for change in changes:
+        words += ["--set", change]
+    return words
 
 
 def plan_of(words, capsys):
@@ -33,9 +41,7 @@ def plan_of(words, capsys):
     ],
 )
 def test_the_continuum_case_has_the_input_of_the_packing(changes, capsys):
-    packing = plan_of(
-        ["fcc-small", *SMALL, *(word for change in changes for word in ("--set", change))], capsys
-    )
+    packing = plan_of(["fcc-small", *SMALL, *settings(changes)], capsys)
     program, verb, *words = shlex.split(packing["counterpart"]["command"])
     assert (program, verb) == ("granwave", "continuum")
     continuum = plan_of(words, capsys)
@@ -50,9 +56,7 @@ def test_the_continuum_case_has_the_input_of_the_packing(changes, capsys):
      (["punch.diameter=0.02", "material=steel"], "load.spheres=1")],
 )  # fmt: skip
 def test_the_packing_has_the_input_of_the_continuum_case(changes, struck, capsys):
-    continuum = plan_of(
-        ["half-space", *(word for change in changes for word in ("--set", change))], capsys
-    )
+    continuum = plan_of(["half-space", *settings(changes)], capsys)
     program, verb, *words = shlex.split(continuum["counterpart"]["command"])
     assert (program, verb) == ("granwave", "run")
     assert struck in words
