@@ -11,6 +11,7 @@ them; ``all`` leaves out all.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import importlib
 import logging
@@ -158,10 +159,17 @@ def extensions() -> tuple[Extension, ...]:
 
 
 def left_out() -> tuple[Extension, ...]:
-    """Return the extensions that are installed but not among `extensions`, for messages."""
+    """Return the extensions that are installed but not among `extensions`, for messages.
+
+    Those that cannot be loaded are passed over.
+    """
     names = {extension.name for extension in extensions()}
-    others = (_load(point) for point in _points() if point.name not in names)
-    return tuple(extension for extension in others if extension is not None)
+    others = []
+    for point in _points():
+        if point.name not in names:
+            with contextlib.suppress(Exception):  # of anyone's package, which nobody asked for
+                others.append(point.load())
+    return tuple(extension for extension in others if isinstance(extension, Extension))
 
 
 def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
@@ -176,7 +184,11 @@ def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
     """
     for extension in left_out():
         reference = getattr(extension, field)
-        if reference and any(map(is_it, load(reference))):
+        entries: Iterable[Any] = ()
+        if reference:
+            with contextlib.suppress(Exception):  # as in `left_out`
+                entries = load(reference)
+        if any(map(is_it, entries)):
             owner = f"it belongs to the extension {extension.name}"
             return f"{owner}, which {WITHOUT} leaves out: remove it from there"
     return ""

@@ -44,6 +44,8 @@ def bare(*words: str, folder: Path | None = None) -> subprocess.CompletedProcess
     )
 
 
+NEEDS_ALL = pytest.mark.needs_extension("continuum", "design", "inference", "pictures", "waves")
+
 #: Entries of the extension `other`.
 OTHERS: list[Command] = []
 
@@ -63,6 +65,7 @@ def installed(monkeypatch: pytest.MonkeyPatch) -> Iterator[list[Extension]]:
 # ----------------------------------------------------------------------------- without extensions
 
 
+@NEEDS_ALL
 def test_the_core_has_its_own_commands():
     assert {"run", "scan", "check", "report", "law", "doctor"} <= CORE
     assert {"bands", "infer", "design", "continuum", "film"} <= OF_EXTENSIONS
@@ -148,6 +151,7 @@ def test_python_has_the_names_of_the_core():
 # ----------------------------------------------------------------------------- with extensions
 
 
+@NEEDS_ALL
 def test_all_commands_have_their_place():
     """Groups in the order of the list, and the commands of extensions behind those of the core."""
     groups = list(dict.fromkeys(command.group for command in commands()))
@@ -171,6 +175,7 @@ def test_kinds_of_cases_name_their_kind_of_file():
     assert {kind.heading for kind in case_kinds() if kind is not GRANULAR} <= headings
 
 
+@pytest.mark.needs_extension("design")
 def test_a_missing_package_is_named_with_its_extra(monkeypatch, capsys):
 
     def fail(*_: object) -> int:
@@ -201,6 +206,7 @@ def test_any_other_missing_module_is_an_error(monkeypatch):
         main(["doctor"])
 
 
+@pytest.mark.needs_extension("inference")
 def test_the_doctor_lists_extensions_and_what_they_lack(monkeypatch, capsys):
     monkeypatch.setattr(doctor, "examine", lambda profile: [])
     assert main(["doctor", "--json"]) == 0
@@ -219,10 +225,10 @@ def test_the_doctor_lists_extensions_and_what_they_lack(monkeypatch, capsys):
 
 def test_a_command_from_outside(installed, capsys):
     function = f"{__name__}:print_word"
-    OTHERS[:] = [Command("mine", LOOK, "what I want", function, (option("word"),), after="film")]
+    OTHERS[:] = [Command("mine", LOOK, "what I want", function, (option("word"),), after="figures")]
     installed.append(other(commands=f"{__name__}:OTHERS"))
     names = [command.name for command in commands()]
-    assert names.index("mine") == names.index("film") + 1
+    assert names.index("mine") == names.index("figures") + 1
     assert main(["mine", "hello"]) == 0
     assert capsys.readouterr().out == "hello\n"
 
@@ -235,7 +241,9 @@ def print_word(options) -> int:
 def test_a_name_that_is_taken(installed, capsys):
     OTHERS[:] = [Command("run", LOOK, "another run", f"{__name__}:print_word")]
     installed.append(other(commands=f"{__name__}:OTHERS"))
-    with pytest.raises(InputError, match="commands run: it is in granwave itself and in the extension other"):
+    with pytest.raises(
+        InputError, match="commands run: it is in granwave itself and in the extension other"
+    ):
         make_parser()
     assert main(["cases"]) == 2
     assert "commands run: it is in granwave itself" in capsys.readouterr().err

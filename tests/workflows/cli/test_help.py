@@ -193,7 +193,7 @@ def test_in_lammps():
         ("granwave run fcc-small --set figures.view=", ["figures.view=true", "figures.view=false"]),
         ("granwave law --material steel", ["steel"]),
         ("granwave keys load.vel", ["load.velocity"]),
-        ("granwave export run --to v", ["vtp"]),
+        ("granwave export run --to c", ["csv"]),
         ("granwave report run --study tol", ["tolerance"]),
         ("granwave bench --parts styles,ra", ["styles,ranks"]),
         ("granwave scan velocity-fcc --executor s", ["slurm"]),
