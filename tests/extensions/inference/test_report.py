@@ -1,16 +1,25 @@
-"""What a report says of inferred forces."""
+"""Report of inferred forces, and their tables in a notebook."""
 
 from __future__ import annotations
 
 import dataclasses
 from pathlib import Path
 
+import numpy as np
+import pytest
+
+import granwave as gw
 from granwave.analysis.document.model import BLANK
+from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.reports.answer import in_words
 from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import compact_table, value_rows
 from granwave.extensions.inference.report import InferenceKind
+from granwave.lammps_inputs.files import plain
 from granwave.lammps_inputs.result_directory import ResultDirectory
+
+DISC = "id,x_m,y_m,radius_m,sxx,syy,sxy\n1,0,0.005,0.005,0,-1e5,0\n"
+CASE = "[material]\ndensity = 1130\n[infer]\nfriction = 0.3\nthickness = 0.02\nwalls = {floor = 0.0, top = 0.01}\n"
 
 
 def labels(run):
@@ -44,3 +53,19 @@ def test_answer_and_table():
     assert rows["Error of the forces, of the true ones"] == ["1.2 to 5.7", "1.2 to 5.7", "%"]
     assert rows["Contacts with a force above two standard errors"] == ["9", BLANK, ""]
     assert "Young's modulus" not in rows
+
+
+def test_inferred_forces(tmp_path):
+    (tmp_path / "disc.csv").write_text(DISC)
+    (tmp_path / "disc.toml").write_text(CASE)
+    made = gw.infer(tmp_path / "disc.csv", tmp_path / "disc.toml", directory=tmp_path / "found")
+    found = gw.load(tmp_path / "found")
+    assert isinstance(found, gw.InferredForces) and dict(found) == plain(dict(made))
+    assert (
+        np.array_equal(found.forces["normal_force_N"], made.forces["normal_force_N"])
+        and found.measurement is None
+    )
+    assert "2 of them bear a force" in repr(found)
+    (tmp_path / "found" / "forces.csv").unlink()
+    with pytest.raises(OutputFormatError, match=r"forces\.csv or grains\.csv cannot be read"):
+        gw.load(tmp_path / "found")
