@@ -385,7 +385,7 @@ def quantity(name: str) -> Quantity:
     return dataclasses.replace(family, name=name, label="", short="")
 
 
-def _changed(name: str, **changes: str) -> Quantity:
+def _changed(name: str, **changes: Any) -> Quantity:
     """An entry that one place shows in another way."""
     return dataclasses.replace(_OF_THE_CORE[name], **changes)
 

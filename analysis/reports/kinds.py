@@ -141,6 +141,8 @@ class ReportKind:
     accepted_error
         Largest error of the energy balance, over the input, of runs that record none; None:
         ``run.energy_tolerance`` of the case.
+    energies
+        Values of the summary that are parts of the energy at the end, besides those of all runs.
     limits
         Sentences on energies and their balance.
     main_figures
@@ -158,6 +160,7 @@ class ReportKind:
     of_spheres: ClassVar[bool] = False
     has_balance: ClassVar[bool] = True
     accepted_error: ClassVar[float | None] = None
+    energies: ClassVar[Sequence[str]] = ()
     limits: ClassVar[str] = ""
     main_figures: ClassVar[Sequence[str]] = ()
     captions: ClassVar[Mapping[str, str]] = {}

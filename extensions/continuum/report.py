@@ -27,6 +27,7 @@ class ElementKind(ReportKind):
     result_kind = CONTINUUM
     noun = "continuum run"
     accepted_error = 2e-2  # of results that do not record it
+    energies = ("energy_punch_J", "energy_viscous_J", "energy_hourglass_J")
     limits = "A continuum run above the accepted error is stopped."
     main_figures = ("plastic_strain", "von_mises", "energies")
     looks = _LOOKS
