@@ -14,7 +14,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import plain
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
-from granwave.lammps_inputs.case.loads.registry import LOADS
+from granwave.lammps_inputs.case.loads.registry import load_kinds
 from granwave.lammps_inputs.extensions import added
 from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
@@ -132,7 +132,7 @@ def amplitude_unit(kinds: Iterable[str]) -> str:
     """Return the unit of `AMPLITUDE` for loads of these kinds; empty if they differ, or none has an
     amplitude.
     """
-    units = {LOADS[kind].amplitude_unit if kind in LOADS else "" for kind in kinds}
+    units = {load_kinds()[kind].amplitude_unit if kind in load_kinds() else "" for kind in kinds}
     return units.pop() if len(units) == 1 else ""
 
 

@@ -369,7 +369,7 @@ class Run(Values):
 
         Those that are not in its directory yet are drawn to find out, which takes seconds once.
         """
-        from granwave.analysis.figures.run_figures import FIGURES
+        from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.style import Drawing, FigureFolder, attempt, style
 
         if not self._kind.of_spheres:
@@ -379,7 +379,7 @@ class Run(Values):
         with style():
             return tuple(
                 name
-                for name, figure in FIGURES.items()
+                for name, figure in run_figures().items()
                 if name in there
                 or isinstance(attempt(f"figure {name}", partial(figure.draw, self.result)), Drawing)
             )
@@ -398,16 +398,17 @@ class Run(Values):
         MissingDataError
             There is no figure of this name, or it does not apply to this run.
         """
-        from granwave.analysis.figures.run_figures import FIGURES
+        from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.series import draw_axes, no_figure
 
         if not self._kind.of_spheres:
             raise no_figure(self.name, name, ())
-        if name not in FIGURES:
-            raise no_figure(self.name, name, FIGURES)
-        axes = draw_axes(lambda: FIGURES[name].draw(self.result), self.result.figure_options.width)
+        if name not in run_figures():
+            raise no_figure(self.name, name, run_figures())
+        figure = run_figures()[name]
+        axes = draw_axes(lambda: figure.draw(self.result), self.result.figure_options.width)
         if axes is None:
             raise MissingDataError(
-                f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})"
+                f"{self.name}: figure {name} does not apply to this run ({figure.caption})"
             )
         return axes

@@ -21,7 +21,7 @@ from granwave.analysis.document.model import (
     Link,
     Note,
 )
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
 from granwave.analysis.formatting.values import as_label, grains_called_in
@@ -200,7 +200,7 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
 
 def _captions(item: ReportRun | ReportScan) -> dict[str, str]:
     """Return the captions of figures by name, in the order of a report."""
-    captions = {name: figure.caption for name, figure in FIGURES.items()}
+    captions = {name: figure.caption for name, figure in run_figures().items()}
     if isinstance(item, ReportRun):
         captions |= item.kind.captions
     return captions | _OF_SCANS
@@ -210,7 +210,7 @@ def _look(item: ReportRun | ReportScan, name: str) -> str:
     """Return what to look for in a figure; empty where its caption says enough."""
     if isinstance(item, ReportRun) and name in item.kind.looks:
         return item.kind.looks[name]
-    return FIGURES[name].look if name in FIGURES else ""
+    return run_figures()[name].look if name in run_figures() else ""
 
 
 def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:

@@ -185,7 +185,8 @@ def pdf_file(report: Report) -> bytes:
         import plutoprint
     except ImportError as error:
         raise InputError(
-            f"PDF: needs PlutoPrint, which cannot be loaded ({error}); install it, pip install plutoprint, or write "
+            f"PDF: needs PlutoPrint, which cannot be loaded ({error}); install it, "
+            'pip install "granwave[pdf]", or write '
             ".html and print that from a browser"
         ) from None
 

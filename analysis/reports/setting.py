@@ -16,7 +16,7 @@ from granwave.analysis.reports.kinds import ReportRun, Symbol, report_kinds
 from granwave.lammps_inputs.case.boundary import SUPPORTS
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Wording
-from granwave.lammps_inputs.case.loads.registry import LOADS
+from granwave.lammps_inputs.case.loads.registry import load_kinds
 from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
@@ -227,7 +227,7 @@ def is_chain(case: Mapping[str, Any]) -> bool:
 
 
 def _load(case: Mapping[str, Any]) -> str:
-    load = LOADS.get(str(case.get("load.kind")), ImpactLoad)
+    load = load_kinds().get(str(case.get("load.kind")), ImpactLoad)
     keys: dict[str, Any] = {}
     for kind in report_kinds():
         keys |= kind.load_keys(case)

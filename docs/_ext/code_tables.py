@@ -26,11 +26,12 @@ from granwave.analysis.quantities import Quantity, entries
 from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
 from granwave.workflows.cli.json_schema import schema_of
-from granwave.workflows.cli.keys import CASE, FILES, Key, KeyTable, state, tables
+from granwave.workflows.cli.keys import Key, KeyTable, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
+from granwave.workflows.file_kinds import CASE_FILE, file_kinds
 
 ROOT = Path(__file__).parents[2]
 MANUAL = ROOT / "plugins" / "doc"
@@ -49,7 +50,9 @@ def _section(table: KeyTable) -> str:
     title = f"`{table.heading}`" if table.heading else "Keys above all tables"
     anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
     text = f"{table.description[:1].upper()}{table.description[1:]}."
-    level = "##" if table.file == CASE else "###"  # the pages of others have several kinds of files
+    level = (
+        "##" if table.file == CASE_FILE.name else "###"
+    )  # the pages of others have several kinds of files
     return "\n\n".join(
         [f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)]
     )
@@ -171,7 +174,7 @@ def lattices() -> str:
     """Return the table of the packings."""
     rows = [
         f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
-        for name, kind in KINDS.items()
+        for name, kind in lattice_kinds().items()
     ]
     head = "| kind | name | `packing.size` | its layers |"
     return "\n".join([head, "|---|---|---|---|", *rows])
@@ -280,9 +283,9 @@ def write_schemas(app: Sphinx, error: Exception | None) -> None:
     if error is None and app.builder.name == "html":
         folder = Path(app.outdir) / "schemas"
         folder.mkdir(exist_ok=True)
-        for file in FILES:
-            text = json.dumps(schema_of(file), indent=1) + "\n"
-            (folder / f"{file}.schema.json").write_text(text, encoding="utf-8")
+        for kind in file_kinds():
+            text = json.dumps(schema_of(kind.name), indent=1) + "\n"
+            (folder / f"{kind.name}.schema.json").write_text(text, encoding="utf-8")
 
 
 class LammpsLexer(TextLexer):

@@ -18,4 +18,8 @@ extension = Extension(
     studies={"sphere-contact": "granwave.extensions.continuum.sphere_contact.study"},
     comparisons={"comparison": "granwave.extensions.continuum.packing_and_block.study"},
     report="granwave.extensions.continuum.report:REPORT_KINDS",
+    case_kinds="granwave.extensions.continuum.kinds:CASE_KINDS",
+    file_kinds="granwave.extensions.continuum.kinds:FILE_KINDS",
+    commands="granwave.extensions.continuum.commands:COMMANDS",
+    check="granwave.extensions.continuum.counterpart:check",
 )

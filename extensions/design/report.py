@@ -32,6 +32,7 @@ from granwave.analysis.document.model import (
     value_column,
 )
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import (
     BLUE,
@@ -49,7 +50,6 @@ from granwave.analysis.reports.kinds import ReportKind, ReportRun, by_key
 from granwave.analysis.reports.setting import quantity_in, setting_of
 from granwave.analysis.result.reader import Result
 from granwave.extensions.design.files import DESIGN, DESIGN_OUTCOME, DESIGN_TABLE, has_outcome
-from granwave.extensions.pictures.packing3d import packing_3d
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.lammps_inputs.result_directory import ResultDirectory
@@ -280,11 +280,12 @@ def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> di
 
 
 def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | None:
-    if not found["best"]:
+    figure = run_figures().get("packing_3d")
+    if figure is None or not found["best"]:
         return None
     try:
         with Result(directory / found["best"]["directory"]) as result:
-            return packing_3d(result)
+            return figure.draw(result)
     except (MissingOutputError, OutputFormatError):
         return None
 

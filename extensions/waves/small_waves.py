@@ -20,9 +20,9 @@ from granwave.extensions.waves.files import SPECTRA, SPECTRA_FILE
 from granwave.extensions.waves.spectra import files
 from granwave.extensions.waves.spectra.band_structure import band_structure
 from granwave.extensions.waves.spectra.bands import ALL_UP_TO, growing, solve_modes
+from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.extensions.waves.spectra.files import Table, case_in, write_spectra
 from granwave.extensions.waves.spectra.network import Array
-from granwave.extensions.waves.spectra.quantities import POINTS
 from granwave.extensions.waves.spectra.states import State, packing_state
 from granwave.extensions.waves.spectra.stiffness import stiffness_of
 from granwave.extensions.waves.spectra.transmission import dampers_of, losses_of, transmission

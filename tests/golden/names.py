@@ -32,7 +32,7 @@ from granwave.extensions.continuum.sphere_contact.figures import FIGURES as CONT
 from granwave.extensions.inference.forces.output import FIGURES as INFERENCE_FIGURES
 from granwave.extensions.waves.small_waves import FIGURES as SPECTRA_FIGURES
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.workflows import library
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
@@ -82,7 +82,7 @@ def quantities() -> dict[str, list[str]]:
 def figures() -> dict[str, list[str]]:
     """Figures of each kind of result; of scans the beginnings of their names."""
     return {
-        "run": list(FIGURE_NAMES),
+        "run": list(figure_names()),
         "continuum": list(PUNCH_FIGURES),
         "sphere-contact": list(CONTACT_FIGURES),
         "inference": list(INFERENCE_FIGURES),
