@@ -15,7 +15,7 @@ import pytest
 from granwave.lammps_inputs.extensions import WITHOUT
 from tests.helpers.synthetic_report import write_run
 
-LACKING = "and the extension that reads them is missing: it is not installed, or left out by"
+LEFT_OUT = f"which {WITHOUT} leaves out: remove it from there"
 
 
 def without(left_out: str, place: Path, text: str) -> str:
@@ -42,11 +42,15 @@ def place(tmp_path_factory: pytest.TempPathFactory) -> Path:
     (folder / "empty").mkdir()
     (folder / "notes").mkdir()
     (folder / "notes" / "a.txt").write_text("x")
-    for kind, name in (("spectra", "bands.json"), ("design", "design.json")):
-        (folder / kind).mkdir()
-        (folder / kind / name).write_text("{}")
-        marker = {"kind": kind, "version": "1.0.0", "files": {name: None}, "format": 1}
-        (folder / kind / ".granwave").write_text(json.dumps(marker))
+    for name, kind, file in (
+        ("spectra", "spectra", "bands.json"),
+        ("design", "design", "design.json"),
+        ("other", "acoustics", "modes.json"),
+    ):
+        (folder / name).mkdir()
+        (folder / name / file).write_text("{}")
+        marker = {"kind": kind, "version": "1.0.0", "files": {file: None}, "format": 1}
+        (folder / name / ".granwave").write_text(json.dumps(marker))
     return folder
 
 
@@ -71,7 +75,7 @@ def test_strange_folders_are_described(place: Path) -> None:
     text = """
 from pathlib import Path
 from granwave.analysis.result.not_a_run import why_no_run
-for name in ("run", "empty", "notes", "spectra", "design", "none"):
+for name in ("run", "empty", "notes", "spectra", "design", "other", "none"):
     print(why_no_run(Path(name)))
 """
     expected = "expected result.h5 in it, as  granwave run CASE -o"
@@ -79,8 +83,10 @@ for name in ("run", "empty", "notes", "spectra", "design", "none"):
         "run/result.h5 is missing: make it with  granwave analyse run",
         f"empty: is no run: it is empty; {expected} empty  leaves it",
         f"notes: is no run: it holds a.txt; {expected} notes  leaves it",
-        f'spectra: holds results of the kind "spectra", {LACKING} {WITHOUT}=all',
-        f'design: holds results of the kind "design", {LACKING} {WITHOUT}=all',
+        f"spectra: holds bands or modes of the extension waves, {LEFT_OUT}",
+        f"design: holds a search for a design of the extension design, {LEFT_OUT}",
+        'other: holds results of the kind "acoustics", and the extension that reads them is not '
+        "installed",
         "none: no such directory; did you mean notes?; expected that of a run",
     ]
 
@@ -103,14 +109,11 @@ for action in (
     except GranwaveError as error:
         print(type(error).__name__, error)
 """
-    message = f'spectra: holds results of the kind "spectra", {LACKING} {WITHOUT}={left_out}'
-    refused = (
-        'spectra: holds results of the kind "spectra", expected a run or nothing; '
-        "choose another with --output"
-    )
+    message = f"spectra: holds bands or modes of the extension waves, {LEFT_OUT}"
+    refused = "spectra: holds bands or modes, expected a run or nothing; choose another with"
     errors = without(left_out, place, text).splitlines()
     assert errors[:2] == [f"InputError {message}", f"MissingOutputError {message}"]
-    assert errors[2].startswith(f"InputError {refused[:80]}")
+    assert errors[2].startswith(f"InputError {refused}")
     assert not (place / "s.md").exists()
 
 
