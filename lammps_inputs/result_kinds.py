@@ -106,7 +106,7 @@ def read_files() -> tuple[str, ...]:
 
 @cache
 def kind_named(name: str) -> ResultKind:
-    """Return a kind by its name in a marker; one that no extension here has is not ``installed``."""
+    """Return a kind by its name in a marker; one that no extension has is not ``installed``."""
     if name in result_kinds():
         return result_kinds()[name]
     if not name:

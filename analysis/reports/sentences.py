@@ -59,7 +59,7 @@ def value_table(
         *(TableColumn(head, numeric=True) for head in heads),
         TableColumn("Unit"),
     )
-    kept = tuple(row for row in rows if any(cell.text != BLANK for cell in row[1:-1]))
+    kept = tuple(row for row in rows if {cell.text for cell in row[1:-1]} != {BLANK})
     return DocumentTable(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
 
 

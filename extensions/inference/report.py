@@ -37,7 +37,8 @@ _LOOKS = {
     "force_network": "Lines are as wide as the force is large.",
     "residuals": "A grain far above the others was measured badly, or misses a contact.",
     "force_errors": "Forces below twice their error may be none.",
-    "modulus": "The narrower the minimum, the better strains and accelerations determine the modulus.",
+    "modulus": "The narrower the minimum, the better strains and accelerations determine the "
+    "modulus.",
     "noise": "The larger the slope, the more exactly strains and accelerations must be measured.",
 }
 _TABLES = {INFERENCE: ENTRIES}

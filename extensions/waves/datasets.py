@@ -1,4 +1,4 @@
-"""Bands, modes and transmission as xarray Datasets; each variable has its unit in ``attrs["units"]``.
+"""Bands, modes and transmission as xarray Datasets; units of variables are in ``attrs["units"]``.
 
 They are made of the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes them.
 """
