@@ -28,11 +28,27 @@ TRANSMISSION = "transmission"
 _PASSES = 0.5  # of the driven grain's amplitude
 _MOST_STRETCHES = 3  # of frequency, in a sentence
 _KEYS = (
-    "highest_frequency_Hz", "lowest_frequency_Hz", "widest_gap_Hz", "widest_gap_relative",
-    "attenuation_in_widest_gap", "attenuation_spacing_m", "speeds_m_s", "largest_amplitude_ratio",
-    "least_participation_ratio", "static_force_N", "contact_stiffness_N_per_m", "unit_frequency_Hz",
-    "n_grains_in_cell", "n_grains", "n_left_out", "n_contacts_in_cell", "n_contacts", "n_bands", "n_modes", "n_floppy",
-)  # fmt: skip
+    "highest_frequency_Hz",
+    "lowest_frequency_Hz",
+    "widest_gap_Hz",
+    "widest_gap_relative",
+    "attenuation_in_widest_gap",
+    "attenuation_spacing_m",
+    "speeds_m_s",
+    "largest_amplitude_ratio",
+    "least_participation_ratio",
+    "static_force_N",
+    "contact_stiffness_N_per_m",
+    "unit_frequency_Hz",
+    "n_grains_in_cell",
+    "n_grains",
+    "n_left_out",
+    "n_contacts_in_cell",
+    "n_contacts",
+    "n_bands",
+    "n_modes",
+    "n_floppy",
+)
 _IN_PER_CENT = ("widest_gap_relative",)
 _TITLES = {BANDS: "Bands", MODES: "Modes", TRANSMISSION: "Transmission"}
 _OF_A_LOAD = ("load.", "striker")  # keys of the case that play no part

@@ -1,6 +1,4 @@
-"""Results without extensions: the report and the loading of a run, and messages on directories whose
-extension is missing.
-"""
+"""Results without extensions: report and loading of a run, messages on what extensions left."""
 
 from __future__ import annotations
 
