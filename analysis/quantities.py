@@ -2,8 +2,8 @@
 and where it is shown.
 
 A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it.
-It is computed in `granwave.analysis.summary`. Extensions have entries of their own, see `Extension`;
-each says where it is shown.
+It is computed in `granwave.analysis.summary`. Extensions have entries of their own, which say where
+they are shown, see `Extension`.
 """
 
 from __future__ import annotations
@@ -385,7 +385,7 @@ def quantity(name: str) -> Quantity:
     return dataclasses.replace(family, name=name, label="", short="")
 
 
-def _changed(name: str, **changes: str) -> Quantity:
+def _changed(name: str, **changes: Any) -> Quantity:
     """An entry that one place shows in another way."""
     return dataclasses.replace(_OF_THE_CORE[name], **changes)
 
@@ -448,7 +448,7 @@ SCAN_COLUMNS = _quantities(
 
 @cache
 def scan_columns() -> tuple[Quantity, ...]:
-    """Return the columns at the terminal at the end of a scan: numbers, with the unit in the head."""
+    """Return the columns at the end of a scan: numbers, with the unit in the head."""
     return (*SCAN_COLUMNS, *(entry for entry in entries() if entry.scan_column))
 
 

@@ -37,7 +37,7 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
 
 
 def rows_of(reference: str) -> Sequence[Quantity]:
-    """Return the quantities of a reference, such as `ResultKind.rows`; those of a run without one."""
+    """Return the quantities of a reference, as of `ResultKind.rows`; those of a run without one."""
     rows: Sequence[Quantity] = load(reference) if reference else RUN_ROWS
     return rows
 

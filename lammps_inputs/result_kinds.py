@@ -9,13 +9,12 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
-import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from functools import cache
 from pathlib import Path
 
 from granwave.lammps_inputs import run_directory
-from granwave.lammps_inputs.extensions import WITHOUT, added
+from granwave.lammps_inputs.extensions import WITHOUT, joined, left_out, load, loaded
 
 
 def _nowhere(_: Path) -> bool:
@@ -87,10 +86,13 @@ _OF_THE_CORE = (
 @cache
 def result_kinds() -> dict[str, ResultKind]:
     """Return all kinds by name, those of the core first."""
-    kinds = {kind.name: kind for kind in _OF_THE_CORE}
-    for more in added("result_kinds"):
-        kinds |= {kind.name: kind for kind in more}
-    return kinds
+    own = _by_name(_OF_THE_CORE)
+    more = {name: _by_name(kinds) for name, kinds in loaded("result_kinds").items()}
+    return joined("kind of results", own, more)
+
+
+def _by_name(kinds: Iterable[ResultKind]) -> dict[str, ResultKind]:
+    return {kind.name: kind for kind in kinds}
 
 
 @cache
@@ -102,18 +104,31 @@ def read_files() -> tuple[str, ...]:
     return tuple(names)
 
 
+@cache
 def kind_named(name: str) -> ResultKind:
-    """Return a kind by its name in a marker; one that no extension here has is not ``installed``."""
+    """Return a kind by its name in a marker; one that no extension has is not ``installed``."""
     if name in result_kinds():
         return result_kinds()[name]
     if not name:
         return result_kinds()[run_directory.OTHER]
-    return ResultKind(
-        name,
-        f'results of the kind "{name}"',
-        no_run=f'holds results of the kind "{name}", and the extension that reads them {_lacking()}',
-        installed=False,
+    for extension in left_out():
+        kinds = _by_name(load(extension.result_kinds)) if extension.result_kinds else {}
+        if name in kinds:
+            return _of_left_out(extension.name, kinds[name])
+    content = f'results of the kind "{name}"'
+    reason = f"holds {content}, and the extension that reads them is not installed"
+    return ResultKind(name, content, no_run=reason, installed=False)
+
+
+def _of_left_out(extension: str, kind: ResultKind) -> ResultKind:
+    """Return a kind of an extension that is left out, as what is not read."""
+    if not kind.content:
+        return kind
+    reason = (
+        f"holds {kind.content} of the extension {extension}, which {WITHOUT} leaves out: "
+        "remove it from there"
     )
+    return ResultKind(kind.name, kind.content, no_run=reason, installed=False)
 
 
 def kind_in(directory: Path, marked: str) -> ResultKind:
@@ -130,10 +145,3 @@ def kind_in(directory: Path, marked: str) -> ResultKind:
     with contextlib.suppress(OSError):  # the directory cannot be looked into
         return next((one for one in result_kinds().values() if one.is_in(directory)), kind)
     return kind
-
-
-def _lacking() -> str:
-    """Return what keeps an extension from reading its results."""
-    if left_out := os.environ.get(WITHOUT):
-        return f"is missing: it is not installed, or left out by {WITHOUT}={left_out}"
-    return "is missing: install it"

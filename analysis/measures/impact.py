@@ -7,7 +7,6 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass
-from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -16,7 +15,6 @@ from granwave.analysis.measures.geometry import layers, nearest, preferred_direc
 from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.waves import energy_of_spheres
 from granwave.analysis.result.reader import Result
-from granwave.lammps_inputs.files import regular
 
 _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
@@ -182,24 +180,6 @@ def spheres_involved(result: Result, energy_input: float) -> Involved:
     """Return the spheres that dissipated; the input is in J."""
     fraction, count = cumulated(result["spheres/dissipated_energy"], energy_input)
     return Involved(fraction, math.pi * result.case.packing.diameter**3 / 6 * count)
-
-
-def elements_involved(path: Path, energy_input: float) -> Involved:
-    """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run;
-    the input is in J.
-
-    Raise OSError or KeyError if the file cannot be read, or is another one.
-    """
-    import h5py  # takes longer to load than most commands need
-
-    with h5py.File(regular(path), "r") as file:
-        density = file["fields/plastic_energy"][()]
-        volume = file["element_volume"][()]
-    order = np.argsort(-density, kind="stable")
-    order = order[: np.count_nonzero(density > 0)]
-    return Involved(
-        np.cumsum(density[order] * volume[order]) / energy_input, np.cumsum(volume[order])
-    )
 
 
 def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[str, Array]:

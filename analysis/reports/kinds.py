@@ -141,6 +141,8 @@ class ReportKind:
     accepted_error
         Largest error of the energy balance, over the input, of runs that record none; None:
         ``run.energy_tolerance`` of the case.
+    energies
+        Values of the summary that are parts of the energy at the end, besides those of all runs.
     limits
         Sentences on energies and their balance.
     main_figures
@@ -158,6 +160,7 @@ class ReportKind:
     of_spheres: ClassVar[bool] = False
     has_balance: ClassVar[bool] = True
     accepted_error: ClassVar[float | None] = None
+    energies: ClassVar[Sequence[str]] = ()
     limits: ClassVar[str] = ""
     main_figures: ClassVar[Sequence[str]] = ()
     captions: ClassVar[Mapping[str, str]] = {}
@@ -209,7 +212,7 @@ class ReportKind:
         return None
 
     def study_run(self, run: ReportRun) -> AnyRun[Any] | None:
-        """Return a run as studies take it; None if its case cannot be read, or no study takes it."""
+        """Return a run as studies take it; None if its case cannot be read, or none takes it."""
         return None
 
     # ------------------------------------------------------------------ words
@@ -268,9 +271,9 @@ class GranularKind(ReportKind):
     of_spheres = True
     limits = (
         "Kinetic includes rotation; elastic what is stored tangentially and in the support; "
-        "dissipated friction, viscous losses, the support's damper and absorbing spheres. A granular "
-        "run above the accepted error is refused (the published variant of the law, which cannot "
-        "close, excepted)."
+        "dissipated friction, viscous losses, the support's damper and absorbing spheres. "
+        "A granular run above the accepted error is refused (the published variant of the law, "
+        "which cannot close, excepted)."
     )
     main_figures = (
         "amplitude_sweep",
@@ -345,12 +348,10 @@ def _summary(results: ResultDirectory) -> dict[str, Any]:
     path = results.path
     try:
         summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
-        wrong = (
-            ""
-            if isinstance(summary, dict)
-            else f"found a {type(summary).__name__}, expected a table of values"
-        )
-        wrong = wrong or "".join(no_numbers(summary)[:1])
+        if isinstance(summary, dict):
+            wrong = "".join(no_numbers(summary)[:1])
+        else:
+            wrong = f"found a {type(summary).__name__}, expected a table of values"
     except (OSError, ValueError, RecursionError) as error:
         wrong = f"cannot be read ({error})"
     if wrong:

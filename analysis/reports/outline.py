@@ -73,7 +73,7 @@ _ERROR = (
 )
 _BALANCE = "balance"
 _MOST_OPEN = 12  # runs whose table is not folded
-_PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
+_PARTS = ("energy_kinetic_J", "energy_elastic_J", "energy_dissipated_J")
 #: Parts of these, shown if any run has them.
 _SHARES = ("energy_rotational_J", "energy_dissipated_friction_J", "energy_dissipated_rolling_J",
            "energy_dissipated_twisting_J", "energy_dissipated_adhesion_J", "energy_dissipated_viscous_J",
@@ -328,7 +328,9 @@ def _fitted(run: ReportRun) -> bool:
 
 
 def _table(runs: Sequence[ReportRun]) -> DocumentTable:
-    parts = [f"energy_{part}_J" for part in _PARTS]
+    parts = list(_PARTS)
+    for kind in dict.fromkeys(run.kind for run in runs):
+        parts += kind.energies
     shown = [
         key
         for key in ("energy_input_J", *parts)

@@ -59,8 +59,13 @@ def value_table(
         *(TableColumn(head, numeric=True) for head in heads),
         TableColumn("Unit"),
     )
-    kept = tuple(row for row in rows if any(cell.text != BLANK for cell in row[1:-1]))
+    kept = tuple(row for row in rows if _has_value(row))
     return DocumentTable(caption, columns, kept, captioned=len(runs) > 1, by_row=True)
+
+
+def _has_value(row: Sequence[Cell]) -> bool:
+    """Return True if a row between its label and its unit is not blank."""
+    return any(cell.text != BLANK for cell in row[1:-1])
 
 
 def _span_cell(value: Any, scale: float) -> Cell:

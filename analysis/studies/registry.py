@@ -12,12 +12,12 @@ and, where they are wanted, `title(group)`, `name(group)` (short, for links and 
 `tables(group)` (with notes on them) and `verdict(group)`. `missing(group, undone)` are sentences
 for the end of the verdict about points of its scans that failed or were not run, as values of the
 keys that vary. `RUN_TYPE` is the class of the runs that `select` gets, usually
-`granwave.analysis.studies.runs.FinishedRun`. A group is whatever `select` makes of the runs. Without `name` a study has the name
-of its entry here; several groups are then numbered, and so are their pictures. `make_studies` in
-`study` puts it together.
+`granwave.analysis.studies.runs.FinishedRun`. A group is whatever `select` makes of the runs.
+Without `name` a study has the name of its entry here; several groups are then numbered, and so are
+their pictures. `make_studies` in `study` puts it together.
 
-A comparison, which a report makes of all its runs, has `can_compare(runs)` too, True where there are
-enough of them, and `remarks(runs)`, which yields notes for the end of its section.
+A comparison, which a report makes of all its runs, has `can_compare(runs)` too, True where there
+are enough of them, and `remarks(runs)`, which yields notes for the end of its section.
 
 Studies of one's own are Python files that a scan file, a suite file or ``granwave report --study``
 names by path.

@@ -13,12 +13,11 @@ CONTINUUM = "continuum"
 FIT = "fit"
 
 CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
-FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = (
-    "fit.toml",
-    "pair.toml",
-    "fit.csv",
-    "misfit.csv",
-)
+FIT_TOML = "fit.toml"
+FIT_PAIR = "pair.toml"
+FIT_TABLE = "fit.csv"
+FIT_MISFIT = "misfit.csv"
+FIT_FILES = (FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT)
 
 _TABLES = {"block", "punch", "sphere", "partner"}  # of the cases
 _OF_ELEMENTS = "n_elements"  # in the summaries

@@ -11,10 +11,14 @@ from granwave.analysis.reports.setting import quantity_in
 from granwave.extensions.continuum.files import CONTINUUM
 from granwave.extensions.continuum.runs import ContinuumRun, SphereContactRun, read_elements
 
-_OF_PUNCH = "the unit of energies of the punch, with its diameter D and the block's yield strength and modulus"
+_OF_PUNCH = (
+    "the unit of energies of the punch, with its diameter D and the block's yield strength and "
+    "modulus"
+)
 _LOOKS = {
     "plastic_strain": "The coloured region is the plastic zone.",
-    "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed elastic.",
+    "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed "
+    "elastic.",
     "plastic_zone_volume": "Where the zone at one instant falls after a peak, the wave has passed.",
     "punch": "Where the velocity is level, the punch has left the block.",
     "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
@@ -27,6 +31,7 @@ class ElementKind(ReportKind):
     result_kind = CONTINUUM
     noun = "continuum run"
     accepted_error = 2e-2  # of results that do not record it
+    energies = ("energy_punch_J", "energy_viscous_J", "energy_hourglass_J")
     limits = "A continuum run above the accepted error is stopped."
     main_figures = ("plastic_strain", "von_mises", "energies")
     looks = _LOOKS

@@ -41,6 +41,6 @@ def read_elements(
     if summary.get("kind") == "sphere-contact":
         return SphereContactRun(label, directory, tables, summary)
     errors = ErrorList("")
-    whole = all(key in tables.get(name, {}) for name, keys in _OF_A_PUNCH.items() for key in keys)
+    whole = all(set(keys) <= set(tables.get(name, {})) for name, keys in _OF_A_PUNCH.items())
     sound = read_material(tables.get("material", {}), errors) is not None and not errors.items
     return ContinuumRun(label, directory, tables, summary) if whole and sound else None

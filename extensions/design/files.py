@@ -1,4 +1,4 @@
-"""Files of a search for a design, whose report is that of a scan and whose runs are in ``points``."""
+"""Files of a search for a design; its runs are in ``points``, as those of a scan."""
 
 from __future__ import annotations
 
@@ -15,9 +15,7 @@ BEST_DESIGNS = tuple(f"best-{n}.toml" for n in range(1, 11))
 
 
 def has_outcome(directory: Path) -> bool:
-    """Return True for the directory of a search that has an outcome; False where it cannot be looked
-    into.
-    """
+    """Return True for a search that has an outcome; False where it cannot be looked into."""
     return os.access(directory / DESIGN_OUTCOME, os.R_OK)
 
 

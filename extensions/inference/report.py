@@ -11,14 +11,31 @@ from granwave.extensions.inference.files import INFERENCE
 from granwave.extensions.inference.forces.tables import ENTRIES, QUANTITIES
 
 _KEYS = (
-    "n_grains", "n_contacts", "n_significant_contacts", "n_loaded_contacts", "n_sliding_contacts", "largest_force_N",
-    "mean_normal_force_N", "noise", "true_force_error", "standard_error_fraction", "acceleration_error",
-    "residual_fraction", "chi2_per_equation", "youngs_modulus_Pa", "youngs_modulus_error_Pa", "n_equations",
+    "n_grains",
+    "n_contacts",
+    "n_significant_contacts",
+    "n_loaded_contacts",
+    "n_sliding_contacts",
+    "largest_force_N",
+    "mean_normal_force_N",
+    "noise",
+    "true_force_error",
+    "standard_error_fraction",
+    "acceleration_error",
+    "residual_fraction",
+    "chi2_per_equation",
+    "youngs_modulus_Pa",
+    "youngs_modulus_error_Pa",
+    "n_equations",
     "n_unknowns",
-)  # fmt: skip
+)
 _IN_PER_CENT = (
-    "noise", "true_force_error", "standard_error_fraction", "acceleration_error", "residual_fraction",
-)  # fmt: skip
+    "noise",
+    "true_force_error",
+    "standard_error_fraction",
+    "acceleration_error",
+    "residual_fraction",
+)
 _SENTENCES = (  # those whose values are all there are shown
     "{n_loaded_contacts} of {n_contacts} contacts bear a force, at most {largest_force_N}.",
     "{n_significant_contacts} of them bear a force above two standard errors.",
@@ -37,7 +54,8 @@ _LOOKS = {
     "force_network": "Lines are as wide as the force is large.",
     "residuals": "A grain far above the others was measured badly, or misses a contact.",
     "force_errors": "Forces below twice their error may be none.",
-    "modulus": "The narrower the minimum, the better strains and accelerations determine the modulus.",
+    "modulus": "The narrower the minimum, the better strains and accelerations determine the "
+    "modulus.",
     "noise": "The larger the slope, the more exactly strains and accelerations must be measured.",
 }
 _TABLES = {INFERENCE: ENTRIES}

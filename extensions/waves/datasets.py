@@ -1,4 +1,4 @@
-"""Bands, modes and transmission as xarray Datasets; each variable has its unit in ``attrs["units"]``.
+"""Bands, modes and transmission as xarray Datasets; units of variables are in ``attrs["units"]``.
 
 They are made of the groups of spectra.h5, as `granwave.extensions.waves.spectra.files` writes them.
 """
@@ -19,30 +19,42 @@ from granwave.lammps_inputs.files import plain
 #: Dimensions of variables by kind, then group and name in spectra.h5.
 _VARIABLES = {
     "bands": {
-        "frequency": "point band", "group_velocity": "point band axis", "edges": "band edge", "gaps": "gap edge",
-        "speed": "wave", "surface_share": "point band", "complex/attenuation": "complex_frequency root",
-        "complex/phase": "complex_frequency root", "plane/frequency": "plane_k2 plane_k1 plane_band",
+        "frequency": "point band",
+        "group_velocity": "point band axis",
+        "edges": "band edge",
+        "gaps": "gap edge",
+        "speed": "wave",
+        "surface_share": "point band",
+        "complex/attenuation": "complex_frequency root",
+        "complex/phase": "complex_frequency root",
+        "plane/frequency": "plane_k2 plane_k1 plane_band",
         "plane/slowness": "angle plane_wave",
     },
     "modes": {
-        "frequency": "mode", "participation_ratio": "mode", "shape": "freedom mode",
+        "frequency": "mode",
+        "participation_ratio": "mode",
+        "shape": "freedom mode",
         "density_of_states": "density_frequency",
     },
     "transmission": {"amplitude_ratio": "frequency sensor", "phase": "frequency sensor"},
-}  # fmt: skip
+}
 #: Source and dimensions of coordinates by kind.
 _COORDINATES = {
     "bands": {
-        "distance": ("distance", "point"), "k": ("k", "point axis"),
-        "complex_frequency": ("complex/frequency", "complex_frequency"), "plane_k1": ("plane/k", "plane_k1"),
-        "plane_k2": ("plane/k", "plane_k2"), "angle": ("plane/angle", "angle"),
+        "distance": ("distance", "point"),
+        "k": ("k", "point axis"),
+        "complex_frequency": ("complex/frequency", "complex_frequency"),
+        "plane_k1": ("plane/k", "plane_k1"),
+        "plane_k2": ("plane/k", "plane_k2"),
+        "angle": ("plane/angle", "angle"),
     },
     "modes": {
-        "id": ("id", "freedom"), "direction": ("freedom", "freedom"),
+        "id": ("id", "freedom"),
+        "direction": ("freedom", "freedom"),
         "density_frequency": ("density_frequency", "density_frequency"),
     },
     "transmission": {"frequency": ("frequency", "frequency"), "sensor": ("sensor", "sensor")},
-}  # fmt: skip
+}
 _OF_PLANE = ("plane_frequency", "slowness", "angle")  # variables that say which plane it is
 
 
@@ -72,12 +84,11 @@ def dataset(kind: str, tables: Mapping[str, Table], values: Mapping[str, Any]) -
         freedom. Of a transmission: ``amplitude_ratio``, ``phase`` rad (frequency, sensor). The
         values are in ``attrs``.
     """
-    found = {
-        f"{group}/{name}".removeprefix(f"{kind}/"): content
-        for group, table in tables.items()
-        for name, content in table.items()
-        if group.startswith(kind)
-    }
+    found = {}
+    for group, table in tables.items():
+        if group.startswith(kind):
+            for name, content in table.items():
+                found[f"{group}/{name}".removeprefix(f"{kind}/")] = content
     variables = {
         "plane_frequency" if name == "plane/frequency" else name.rpartition("/")[2]: _variable_of(
             shape, found[name]
@@ -113,11 +124,10 @@ def load_spectra(directory: Path) -> Dataset | dict[str, Dataset]:
     OutputFormatError
         A file is damaged.
     """
-    found = {
-        kind: dataset(kind, tables, values)
-        for kind in spectra_in(directory)
-        for values, tables in [read_spectra(directory, kind)]
-    }
+    found = {}
+    for kind in spectra_in(directory):
+        values, tables = read_spectra(directory, kind)
+        found[kind] = dataset(kind, tables, values)
     return next(iter(found.values())) if len(found) == 1 else found
 
 

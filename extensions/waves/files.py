@@ -1,5 +1,6 @@
-"""Files of small waves about a static state: each command leaves NAME.csv and NAME.json, and a group
-in one file of all.
+"""Files of small waves about a static state.
+
+Each command leaves NAME.csv, NAME.json, and a group in a file that all share.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ def spectra_in(directory: Path) -> list[str]:
 
 
 def _holds_spectra(directory: Path) -> bool:
-    """Return True for a directory of small waves alone, False for a run among whose files some are."""
+    """Return True for a directory of small waves, unless they are among the files of a run."""
     return bool(spectra_in(directory)) and not (directory / SUMMARY_FILE).exists()
 
 

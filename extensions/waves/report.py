@@ -28,11 +28,27 @@ TRANSMISSION = "transmission"
 _PASSES = 0.5  # of the driven grain's amplitude
 _MOST_STRETCHES = 3  # of frequency, in a sentence
 _KEYS = (
-    "highest_frequency_Hz", "lowest_frequency_Hz", "widest_gap_Hz", "widest_gap_relative",
-    "attenuation_in_widest_gap", "attenuation_spacing_m", "speeds_m_s", "largest_amplitude_ratio",
-    "least_participation_ratio", "static_force_N", "contact_stiffness_N_per_m", "unit_frequency_Hz",
-    "n_grains_in_cell", "n_grains", "n_left_out", "n_contacts_in_cell", "n_contacts", "n_bands", "n_modes", "n_floppy",
-)  # fmt: skip
+    "highest_frequency_Hz",
+    "lowest_frequency_Hz",
+    "widest_gap_Hz",
+    "widest_gap_relative",
+    "attenuation_in_widest_gap",
+    "attenuation_spacing_m",
+    "speeds_m_s",
+    "largest_amplitude_ratio",
+    "least_participation_ratio",
+    "static_force_N",
+    "contact_stiffness_N_per_m",
+    "unit_frequency_Hz",
+    "n_grains_in_cell",
+    "n_grains",
+    "n_left_out",
+    "n_contacts_in_cell",
+    "n_contacts",
+    "n_bands",
+    "n_modes",
+    "n_floppy",
+)
 _IN_PER_CENT = ("widest_gap_relative",)
 _TITLES = {BANDS: "Bands", MODES: "Modes", TRANSMISSION: "Transmission"}
 _OF_A_LOAD = ("load.", "striker")  # keys of the case that play no part
@@ -66,11 +82,14 @@ _CAPTIONS = {
     "participation": "Participation ratio against frequency",
 }
 _LOOKS = {
-    "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of long waves. On the "
-    "right, where it is known, the attenuation from plane to plane.",
-    "group_velocity": "So fast energy travels at each frequency; near zero, at the edges of bands, it stays.",
-    "slowness": "The farther out, the slower the wave in that direction; a circle is one speed in all directions.",
-    "equal_frequency": "Energy goes across the lines: where they are straight, a wave does not spread.",
+    "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of "
+    "long waves. On the right, where it is known, the attenuation from plane to plane.",
+    "group_velocity": "So fast energy travels at each frequency; near zero, at the edges of bands, "
+    "it stays.",
+    "slowness": "The farther out, the slower the wave in that direction; a circle is one speed in "
+    "all directions.",
+    "equal_frequency": "Energy goes across the lines: where they are straight, a wave does not "
+    "spread.",
     "mode_shapes": "Bars are the grains of one cell: those without a bar stand still.",
     "density_of_states": "Empty stretches are gaps.",
     "participation": "Near 1 all grains move alike; low values are modes of few grains.",
@@ -139,8 +158,11 @@ class SpectraKind(ReportKind):
 
     def figures_of_others(self, run: ReportRun) -> set[str]:
         """Return the names of the figures of the other commands."""
-        others = [names for kind, names in _FIGURES.items() if kind != self.part(run)]
-        return {name for names in others for name in names}
+        others: set[str] = set()
+        for part, names in _FIGURES.items():
+            if part != self.part(run):
+                others.update(names)
+        return others
 
     def in_words(self, run: ReportRun) -> str:
         """Return what came out."""
@@ -153,7 +175,7 @@ class SpectraKind(ReportKind):
 
 
 def _with_edges(run: ReportRun) -> dict[str, object]:
-    """Return the summary of bands with the edges of all that passes; None where nothing is known."""
+    """Return the summary of bands with the edges of all that passes; None where not known."""
     edges = run.summary.get("band_edges_Hz") or []
     lowest = [edge[0] for edge in edges if edge and edge[0] is not None]
     complete = (run.number("n_bands") or 0) >= (run.number("n_freedoms") or 0)

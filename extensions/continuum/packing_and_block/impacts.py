@@ -11,8 +11,10 @@ import dataclasses
 import math
 from collections.abc import Iterable, Sequence
 from functools import cached_property
+from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pandas as pd
 from pandas import DataFrame
@@ -20,7 +22,6 @@ from pandas import DataFrame
 from granwave.analysis.measures.impact import (
     Involved,
     QuadraticLaw,
-    elements_involved,
     quadratic_law,
     spheres_involved,
 )
@@ -29,6 +30,7 @@ from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.extensions.continuum.runs import ContinuumRun
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
+from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 SAME = 1e-4  # relative difference of normalised velocities and energies that are meant to be equal
@@ -248,13 +250,29 @@ def involved(run: Any) -> Involved | None:
     energy = run.energy_J
     try:
         if run.what == "continuum":
-            elements = elements_involved(directory / RESULT_FILE, energy)
+            elements = _elements_involved(directory / RESULT_FILE, energy)
         else:
             with Result(directory) as result:
                 elements = spheres_involved(result, energy)
     except (GranwaveError, OSError, KeyError):
         return None
     return elements if len(elements.fraction) and elements.fraction[-1] > 0 else None
+
+
+def _elements_involved(path: Path, energy_input: float) -> Involved:
+    """Return the elements of a block that dissipated, from the ``result.h5`` of a continuum run;
+    the input is in J.
+
+    Raise OSError or KeyError if the file cannot be read, or is another one.
+    """
+    with h5py.File(regular(path), "r") as file:
+        density = file["fields/plastic_energy"][()]
+        volume = file["element_volume"][()]
+    order = np.argsort(-density, kind="stable")
+    order = order[: np.count_nonzero(density > 0)]
+    return Involved(
+        np.cumsum(density[order] * volume[order]) / energy_input, np.cumsum(volume[order])
+    )
 
 
 def dissipation(runs: DataFrame) -> tuple[np.ndarray, np.ndarray]:

@@ -4,15 +4,12 @@ run.
 
 from __future__ import annotations
 
-import json
 import math
 from pathlib import Path
 
 import numpy as np
 import pytest
 
-import granwave as gw
-from granwave.analysis.document.model import Note
 from granwave.analysis.reports.answer import in_words
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.kinds import GRANULAR, ReportRun
@@ -21,7 +18,7 @@ from granwave.analysis.reports.setting import setting_of, symbols_note
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from tests.helpers.synthetic_report import build, write_run
+from tests.helpers.synthetic_report import write_run
 
 MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 
@@ -112,41 +109,6 @@ def test_lines_and_sensors():
         "Along the line x the front runs at 700 m/s. Its peak speed decays by 20 1/m. Sensors saw at most 3 m/s (a) and at "
         "least 2 mm/s (b)."
     )
-
-
-@pytest.fixture(scope="module")
-def small_waves(tmp_path_factory):
-    """Bands and modes of a row under 20 N, in one directory."""
-    place = tmp_path_factory.mktemp("waves") / "row"
-    gw.bands("precompressed-chain", packing__size=6, directory=place)
-    gw.modes("precompressed-chain", packing__size=6, directory=place)
-    return place
-
-
-def test_bands_have_a_report(small_waves):
-    """Speed and edge of the band are those of the dispersion relation; the diagram stands at the
-    top.
-    """
-    report = build([small_waves], small_waves.parent)
-    summary = json.loads((small_waves / "bands.json").read_text())
-    edge = math.sqrt(4 * summary["contact_stiffness_N_per_m"] / MASS) / (2 * math.pi)
-    said = [
-        block.text
-        for block in report.sections[0].blocks
-        if isinstance(block, Note) and block.tone == "lead"
-    ]
-    assert f"Nothing passes above {1e-3 * edge:.4g} kHz. Long waves run at" in said[0]
-    assert said[1].startswith("row (modes): 6 modes from ")
-    assert "row (bands) (chain of 6, brass, 9.52 mm, under 20 N, elastic, ideal)" in report.lead
-    figures = next(section for section in report.sections if section.slug == "figures")
-    names = [
-        [one.name for part in group.blocks for one in part.figures] for group in figures.blocks
-    ]
-    assert ["bands" in name for name in names[0]].count(True) and not any(
-        "density" in name for name in names[0]
-    )
-    assert len(names[1]) == 2
-    assert not any(section.slug == "balance" for section in report.sections)
 
 
 def test_symbols_are_defined_with_their_values(tmp_path):

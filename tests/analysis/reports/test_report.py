@@ -309,28 +309,6 @@ def test_versions_common_once_and_differences_by_run(tmp_path):
     assert found == [("lammps", "2", "first"), ("lammps", "3", "second")]
 
 
-def test_continuum_run_with_other_keys_and_nulls(tmp_path):
-    run = tmp_path / "block"
-    run.mkdir()
-    (run / "case.toml").write_text(
-        "[punch]\ndiameter = 0.010\nvelocity = 10.0\n[material]\nyoungs_modulus = 115e9\nyield_strength = 550e6\n"
-    )
-    summary = {
-        "name": "half-space", "n_elements": 62500, "energy_input_J": 5.0, "energy_input_normalised": 1.9012,
-        "peak_force_N": None, "energy_balance_error": 4e-3, "plastic_zone_volume_ever_m3": 2e-6,
-        "energy_hourglass_J": 1e-3, "versions": None,
-    }  # fmt: skip
-    write_json(run / "summary.json", summary)
-    report = build([run, write_run(tmp_path / "grains", figures=False)], tmp_path, "restitution")
-    first = table(report, "inputs", "What this report is about")[0]
-    assert first["What"].text == "continuum run"
-    row = table(report, "balance", "Energies at the end, and the error of the balance")[0]
-    assert (row["Balance"].text, row["Hourglass energy"].value) == ("good", 1e-3)
-    assert table(report, "results", "Runs")[0]["Peak contact force, walls left out"].value is None
-    for suffix in ("html", "pdf", "md"):
-        write_report([run], tmp_path / f"r.{suffix}")
-
-
 # ---- figures ----
 
 

@@ -186,14 +186,6 @@ def test_a_balance_that_is_poor_is_told_with_numbers(tmp_path, errors, number):
     assert number in note.text and "1e-5" in note.text and "r0" in note.text and note.tone == "bad"
 
 
-def test_a_continuum_balance_has_its_own_limits(tmp_path):
-    run = write_run(tmp_path / "run", figures=False, n_elements=100, energy_balance_error=0.019)
-    assert [note.tone for note in notes(build([run], tmp_path), "short")] == ["good"]
-    worse = write_run(tmp_path / "worse", figures=False, n_elements=100, energy_balance_error=0.03)
-    (note,) = notes(build([run, worse], tmp_path), "short")
-    assert "off by up to 0.03 of the input, more than 0.02): worse" in note.text
-
-
 def test_sections_have_names_of_their_own(tmp_path):
     run = write_run(tmp_path / "run", figures=False)
     inputs = read_inputs([run], tmp_path)
