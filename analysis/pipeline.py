@@ -13,7 +13,7 @@ from granwave.analysis.lammps_output.time_series import check_complete, check_un
 from granwave.analysis.products import Product
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import AT_ONCE
-from granwave.analysis.result.not_a_run import is_continuum, why_no_run
+from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
@@ -129,7 +129,7 @@ def _analyse(
     assembly: Assembly | None,
 ) -> Summary:
     directory = results.path
-    if not (directory / CASE_FILE).exists() or is_continuum(directory):
+    if not (directory / CASE_FILE).exists() or results.kind.why_no_run:
         raise MissingOutputError(why_no_run(directory))
     results.check_case()
     deck = read_deck(directory, None if assembly is None else assembly.case)

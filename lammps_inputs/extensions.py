@@ -75,6 +75,9 @@ class Extension:
     result_kinds
         Reference: sequence of `granwave.lammps_inputs.result_kinds.ResultKind`, one for each kind
         of directories of results that it writes.
+    case_keys
+        Reference: mapping of dotted keys of its cases to `granwave.analysis.formatting.values.Naming`,
+        their labels and units.
     quantities
         Reference: sequence of `granwave.analysis.quantities.Quantity`: values that it writes.
     summary
@@ -90,6 +93,8 @@ class Extension:
         `granwave.analysis.exports.formats.ExportFormat` by name of the format.
     studies
         Studies of runs by name: module, see `granwave.analysis.studies.registry`.
+    comparisons
+        Studies that every report and suite makes of all its runs, by name: module, likewise.
     report
         Reference: sequence of `granwave.analysis.reports.kinds.ReportKind`, one for each kind of
         results that a report shows in its own way.
@@ -117,12 +122,14 @@ class Extension:
     lattices: str = ""
     loads: str = ""
     result_kinds: str = ""
+    case_keys: str = ""
     quantities: str = ""
     summary: str = ""
     figures: Mapping[str, str] = dataclasses.field(default_factory=dict)
     products: str = ""
     exports: Mapping[str, str] = dataclasses.field(default_factory=dict)
     studies: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    comparisons: Mapping[str, str] = dataclasses.field(default_factory=dict)
     report: str = ""
     case_kinds: str = ""
     file_kinds: str = ""

@@ -22,7 +22,7 @@ from granwave.analysis.document.model import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
-from granwave.analysis.quantities import QUANTITIES, scan_figures
+from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import VariedKey, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
@@ -81,8 +81,8 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     left_out = set()
     if not all(math.isfinite(_number(point, "restitution")) for point in done):
         left_out.add("restitution")
-    if not any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done):
-        left_out.add("plastic_zone_volume")  # of packings: the number of spheres tells it
+    if any(math.isfinite(_number(point, "n_plastic_spheres")) for point in done):
+        left_out.add("plastic_zone_volume")  # the number of spheres tells it
     if not protects(varied, [point.summary for point in done]):
         left_out.add(REDUCTION)
     return [one for one in found if one.name not in left_out]
@@ -92,7 +92,7 @@ def _ordinate(
     name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int, float]]]
 ) -> Ordinate:
     """A value of the summary, over the scale of its unit where there is one."""
-    entry = QUANTITIES[key]
+    entry = quantity(key)
     number = plastic_spheres if key == "n_plastic_spheres" else value_of(key)
     if entry.symbol and entry.unit in scales:
         symbol, words, scale = scales[entry.unit]
@@ -253,7 +253,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
                 f"collapse_{fraction}",
                 "velocity_normalised",
                 fraction,
-                QUANTITIES[fraction].title,
+                quantity(fraction).title,
                 value_of(fraction),
             ),
             (
@@ -268,7 +268,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
                 values(value_of(key)), values(value), others, marks * (value is plastic_spheres)
             )
             if len(table) >= _FEWEST:
-                titles = QUANTITIES[key].title, title
+                titles = quantity(key).title, title
                 drawn[name] = partial(
                     draw_curves, table, *titles, others, (key, column), joined=False, chosen=False
                 )

@@ -12,7 +12,8 @@ import importlib
 import json
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from bibtex import bibtex
@@ -21,10 +22,9 @@ from sphinx.application import Sphinx
 
 from granwave._contact_laws import LAWS, LawParameter
 from granwave.analysis.formatting.values import printed_unit
-from granwave.analysis.quantities import ENTRIES, Quantity
+from granwave.analysis.quantities import Quantity, entries
+from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.studies.registry import STUDIES
-from granwave.extensions.inference.forces.tables import ENTRIES as OF_INFERENCE
-from granwave.extensions.waves.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.lammps_inputs import presets
 from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
@@ -92,10 +92,15 @@ def _escape(text: str) -> str:
     return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
 
 
-def quantities(entries: tuple[Quantity, ...] = ENTRIES) -> str:
-    """Return the table of the values of summary.json."""
+def quantities() -> str:
+    """Return the table of the values of summary.json of runs."""
+    return _table_of(entries())
+
+
+def _table_of(shown: Sequence[Quantity]) -> str:
+    """Return the table of the values of a summary."""
     rows = []
-    for entry in entries:
+    for entry in shown:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
         rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
@@ -146,7 +151,7 @@ def report_studies() -> str:
     """Return the table of the studies that a report can make."""
     rows = []
     for name, module in STUDIES.items():
-        found = importlib.import_module(f"granwave.analysis.studies.{module}")
+        found = importlib.import_module(module)
         title = (
             getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
         )
@@ -225,10 +230,6 @@ def bibtex_entries() -> str:
 _PARTS: dict[str, Callable[..., str]] = {
     "keys": keys_of,
     "quantities": quantities,
-    "inference": lambda: quantities(OF_INFERENCE),
-    "bands": lambda: quantities(OF_BANDS),
-    "modes": lambda: quantities(OF_MODES),
-    "transmission": lambda: quantities(OF_TRANSMISSION),
     "commands": commands,
     "cases": studies_of(library.CASES),
     "scans": studies_of(library.SCANS),
@@ -240,6 +241,11 @@ _PARTS: dict[str, Callable[..., str]] = {
     "other_commands": lambda: other_commands(MANUAL),
     "bibtex": bibtex_entries,
 }
+
+
+# of summaries that only results of a kind have
+for _kind in report_kinds():
+    _PARTS |= {name: partial(_table_of, table) for name, table in _kind.tables.items()}
 
 
 def fill_in(_: Sphinx, __: str, source: list[str]) -> None:

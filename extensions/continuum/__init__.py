@@ -16,4 +16,10 @@ extension = Extension(
     file_kinds="granwave.extensions.continuum.kinds:FILE_KINDS",
     commands="granwave.extensions.continuum.commands:COMMANDS",
     check="granwave.extensions.continuum.counterpart:check",
+    result_kinds="granwave.extensions.continuum.files:RESULT_KINDS",
+    case_keys="granwave.extensions.continuum.case_keys:CASE_KEYS",
+    quantities="granwave.extensions.continuum.quantities:QUANTITIES",
+    studies={"sphere-contact": "granwave.extensions.continuum.sphere_contact.study"},
+    comparisons={"comparison": "granwave.extensions.continuum.packing_and_block.study"},
+    report="granwave.extensions.continuum.report:REPORT_KINDS",
 )

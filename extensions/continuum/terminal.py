@@ -6,7 +6,7 @@ import argparse
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from granwave.analysis.summary_table import summary_table
+from granwave.analysis.summary_table import rows_of, summary_table
 from granwave.extensions.continuum.kinds import CONTINUUM
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
@@ -32,12 +32,12 @@ def continuum(options: argparse.Namespace) -> int:
     if not options.resume:  # a finished run needs no resources
         kind.afford(case, kind.cost(case, 1, options.figures), directory)
     assert kind.run is not None  # of continuum cases
-    with held(ResultDirectory(directory)):
+    results = ResultDirectory(directory)
+    with held(results):
         summary = kind.run(case, directory, progress=True, **how_to_run(options))
-    print_json(summary) if options.json else print(
-        f"{summary_table(summary, continuum=True)}\n\nresults in {directory}"
-    )
-    warn_of_zone(summary)
+    table = summary_table(summary, rows_of(results.kind.rows))
+    print_json(summary) if options.json else print(f"{table}\n\nresults in {directory}")
+    warn_of_zone(summary, results.kind.body)
     return 0
 
 

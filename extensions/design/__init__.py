@@ -16,4 +16,6 @@ extension = Extension(
         "Designs": "granwave.extensions.design.python:Designs",
         "design": "granwave.extensions.design.python:design",
     },
+    result_kinds="granwave.extensions.design.files:RESULT_KINDS",
+    report="granwave.extensions.design.report:REPORT_KINDS",
 )

@@ -16,4 +16,6 @@ extension = Extension(
         "InferredForces": "granwave.extensions.inference.python:InferredForces",
         "infer": "granwave.extensions.inference.python:infer",
     },
+    result_kinds="granwave.extensions.inference.files:RESULT_KINDS",
+    report="granwave.extensions.inference.report:REPORT_KINDS",
 )

@@ -9,9 +9,9 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.notebook.load import InferredForces
 from granwave.analysis.notebook.run import Run
 from granwave.extensions.inference import run as inference
+from granwave.extensions.inference.notebook import InferredForces
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import home, words_of_python

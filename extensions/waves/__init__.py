@@ -15,4 +15,7 @@ extension = Extension(
         "modes": "granwave.extensions.waves.python:modes",
         "transmission": "granwave.extensions.waves.python:transmission",
     },
+    result_kinds="granwave.extensions.waves.files:RESULT_KINDS",
+    studies={"bands": "granwave.extensions.waves.study"},
+    report="granwave.extensions.waves.report:REPORT_KINDS",
 )

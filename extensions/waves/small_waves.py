@@ -16,6 +16,7 @@ import numpy as np
 
 from granwave.analysis.figures.style import Columns, FigureFolder, style, write_csv
 from granwave.analysis.result.reader import Result
+from granwave.extensions.waves.files import SPECTRA, SPECTRA_FILE
 from granwave.extensions.waves.spectra import files
 from granwave.extensions.waves.spectra.band_structure import band_structure
 from granwave.extensions.waves.spectra.bands import ALL_UP_TO, growing, solve_modes
@@ -32,7 +33,6 @@ from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.own_files import figure_files
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import SPECTRA, SPECTRA_FILE
 from granwave.workflows.run.directory import held
 
 _HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow

@@ -194,7 +194,7 @@ def _assembly_of(directory: Path) -> Assembly:
         return assemble(read_deck(directory).case)
 
 
-def warn_of_zone(summary: Mapping[str, Any]) -> None:
-    """Print a warning if the size of what was hit limits the plastic zone."""
-    if warning := zone_warning(summary):
+def warn_of_zone(summary: Mapping[str, Any], body: str = "packing") -> None:
+    """Print a warning if the size of the packing, or of another body, limits the plastic zone."""
+    if warning := zone_warning(summary, body):
         warn(f"{summary['name']}: {warning}")

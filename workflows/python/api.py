@@ -216,7 +216,9 @@ def run(
                 f"{place}: the energy balance was refused; what was computed is kept, granwave.load shows it"
             )
         loaded = Run(place)
-    if mpi.is_first() and (warning := zone_warning(loaded.summary)):
+    if mpi.is_first() and (
+        warning := zone_warning(loaded.summary, ResultDirectory(place).kind.body)
+    ):
         logger.warning("%s: %s", loaded.name, warning)
     return loaded
 

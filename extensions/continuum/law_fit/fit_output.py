@@ -25,12 +25,7 @@ from granwave.analysis.figures.style import (
     style,
     write_csv,
 )
-from granwave.extensions.continuum.law_fit.fit import YIELD, Fit, bearing, deviation
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
-from granwave.lammps_inputs.files import replace_text, replacing
-from granwave.lammps_inputs.own_files import AnyPath, figure_files
-from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import (
+from granwave.extensions.continuum.files import (
     FIT,
     FIT_FILES,
     FIT_MISFIT,
@@ -38,6 +33,11 @@ from granwave.lammps_inputs.run_directory import (
     FIT_TABLE,
     FIT_TOML,
 )
+from granwave.extensions.continuum.law_fit.fit import YIELD, Fit, bearing, deviation
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 FIGURE = "fit"
 WRITTEN = (*FIT_FILES, *figure_files(FIGURE))

@@ -25,7 +25,8 @@ from granwave.analysis.measures.impact import (
     spheres_involved,
 )
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+from granwave.analysis.studies.runs import AnyRun, FinishedRun
+from granwave.extensions.continuum.runs import ContinuumRun
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -106,7 +107,7 @@ class Impacts:
         return rising(largest(self.continuum, "shape", "substance"), "energy_normalised")
 
 
-def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
+def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
     """The runs that can be compared; others are left out.
 
     What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by

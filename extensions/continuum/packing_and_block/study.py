@@ -16,12 +16,13 @@ from granwave.analysis.document.model import (
     DocumentTable,
     Note,
     TableColumn,
+    named,
     percent,
     show,
     spread_cell,
 )
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
 from granwave.extensions.continuum.packing_and_block.impacts import (
@@ -35,12 +36,16 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     largest,
     masses,
     materials,
+    not_ideal,
     quadratic_fit,
     rising,
     variants,
 )
 
 TITLE = "Comparison"
+_ELSEWHERE = (
+    "Impacts on ideal packings are compared here; all other runs are in the tables above and below"
+)
 SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
 _GRANULAR_SHOWN = 3  # curves of the figure of volumes
 _GRANULAR_LISTED = 6  # rows of the table
@@ -66,7 +71,24 @@ _CAPTIONS = {
 }
 
 
-def select(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Impacts]:
+def can_compare(runs: Sequence[AnyRun[Any]]) -> bool:
+    """Return True if there are impacts to compare."""
+    impacts = collect(runs)
+    return len(impacts.granular) + len(impacts.continuum) > 1
+
+
+def remarks(runs: Sequence[AnyRun[Any]]) -> Iterator[Note]:
+    """Name the runs of packings that are not compared, by the reason."""
+    left_out: dict[str, list[str]] = {}
+    for run in runs:
+        if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
+            left_out.setdefault(reason, []).append(run.label)
+    if left_out:
+        listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in left_out.items())
+        yield Note(f"{_ELSEWHERE}: {listed}.", "note")
+
+
+def select(runs: Sequence[AnyRun[Any]]) -> list[Impacts]:
     """All that can be compared, as one group."""
     impacts = collect(runs)
     return [impacts] if len(impacts.granular) or len(impacts.continuum) else []

@@ -43,6 +43,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import write_csv
+from granwave.extensions.continuum.files import CONTACT_TABLE
 from granwave.extensions.continuum.material import STRAIN, Elastoplastic
 from granwave.extensions.continuum.runner import (
     SUMMARY_NAMES,
@@ -67,7 +68,6 @@ from granwave.extensions.continuum.sphere_contact.solver import (
     SurfaceContact,
 )
 from granwave.lammps_inputs.files import replacing
-from granwave.lammps_inputs.run_directory import CONTACT_TABLE
 
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
 PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*

@@ -16,12 +16,13 @@ from granwave.analysis.document.model import Cell, DocumentTable, TableColumn, p
 from granwave.analysis.figures.series import MARKS, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.runs import SphereContactRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.extensions.continuum.runs import SphereContactRun
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 TITLE = "Contact law against finite elements"
+RUN_TYPE = SphereContactRun
 TEXT = (
     "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over "
     "the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by "

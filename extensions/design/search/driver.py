@@ -11,6 +11,13 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from granwave.analysis.document.model import is_number
+from granwave.extensions.design.files import (
+    BEST_DESIGNS,
+    DESIGN,
+    DESIGN_OUTCOME,
+    DESIGN_STUDY,
+    DESIGN_TABLE,
+)
 from granwave.extensions.design.search import guards
 from granwave.extensions.design.search.guards import check_best
 from granwave.extensions.design.search.points import Ended, Points, default_jobs, load, names
@@ -35,15 +42,7 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import (
-    BEST_DESIGNS,
-    DESIGN,
-    DESIGN_OUTCOME,
-    DESIGN_STUDY,
-    DESIGN_TABLE,
-    POINTS,
-    SCAN_REPORT,
-)
+from granwave.lammps_inputs.run_directory import POINTS, SCAN_REPORT
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
 

@@ -17,6 +17,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from granwave.extensions.design.files import DESIGN_OUTCOME
 from granwave.extensions.design.search.points import Points, names
 from granwave.extensions.design.search.problem import (
     KNOWN_BEFORE,
@@ -36,7 +37,7 @@ from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
+from granwave.lammps_inputs.run_directory import POINTS, RESULT_FILE
 from granwave.workflows.run.progress import Progress
 
 Tables = dict[str, Any]

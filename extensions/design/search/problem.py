@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.quantities import entries
 from granwave.extensions.design.search.variables import Space, Values
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.case import Case
@@ -49,7 +49,7 @@ def value_names() -> list[str]:
     return [
         *KNOWN_BEFORE,
         *_DERIVED,
-        *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS),
+        *(entry.name for entry in entries() if entry.name not in _NO_NUMBERS),
     ]
 
 

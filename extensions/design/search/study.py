@@ -19,6 +19,12 @@ import tomli_w
 
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.versions import versions_of
+from granwave.extensions.design.files import (
+    BEST_DESIGNS,
+    DESIGN_OUTCOME,
+    DESIGN_STUDY,
+    DESIGN_TABLE,
+)
 from granwave.extensions.design.search.points import names
 from granwave.extensions.design.search.problem import DesignProblem, Objective, examined
 from granwave.extensions.design.search.search import (
@@ -33,14 +39,7 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, replace_text
 from granwave.lammps_inputs.result_directory import ResultDirectory, changed_values
-from granwave.lammps_inputs.run_directory import (
-    BEST_DESIGNS,
-    DESIGN_OUTCOME,
-    DESIGN_STUDY,
-    DESIGN_TABLE,
-    POINTS,
-    SCAN_REPORT,
-)
+from granwave.lammps_inputs.run_directory import POINTS, SCAN_REPORT
 from granwave.workflows.run.record import versions
 
 RUNNING = "running"

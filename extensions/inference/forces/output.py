@@ -29,19 +29,19 @@ from granwave.analysis.figures.style import (
     style,
     write_csv,
 )
-from granwave.extensions.inference.forces.grains import Array
-from granwave.extensions.inference.forces.infer import Inference
-from granwave.lammps_inputs.files import plain, replace_text, replacing
-from granwave.lammps_inputs.own_files import AnyPath, figure_files
-from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import (
+from granwave.extensions.inference.files import (
     INFERENCE,
     INFERRED_FORCES,
     INFERRED_GRAINS,
     MADE_CASE,
     MADE_MEASUREMENT,
-    SUMMARY_FILE,
 )
+from granwave.extensions.inference.forces.grains import Array
+from granwave.extensions.inference.forces.infer import Inference
+from granwave.lammps_inputs.files import plain, replace_text, replacing
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 FIGURES = ("force_network", "residuals", "force_errors", "modulus", "noise")
 FILES = (INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT, MADE_CASE, SUMMARY_FILE)
