@@ -210,8 +210,7 @@ def _look(item: ReportRun | ReportScan, name: str) -> str:
     """Return what to look for in a figure; empty where its caption says enough."""
     if isinstance(item, ReportRun) and name in item.kind.looks:
         return item.kind.looks[name]
-    figure = run_figures().get(name)
-    return figure.look if figure is not None else ""
+    return run_figures()[name].look if name in run_figures() else ""
 
 
 def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:

@@ -56,12 +56,12 @@ class Ordinate:
 
     @property
     def zone(self) -> bool:
-        """True for a plastic zone, whose points are marked where it reaches a bound."""
+        """True for a plastic zone; its points are marked where it reaches a boundary."""
         return self.name.startswith(_OF_ZONE)
 
 
 def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordinate]:
-    """Return what can be shown of points that are done.
+    """Return the quantities that figures can show of finished points.
 
     Parameters
     ----------
@@ -152,7 +152,7 @@ _OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as 
 
 
 def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> list[Path]:
-    """Draw the figures of a scan into its ``figures``; those that no longer apply are removed.
+    """Draw the figures of a scan into its ``figures``; figures that no longer apply are removed.
 
     For each numeric key: ``QUANTITY_vs_KEY``, with curves by the other keys. If no independent key
     is numeric: bars for each value of the first. If velocity and material vary:
@@ -286,9 +286,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
 
 
 def _abscissae(keys: dict[str, VariedKey], free: Sequence[str]) -> list[str]:
-    """Return the independent numeric keys, and those that are equivalent to one of them, except run
-    times.
-    """
+    """Return the independent numeric keys and their equivalents, except run times."""
     chosen = []
     for name, key in keys.items():
         alike = [other for other in free if determines(key.labels, keys[other].labels)]
@@ -299,7 +297,8 @@ def _abscissae(keys: dict[str, VariedKey], free: Sequence[str]) -> list[str]:
 
 
 def _others(keys: dict[str, VariedKey], free: Sequence[str], x: str) -> list[VariedKey]:
-    """Return the keys that distinguish curves over ``x``: all but those that its values determine.
+    """Return the keys that distinguish curves over ``x``: all keys that the values of ``x`` do not
+    determine.
 
     A key with fewer values than ``x`` groups the points, even if no abscissa occurs with two of its
     values.

@@ -308,7 +308,7 @@ class Means:
         return scan_figures(there)
 
     def quantities(self) -> list[tuple[str, str]]:
-        """Return the quantities that have figures, by names of figure and value: those that vary
+        """Return the quantities that have figures, by names of figure and value: varying quantities
         first.
         """
         found = []
@@ -355,8 +355,8 @@ class Means:
         return in_grains(text, self.called)
 
     def _trend(self, main: str, n: int) -> str:
-        """Return how a quantity changes with the n-th key, all others equal; empty if not in one
-        direction.
+        """Return the trend of a quantity with the n-th key, all others equal; empty if it changes
+        in both directions.
         """
         if not self.keys[n].numeric:
             return ""

@@ -35,8 +35,11 @@ def continuum(options: argparse.Namespace) -> int:
     results = ResultDirectory(directory)
     with held(results):
         summary = kind.run(case, directory, progress=True, **how_to_run(options))
-    table = summary_table(summary, rows_of(results.kind.rows))
-    print_json(summary) if options.json else print(f"{table}\n\nresults in {directory}")
+    if options.json:
+        print_json(summary)
+    else:
+        table = summary_table(summary, rows_of(results.kind.rows))
+        print(f"{table}\n\nresults in {directory}")
     warn_of_zone(summary, results.kind.body)
     return 0
 

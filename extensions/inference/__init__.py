@@ -10,12 +10,12 @@ extension = Extension(
     packages={"clarabel": "clarabel"},
     extra="inference",
     folder=Path(__file__).parent,
+    result_kinds="granwave.extensions.inference.files:RESULT_KINDS",
+    report="granwave.extensions.inference.report:REPORT_KINDS",
     file_kinds="granwave.extensions.inference.kinds:FILE_KINDS",
     commands="granwave.extensions.inference.commands:COMMANDS",
     python={
         "InferredForces": "granwave.extensions.inference.python:InferredForces",
         "infer": "granwave.extensions.inference.python:infer",
     },
-    result_kinds="granwave.extensions.inference.files:RESULT_KINDS",
-    report="granwave.extensions.inference.report:REPORT_KINDS",
 )

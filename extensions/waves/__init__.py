@@ -8,6 +8,9 @@ extension = Extension(
     name="waves",
     title="bands, modes and transmission of small waves",
     folder=Path(__file__).parent,
+    result_kinds="granwave.extensions.waves.files:RESULT_KINDS",
+    studies={"bands": "granwave.extensions.waves.study"},
+    report="granwave.extensions.waves.report:REPORT_KINDS",
     commands="granwave.extensions.waves.commands:COMMANDS",
     check="granwave.extensions.waves.check:check",
     python={
@@ -15,7 +18,4 @@ extension = Extension(
         "modes": "granwave.extensions.waves.python:modes",
         "transmission": "granwave.extensions.waves.python:transmission",
     },
-    result_kinds="granwave.extensions.waves.files:RESULT_KINDS",
-    studies={"bands": "granwave.extensions.waves.study"},
-    report="granwave.extensions.waves.report:REPORT_KINDS",
 )

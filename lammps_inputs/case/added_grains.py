@@ -317,6 +317,8 @@ def with_added_grains(
         grains=grains,
         period=period,
         cell=packing.cell,
+        contacts=packing.contacts,
+        touch_tolerance=packing.touch_tolerance,
     )
 
 

@@ -273,6 +273,18 @@ class Case:
         return bool(self.contact.initial_overlap) or self.precompression is not None
 
     @property
+    def seeks_balance(self) -> bool:
+        """True if a static stage brings the packing to balance; False: it starts as it was found."""
+        way = self.packing.contact_way
+        return way is None or way.balances or not way.presses
+
+    @property
+    def may_rearrange(self) -> bool:
+        """True if grains may move far on the way to balance."""
+        way = self.packing.contact_way
+        return way is not None and way.rearranges
+
+    @property
     def probes(self) -> tuple[Probe, ...]:
         """Probes: ``output.probes``, and in packings other than a chain also the spheres of the
         sensors.

@@ -27,6 +27,7 @@ from granwave.lammps_inputs.case.case import (
     case_sections,
 )
 from granwave.lammps_inputs.case.contact import read_pairs
+from granwave.lammps_inputs.case.contact_ways import CONTACTS, TOLERANCE
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
@@ -210,7 +211,7 @@ def parse_case(
     parts[MATERIALS] = tuple(materials.values())
     packing: PackingSection | None = parts.get("packing")
     if packing is not None:
-        _check_cell(packing, errors)
+        _check_of_grains(packing, errors)
         if "load" not in data and _moves(packing):
             parts["load"] = GrainsLoad()
     return parts
@@ -242,11 +243,15 @@ def _add_grains(
     )
 
 
-def _check_cell(packing: PackingSection, errors: ErrorList) -> None:
-    """Check that a lattice, which has a cell of its own, is given none."""
-    if packing.cell is not None and packing.rule.is_lattice:
-        found = f"found {show(packing.kind)} alone"
-        errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
+def _check_of_grains(packing: PackingSection, errors: ErrorList) -> None:
+    """Check that a lattice is not given what belongs to grains at places of their own."""
+    if not packing.rule.is_lattice:
+        return
+    for name in ("cell", CONTACTS, TOLERANCE):
+        if getattr(packing, name) is not None:
+            found = f"found {show(packing.kind)} alone"
+            text = f'belongs to packing.kind = "file", or to [[grains]]; {found}'
+            errors.add(f"packing.{name}", text)
 
 
 def _moves(packing: PackingSection) -> bool:

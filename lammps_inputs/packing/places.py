@@ -174,8 +174,8 @@ def near_pairs(
     slack: float,
     period: tuple[float, float] | None = None,
 ) -> NDArray[np.int64]:
-    """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2),
-    i < j.
+    """Find all pairs of rows with surfaces at most ``slack`` apart, and some wider pairs: (n, 2), i
+    < j.
 
     Classes of size keep the search short where a few grains are much larger than the rest.
 
@@ -230,7 +230,9 @@ def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) ->
 
 
 def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
-    """Return the overlap without force of spheres, as in `cohesive_law`, m; 0 without cohesion."""
+    """Return the overlap at which spheres with the law of `cohesive_law` bear no force, m; 0
+    without cohesion.
+    """
     coheres = case.contact_between(case.material, partner).coheres
     return float(cohesive_law(case, partner, flat=flat).balanced_overlap) if coheres else 0.0
 
@@ -238,10 +240,10 @@ def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     """Return the ids of the loaded spheres; the first one is the struck sphere.
 
-    The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within
-    1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on one sphere
-    of the next layer (of several such pairs the one with the lowest ids), 7 its six neighbours in
-    the layer.
+    The struck sphere is the sphere of the top layer nearest to the centroid of this layer (ties
+    within 1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on the
+    same sphere of the next layer (the pair with the lowest ids if there are several), 7 its six
+    neighbours in the layer.
 
     Raises
     ------
@@ -278,7 +280,9 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
 def centred(
     strikers: Sequence[Striker], packing: PackingSection, boundary: Boundary
 ) -> tuple[Striker, ...]:
-    """Return strikers, those that touch the sphere at the centre of the top with its id."""
+    """Return strikers with the id of the sphere at the centre of the top, where they are to touch
+    it.
+    """
     if all(striker.touches for striker in strikers):
         return tuple(strikers)
     centre = struck_spheres(layout_of(packing, boundary), 1)

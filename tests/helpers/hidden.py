@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import importlib.abc
 import importlib.machinery
+import itertools
 import os
 import sys
 from collections.abc import Sequence
@@ -59,7 +60,7 @@ def pytest_ignore_collect(collection_path: Path, config: pytest.Config) -> bool 
     """Leave out the tests of hidden extensions."""
     parts = collection_path.parts
     for name in hidden_names():
-        if ("extensions", name) in zip(parts, parts[1:], strict=False):
+        if ("extensions", name) in itertools.pairwise(parts):
             return True
     return None
 

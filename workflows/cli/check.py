@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -22,6 +22,7 @@ from granwave.lammps_inputs.planning.impact_input import ImpactInput, inputs_of_
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.check_part import CheckPart, Rows, input_rows, input_values
+from granwave.workflows.cli.grain_file_values import grain_file_rows
 from granwave.workflows.cli.plan_values import packing_values
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.file_kinds import file_kinds
@@ -150,6 +151,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
     yield "case", plan.name
     yield assembly.grains_called, grains
+    yield from grain_file_rows(values["packing_file"])
     yield "contacts at the start", f"{plan.n_contacts}"
     across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
     yield (
@@ -170,6 +172,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
             f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found["grains"].items()
         )
         yield "contacts of a grain", f"{found['mean']:.3g} in the mean: {numbers}"
+    yield from _contact_rows(values["contacts_found"])
     yield "precompression", _static(case)
     yield from rows
     yield from input_rows(inputs, at_most=_is_bound(case))
@@ -224,6 +227,20 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         yield "loss", f"time {loss:.4g} s" if name == "time_s" else f"dashpot {loss:.4g}"
     yield "outermost yield", _outermost_yield(plan.zone)
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
+
+
+def _contact_rows(found: Mapping[str, Any] | None) -> Rows:
+    """Return rows on contacts of grains of a file that overlap or nearly touch."""
+    if found is None:
+        return
+    within = f"{found['n_within']} pairs within {found['tolerance_m']:.3g} m"
+    last = f"last place of the file: {found['last_place_m']:.3g} m"
+    beyond = f"{found['n_beyond']} overlap by more, the largest by {found['largest_overlap_m']:.3g} m"
+    yield "touching in the file", f"{within} ({last}); {beyond}"
+    way = found["way"]
+    for choice in found["choices"]:
+        chosen = " (chosen)" if way is not None and choice.startswith(f'"{way}"') else ""
+        yield "", choice + chosen
 
 
 def _memory_of_ranks(plan: Plan) -> str:

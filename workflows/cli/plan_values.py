@@ -10,14 +10,18 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.law import viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
+from granwave.lammps_inputs.packing.found_contacts import period_of
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.workflows.cli.grain_file_values import grain_file_values
 
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
@@ -81,6 +85,32 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     }
 
 
+def _contacts_found(case: Case) -> dict[str, Any] | None:
+    """Return what each way of ``packing.contacts`` would do with grains of a file; None if there
+    are none, or if all of them just touch.
+    """
+    packing = case.packing
+    if packing.grains is None:
+        return None
+    grains = packing.grains.found or packing.grains
+    advice = advice_on(case, grains, period_of(packing, case.boundary))
+    if packing.contacts is None and not advice.n_overlapping:
+        return None
+    return {
+        "way": packing.contacts,
+        "last_place_m": advice.last_place,
+        "tolerance_m": advice.tolerance,
+        "n_within": advice.n_within,
+        "n_beyond": advice.n_beyond,
+        "n_overlapping": advice.n_overlapping,
+        "largest_overlap_m": advice.largest_overlap,
+        "touch_moves_m": advice.moved,
+        "touch_leaves_m": advice.remaining,
+        "largest_force_N": advice.largest_force,
+        "choices": advice.choices,
+    }
+
+
 def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     case = assembly.case
@@ -124,6 +154,8 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "n_cylinders": assembly.n_cylinders,
         "n_contacts": plan.n_contacts,
         "coordination": coordination,
+        "packing_file": grain_file_values(assembly),
+        "contacts_found": _contacts_found(case),
         "precompression": None
         if stage is None
         else {

@@ -81,11 +81,11 @@ class RunDirectory(ResultDirectory):
         self.clear([name for name in there if name not in kept])
 
     def checkpoint_fault(self, checkpoint: dict[str, Any], processes: Processes = ALONE) -> str:
-        """Describe why a run cannot go on from a checkpoint; empty if it can. ``processes`` read
+        """Describe why a run cannot resume from a checkpoint; empty if it can. ``processes`` read
         its files.
 
-        It is of another minor version, whose restart files may differ, or a file is not what the
-        run wrote. Output files may have grown.
+        Reasons are another minor version, since restart files may differ, or a file that was
+        changed after the run wrote it. Output files may have grown.
         """
         try:
             made = str(checkpoint["version"])
@@ -98,7 +98,7 @@ class RunDirectory(ResultDirectory):
             return f"{self / files.RECORD_FILE}: its checkpoint cannot be read"
 
     def _changed_since(self, checkpoint: dict[str, Any], processes: Processes) -> str:
-        """Describe the first file that is not what it was at a checkpoint; empty if none."""
+        """Describe the first file that was changed since a checkpoint; empty if none was."""
         whole = checkpoint["whole"]
         sums = checkpoint.get("sums", {})
         sizes = whole | checkpoint["sizes"]

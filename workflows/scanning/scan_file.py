@@ -102,7 +102,7 @@ class Scan:
 
     @property
     def scale(self) -> float:
-        """Points of the file over those that were made."""
+        """Number of points of the file divided by the number of points that were made."""
         return self.n_points / len(self.points)
 
     def n_values_of(self, key: str) -> int:
@@ -163,8 +163,8 @@ def load_scan(
     scan
         Path of the file, or name of a built-in scan.
     overrides
-        Keys of the case for all points, in addition to those of ``[set]`` and with precedence over
-        them.
+        Keys of the case for all points, in addition to the keys of ``[set]`` and with precedence
+        over them.
     here
         True if the points run on this machine and must fit into its memory.
     most
@@ -302,7 +302,7 @@ def _build(
         return kind.read(data, path, overridden=changes)
 
     progress = Progress(len(variations), f"{header.name}: points", enabled=len(variations) > _MANY)
-    fresh = each_warning_once()  # of which many points would give many
+    fresh = each_warning_once()  # many points would repeat them
     with contextlib.closing(progress), contextlib.ExitStack() as at_end:
         _LOG.addFilter(fresh)
         at_end.callback(_LOG.removeFilter, fresh)

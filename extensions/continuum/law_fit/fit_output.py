@@ -124,9 +124,9 @@ def fit_toml(fit: Fit) -> str:
         "# Copy [contact] and [material] into a case of your own and run it: granwave run case.toml",
         "# This file is a case too, two such spheres: granwave run fit.toml",
         *(
-            f"# off by {one.rms_percent:.3g} % rms, {one.largest_percent:.3g} % at most: {one.part}"
-            for one in fit.misfit.itertuples()
-            if not one.part.startswith(" ")
+            f"# off by {part.rms_percent:.3g} % rms, {part.largest_percent:.3g} % at most: {part.part}"
+            for part in fit.misfit.itertuples()
+            if not part.part.startswith(" ")
         ),
     ]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:

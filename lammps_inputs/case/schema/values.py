@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case.schema.faults import ValidationError, refuse_if
-from granwave.lammps_inputs.case.schema.words import did_you_mean, show
+from granwave.lammps_inputs.message_words import did_you_mean, show
 
 _LEAST = 2.3e-308  # magnitude, in messages
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
