@@ -270,10 +270,9 @@ def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
     InputError
         A reference cannot be loaded, or two objects have the same attribute.
     """
-    added = {
-        extension: {getattr(entry, key): entry for entry in entries}
-        for extension, entries in loaded(field).items()
-    }
+    added = {}
+    for extension, entries in loaded(field).items():
+        added[extension] = {getattr(entry, key): entry for entry in entries}
     return joined(noun, {}, added)
 
 
