@@ -7,6 +7,7 @@ import sys
 import pytest
 
 from granwave.analysis import Result
+from granwave.analysis.exports import names
 from granwave.analysis.exports.export import export
 from granwave.analysis.exports.formats import staged
 from granwave.lammps_inputs.errors import InputError
@@ -33,6 +34,14 @@ def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=r'pip install "granwave\[(pictures|export)\]"'):
         export(run, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+def test_formats_are_those_that_are_there(run, tmp_path, monkeypatch):
+    assert names.export_names() == ("csv", "netcdf", "ovito", "vtp")
+    monkeypatch.setattr(names, "added_by_name", lambda _: {})
+    with pytest.raises(InputError, match=r"--to vtp: no such form; expected one of csv, netcdf$"):
+        export(run, "vtp", tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
