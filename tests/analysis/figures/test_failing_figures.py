@@ -112,6 +112,7 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
     ]
 
 
+@pytest.mark.needs_extension("continuum")
 def test_one_layer_is_reported(tmp_path, caplog):
     """Its plastic zone has no depth, so that there is nothing to draw on a logarithmic axis."""
     settings = ["packing.kind=square", "packing.size=[6,6]", "run.end_time=3e-5"]
