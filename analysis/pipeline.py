@@ -65,8 +65,8 @@ def analyse(
         True for a bar on a terminal or in a notebook; or a function, called with the name of each
         part before it is made.
     figures
-        Draw them too, and make the files that the case asks for besides, such as a film. Of packings with more
-        spheres than `MOST_DRAWN` only figures of the run in time are drawn.
+        Draw them too, and make the files that the case asks for besides, such as a film. Of
+        packings with more spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do
         not depend on it.

@@ -31,6 +31,7 @@ from granwave.analysis.measures.signals import Array
 from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.measures.waves import wave_speed_of
 from granwave.analysis.measures.zone_size import HALF_LAW_LIMIT, LAW_LIMIT, zone_summary
+from granwave.analysis.quantities import ENTRIES
 from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
@@ -163,6 +164,22 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         "deck_changed": result.results.changed_deck() or None,
         "versions": result.versions,
     }
+
+
+def check_value_names() -> None:
+    """Check that no two values of summary.json have the same name, as far as extensions say which
+    they add; to be called before a run.
+
+    Raises
+    ------
+    InputError
+        Two values have the same name, or an extension cannot be loaded.
+    """
+    names = loaded("quantities")
+    added = {}
+    for extension in loaded("summary"):
+        added[extension] = {entry.name: entry for entry in names.get(extension, ())}
+    joined("value of summary.json", {entry.name: entry for entry in ENTRIES}, added)
 
 
 def _added_values(result: Result, own: Summary) -> Summary:

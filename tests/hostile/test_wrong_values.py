@@ -62,7 +62,9 @@ def replace(run: Path, name: str, values: Any, **options: Any) -> None:
         file.create_dataset(name, data=values, **options).attrs.update(attributes)
 
 
-@pytest.mark.parametrize("to", ["csv", "vtp", "netcdf"])
+@pytest.mark.parametrize(
+    "to", ["csv", pytest.param("vtp", marks=pytest.mark.needs_extension("pictures")), "netcdf"]
+)
 @pytest.mark.parametrize("name", WRONG)
 def test_values(run: Path, name: str, to: str) -> None:
     with h5py.File(run / "result.h5") as file:

@@ -19,6 +19,7 @@ from pathlib import Path
 import pytest
 
 from granwave.workflows import library
+from granwave.workflows.cli.parser import WRONG_INPUT
 from tests.documents.pages import ROOT
 
 pytestmark = pytest.mark.release
@@ -149,8 +150,10 @@ def test_selftest(environment):
     assert "are as expected" in said and " NO" not in said, said
 
 
-def test_a_run_and_its_report(environment):
-    """A small run on one rank and on two, its figures, and a report of both in all formats."""
+def test_a_run_and_its_report(environment, wheel):
+    """A small run on one rank and on two, its figures, and a report of both in all formats; the
+    core is enough but for PDF, whose extra is named.
+    """
     small = ["--set", "packing.size=[8,8,5]", "--set", "run.end_time=1e-4"]
     environment("granwave", "run", "fcc-small", *small, "-o", "one")
     environment("granwave", "run", "fcc-small", *small, "-o", "two", "--np", 2, "--no-figures")
@@ -161,8 +164,13 @@ def test_a_run_and_its_report(environment):
         0.8 < summary["dissipated_fraction"] < 0.9
     )  # most is lost in this case: 0.839, as tests/golden has it
     assert (root / "one" / "figures" / "energies.png").is_file()
+    report = ("granwave", "report", "one", "two", "-o")
+    refused = environment(*report, "report.pdf", check=False)
+    assert refused.returncode == WRONG_INPUT and 'pip install "granwave[pdf]"' in refused.stderr
+    with_pdf = f"{wheel}[pdf]"
+    environment("python", "-m", "pip", "install", "--quiet", "--only-binary", ":all:", with_pdf)
     for suffix in ("html", "md", "pdf"):
-        environment("granwave", "report", "one", "two", "-o", f"report.{suffix}")
+        environment(*report, f"report.{suffix}")
         assert (root / f"report.{suffix}").stat().st_size > 5000
 
 

@@ -19,6 +19,7 @@ from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.pipeline import analyse
 from granwave.analysis.result.reader import moved_mass
 from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.analysis.summary import check_value_names
 from granwave.lammps_inputs.deck.deck import Deck, read_deck, write_deck
 from granwave.lammps_inputs.deck.output import frames_file
 from granwave.lammps_inputs.deck.script import READ_DATA, input_script, part
@@ -147,6 +148,7 @@ def run_assembly(
         return what
 
     refuse_threads_of_ranks(comm)
+    check_value_names()
     with held(results, comm), turn(results.path):
         what = shared(comm, prepare)
         run = _Run(assembly, results, comm, progress, figures, checkpoint_interval)

@@ -1,7 +1,8 @@
 # A package of Spack, for a repository of your site's: NAME/packages/py-granwave/package.py
 # (packages/py_granwave from Spack 1 on). What of this was tried: the page "Install".
-# It asks for what the core needs. Packages of single features are installed as they are wanted: py-scikit-fem, py-numba,
-# py-clarabel, py-scikit-learn, py-imageio-ffmpeg, py-k3d, vtk, py-h5netcdf, py-plutoprint.
+# It asks for what the core needs. Packages of single features are installed as they are wanted:
+# py-scikit-fem, py-numba, py-clarabel, py-scikit-learn, py-imageio-ffmpeg, py-k3d, vtk,
+# py-h5netcdf, py-plutoprint.
 from spack.package import *
 
 

@@ -7,12 +7,15 @@ import sys
 import pytest
 
 from granwave.analysis import Result
+from granwave.analysis.exports import names
 from granwave.analysis.exports.export import export
 from granwave.analysis.exports.formats import staged
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.helpers import synthetic_scan
 from tests.helpers.export_inputs import write_walled_run
+
+NEEDS = pytest.mark.needs_extension("pictures")
 
 
 @pytest.fixture(scope="module")
@@ -28,11 +31,22 @@ def scan(tmp_path_factory):
     )
 
 
-@pytest.mark.parametrize("to, module", [("vtp", "vtkmodules.vtkIOXML"), ("netcdf", "h5netcdf")])
+@pytest.mark.parametrize(
+    "to, module", [pytest.param("vtp", "vtkmodules.vtkIOXML", marks=NEEDS), ("netcdf", "h5netcdf")]
+)
 def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
     monkeypatch.setitem(sys.modules, module, None)
     with pytest.raises(InputError, match=r'pip install "granwave\[(pictures|export)\]"'):
         export(run, to, tmp_path / "out")
+    assert not (tmp_path / "out").exists()
+
+
+@NEEDS
+def test_formats_are_those_that_are_there(run, tmp_path, monkeypatch):
+    assert names.export_names() == ("csv", "netcdf", "ovito", "vtp")
+    monkeypatch.setattr(names, "added_by_name", lambda _: {})
+    with pytest.raises(InputError, match=r"--to vtp: no such form; expected one of csv, netcdf$"):
+        export(run, "vtp", tmp_path / "out")
     assert not (tmp_path / "out").exists()
 
 
@@ -85,7 +99,7 @@ def test_snapshots_are_read_one_at_a_time(run, tmp_path, monkeypatch):
     monkeypatch.setattr(
         Result, "__getitem__", lambda self, name: read.append(name) or whole(self, name)
     )
-    for to in ("csv", "netcdf", "vtp"):
+    for to in set(names.export_names()) - {"ovito"}:
         export(run, to, tmp_path)
     assert read and not [name for name in read if name.endswith("/value")]
 

@@ -23,7 +23,6 @@ from granwave.analysis.result.reader import Result
 from granwave.analysis.scans import figures as scan_figures
 from granwave.analysis.studies import study as studies
 from granwave.analysis.studies.study import Picture, Row
-from granwave.extensions.pictures import packing3d
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main
@@ -113,6 +112,7 @@ def test_a_part_of_a_study_that_fails_costs_no_other(monkeypatch):
     ]
 
 
+@pytest.mark.needs_extension("continuum")
 def test_one_layer_is_reported(tmp_path, caplog):
     """Its plastic zone has no depth, so that there is nothing to draw on a logarithmic axis."""
     settings = ["packing.kind=square", "packing.size=[6,6]", "run.end_time=3e-5"]
@@ -216,8 +216,7 @@ def test_width_and_formats(run):
     assert {found.suffix for found in path.parent.glob("energies.*")} == {".png", ".csv"}
 
 
-def test_the_case_file_says_how_and_may_be_edited(tmp_path, monkeypatch):
-    monkeypatch.setattr(packing3d, "_PIXELS", 120)
+def test_the_case_file_says_how_and_may_be_edited(tmp_path):
     case = synthetic.make_case(
         "chain", 3, figures={"only": ["energies", "bottom_force"], "formats": []}
     )
@@ -237,14 +236,3 @@ def test_the_case_file_says_how_and_may_be_edited(tmp_path, monkeypatch):
         (InputError, OutputFormatError), match=r"figures\.only: .*did you mean bottom_force"
     ):
         draw_figures(tmp_path)
-
-
-def test_film_and_page_come_with_the_figures(tmp_path):
-    case = synthetic.make_case("square", (4, 4), figures={"only": ["energies"], "film": "gif", "view": True},
-                               run={"end_time": 1e-4, "timestep": 1e-7, "frames": 5})  # fmt: skip
-    directory = synthetic.write_run(tmp_path, case)
-    parts: list[str] = []
-    analyse(directory, parts.append)
-    assert parts[-2:] == ["film.gif", "view.html"] and (directory / "view.html").exists()
-    analyse(directory, figures=False)
-    assert (directory / "view.html").exists()

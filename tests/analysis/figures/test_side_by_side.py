@@ -60,6 +60,7 @@ def damage(directory, change):
         change(file)
 
 
+@pytest.mark.needs_extension("pictures")
 def test_files_are_those_of_one_process(run, several, monkeypatch):
     """In the order asked for, the two of a share among them; settings of matplotlib change nothing."""
     names = ("energies", "packing_3d", "probes", "packing_3d_dissipation", "bottom_force")
@@ -216,6 +217,7 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
     assert (directory / "figures" / "energies.csv").exists()
 
 
+@pytest.mark.needs_extension("pictures")
 def test_shares_hold_every_figure_once():
     """The long ones first, and the two that share their work together; others in their order."""
     names = tuple(run_figures())

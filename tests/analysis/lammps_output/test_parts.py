@@ -411,6 +411,7 @@ def test_figures_of_a_large_packing_are_left_out(run, monkeypatch, caplog):
     assert not [name for name in read if name.startswith(("spheres/", "contacts/"))]
 
 
+@pytest.mark.needs_extension("pictures")
 def test_ovito_does_not_join_parts(run, tmp_path):
     with pytest.raises(InputError, match=r"each rank wrote its own dumps .*--to vtp"):
         export(run, "ovito", tmp_path / "out")

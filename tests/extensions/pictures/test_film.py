@@ -19,12 +19,11 @@ from PIL import Image
 from granwave.analysis import analyse
 from granwave.analysis.figures.style import style
 from granwave.analysis.result.reader import Result
-from granwave.extensions.pictures import films
+from granwave.extensions.pictures import films, terminal
 from granwave.extensions.pictures.films import scene, size_of, write_film
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
-from granwave.workflows.cli import results
 from granwave.workflows.cli.main import main
 from tests.conftest import PLAIN
 from tests.helpers import synthetic
@@ -157,8 +156,8 @@ def test_pictures_are_those_of_whole_figures(packing, chain, name, view):
 
 
 def test_the_time_of_a_film_is_measured(packing, tmp_path, capsys, monkeypatch):
-    monkeypatch.setattr(results, "_MEASURED", 3)
-    monkeypatch.setattr(results, "_WORTH_SAYING", 0.0)
+    monkeypatch.setattr(terminal, "_MEASURED", 3)
+    monkeypatch.setattr(terminal, "_WORTH_SAYING", 0.0)
     assert main(["film", str(packing), "-o", str(tmp_path / "a.gif"), "--width", "240"]) == 0
     assert re.search(r"film: 4 pictures, about 0 s to go", capsys.readouterr().err)
 

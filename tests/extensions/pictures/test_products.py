@@ -53,3 +53,14 @@ def test_the_analysis_goes_on_without_it(tmp_path, monkeypatch, caplog):
     assert "film.gif: not made: no extension that makes it is installed" in caplog.text
     assert (run / "summary.json").is_file() and (run / "figures" / "energies.png").is_file()
     assert not (run / "film.gif").exists()
+
+
+def test_film_and_page_come_with_the_figures(tmp_path):
+    case = synthetic.make_case("square", (4, 4), figures={"only": ["energies"], "film": "gif", "view": True},
+                               run={"end_time": 1e-4, "timestep": 1e-7, "frames": 5})  # fmt: skip
+    directory = synthetic.write_run(tmp_path, case)
+    parts: list[str] = []
+    pipeline.analyse(directory, parts.append)
+    assert parts[-2:] == ["film.gif", "view.html"] and (directory / "view.html").exists()
+    pipeline.analyse(directory, figures=False)
+    assert (directory / "view.html").exists()

@@ -142,7 +142,7 @@ def test_command(granwave, folder):
     assert "DIR" in output(granwave("participation", "--help", cwd=folder))
     summary = json.loads((folder / "out" / "summary.json").read_text(encoding="utf-8"))
     value = float(output(granwave("participation", "out", cwd=folder)))
-    assert value == summary["force_participation"]
+    assert value == summary["force_participation"] == pytest.approx(0.00903086, rel=1e-4)
 
 
 def test_without_it_the_case_is_wrong_and_the_rest_works(granwave, folder):
@@ -159,6 +159,8 @@ def test_without_it_the_case_is_wrong_and_the_rest_works(granwave, folder):
          "load.kind fall: it is in the extension other and in the extension toy"),
         ('figures={"energies": "toy.results:RANKED_FORCES"}',
          "figure energies: it is in granwave itself and in the extension other"),
+        ('summary="toy.results:summary_values", quantities="toy.results:QUANTITIES"',
+         "value of summary.json force_participation: it is in the extension other and in"),
         ('lattices="missing_module:LATTICES"',
          "extension other: lattices missing_module:LATTICES cannot be loaded: No module named"),
     ],
