@@ -28,6 +28,7 @@ from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.cli.grain_file_values import grain_file_rows
+from granwave.workflows.cli.packing_picture import draw_packing
 from granwave.workflows.cli.plan_values import packing_values, small_waves
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
@@ -48,6 +49,7 @@ def check(options: argparse.Namespace) -> int:
     """Plan a case and check that this machine can run it; return the exit status."""
     path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb, library.DESIGN)
     if library.verb_of(path) == library.DESIGN:
+        draw_packing(options.picture, None)
         from granwave.extensions.design.terminal import (
             plan_of_design,
         )  # loads SciPy, which takes longer than most checks
@@ -74,6 +76,7 @@ def check(options: argparse.Namespace) -> int:
         )
         warnings = [one for one in (slow, expected_cut(expected.zone)) if one]
     kind.check(case)
+    draw_packing(options.picture, assembled)
 
     def afford() -> None:
         kind.afford(case, expected, Path(case.name).absolute())

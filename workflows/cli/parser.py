@@ -195,7 +195,10 @@ COMMANDS = (
                  help=f"print the JSON Schema of a kind of files, for editors: {', '.join(FILE_KINDS)}")],
     )),
     Command("check", _FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
-        _CASE, _SET, _RANKS, _json("the plan"),
+        _CASE, _SET, _RANKS,
+        _option("--picture", type=read.output_name, metavar="FILE.png",
+                help="draw the packing from the side and from above, .png or .pdf; both are written, with its grains as .csv"),
+        _json("the plan"),
     )),
     Command("run", _RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
         _CASE, _SET, _directory(), _RANKS,
