@@ -6,9 +6,12 @@ import dataclasses
 import importlib.util
 import re
 import shlex
+import subprocess
 import sys
 from pathlib import Path
 from types import ModuleType
+
+from tests.conftest import PLAIN
 
 ROOT = Path(__file__).parents[2]
 README = ROOT / "README.md"
@@ -75,10 +78,14 @@ def name_of(page: Path) -> str:
 
 
 def write_files(page: Path, folder: Path) -> None:
-    """Write the files of a page, those with a caption, into a folder."""
+    """Write the files of a page, those with a caption, into a folder; LAMMPS scripts are run there."""
     for block in blocks(page):
         if block.caption:
             (folder / block.caption).write_text(block.text, encoding="utf-8")
+        if block.caption and block.caption.endswith(".in"):
+            lmp = Path(sys.prefix) / "bin" / "lmp"
+            command = [str(lmp), "-in", block.caption, "-log", "none", "-screen", "none"]
+            subprocess.run(command, cwd=folder, check=True, env=PLAIN)
 
 
 def extension(name: str) -> ModuleType:

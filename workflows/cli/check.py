@@ -23,6 +23,7 @@ from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
 from granwave.workflows.check_part import CheckPart, Rows, input_rows, input_values
 from granwave.workflows.cli.grain_file_values import grain_file_rows
+from granwave.workflows.cli.packing_picture import draw_packing
 from granwave.workflows.cli.plan_values import packing_values
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.file_kinds import file_kinds
@@ -42,6 +43,7 @@ def check(options: argparse.Namespace) -> int:
     checks = {kind.command: kind.check for kind in file_kinds() if kind.check}
     path = library.find_for(options.case, *case_commands(), *checks)
     if (command := library.verb_of(path)) in checks:
+        draw_packing(options.picture, None)
         return int(load(checks[command])(path, options))
     kind = solver_of(read_toml(path))
     case = kind.load(path, options.overrides)
@@ -49,6 +51,7 @@ def check(options: argparse.Namespace) -> int:
     expected = kind.cost(assembled, options.ranks, True)
     parts = _parts(kind, assembled)
     kind.check(case)
+    draw_packing(options.picture, assembled)
 
     def afford() -> None:
         kind.afford(case, expected, Path(case.name).absolute())

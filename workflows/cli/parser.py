@@ -80,7 +80,10 @@ def _core() -> tuple[Command, ...]:
                      help=f"print the JSON Schema of a kind of files, for editors: {', '.join(files)}")],
         )),
         Command("check", FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
-            CASE, SET, RANKS, as_json("the plan"),
+            CASE, SET, RANKS,
+            option("--picture", type=read.output_name, metavar="FILE.png",
+                   help="draw the packing from the side and from above, .png or .pdf; both are written, with its grains as .csv"),
+            as_json("the plan"),
         )),
         Command("run", RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
             CASE, SET, directory(), RANKS,

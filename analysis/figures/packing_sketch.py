@@ -1,0 +1,122 @@
+"""Sketch of a packing before it is run: its grains from the side and from above, by material;
+cylinders are discs of their diameter.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+import numpy as np
+from matplotlib.axes import Axes
+from matplotlib.collections import EllipseCollection
+from numpy.typing import NDArray
+
+from granwave.analysis.figures.style import (
+    BLUE,
+    GREEN,
+    GREY,
+    ORANGE,
+    PURPLE,
+    WIDTH,
+    Drawing,
+    new_figure,
+    save_as,
+)
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
+
+_MILLI = 1e3  # millimetres in a metre
+_COLOURS = (GREY, BLUE, ORANGE, GREEN, PURPLE)
+_SUFFIXES = (".png", ".pdf")
+_EDGE_WIDTH = 0.3  # points
+_MARGIN = 0.03  # of the larger width, around the grains
+_TALLEST = 2.0  # height over width of a view, beyond which the figure is no taller
+
+#: Horizontal and vertical axis of a view, the axis along which one looks, and its title.
+_VIEWS = ((0, 2, 1, "from the side"), (0, 1, 2, "from above"))
+
+
+def write_packing(assembly: Assembly, path: Path) -> Path:
+    """Write the sketch of a packing (.png or .pdf; both are written, and the table of its grains).
+
+    Raises
+    ------
+    InputError
+        The path has another suffix, or a file of such a name exists, and granwave did not write it.
+    """
+    if path.suffix not in _SUFFIXES:
+        suffix = path.suffix or "none"
+        raise InputError(f"{path}: found the suffix {suffix}, expected {' or '.join(_SUFFIXES)}")
+    path.parent.mkdir(parents=True, exist_ok=True)
+    save_as(path, _table(assembly), lambda: packing_drawing(assembly))
+    return path
+
+
+def packing_drawing(assembly: Assembly) -> Drawing:
+    """Draw the grains of a packing from the side and from above; those in front hide others."""
+    position = assembly.positions()
+    diameter = assembly.sphere_diameters()
+    names = _materials(assembly)
+    low = (position - diameter[:, None] / 2).min(axis=0)
+    high = (position + diameter[:, None] / 2).max(axis=0)
+    margin = _MARGIN * float((high - low).max())
+    shape = (high - low + 2 * margin)[2] / (high - low + 2 * margin)[0]
+    figure = new_figure(WIDTH * min(max(float(shape), 0.5), _TALLEST), 2 * WIDTH)
+    views = figure.subplots(1, len(_VIEWS))
+    for axes, (across, upward, along, title) in zip(views, _VIEWS, strict=True):
+        order = np.argsort(-position[:, along], kind="stable")
+        _draw_discs(axes, position[order][:, [across, upward]], diameter[order], names[order])
+        axes.set_xlim(_MILLI * (low[across] - margin), _MILLI * (high[across] + margin))
+        edges = [_MILLI * (low[upward] - margin), _MILLI * (high[upward] + margin)]
+        axes.set_ylim(*(edges[::-1] if upward == 2 else edges))  # depth points down
+        axes.set_aspect("equal")
+        axes.set(xlabel=f"${'xyz'[across]}$ (mm)", ylabel=f"${'xyz'[upward]}$ (mm)", title=title)
+    _draw_legend(views[0], np.unique(names).tolist())
+    return Drawing(figure, _table(assembly))
+
+
+def _draw_legend(axes: Axes, names: list[str]) -> None:
+    """Draw the colours of materials, of several."""
+    if len(names) < 2:
+        return
+    for number, name in enumerate(names):
+        axes.plot([], [], "o", color=_COLOURS[number % len(_COLOURS)], label=name)
+    axes.legend(loc="best", fontsize="small")
+
+
+def _draw_discs(
+    axes: Axes, centre: NDArray[np.float64], diameter: NDArray[np.float64], names: NDArray[np.str_]
+) -> None:
+    """Draw discs (n, 2) in their order, coloured by material."""
+    kinds = np.unique(names).tolist()
+    colours = [_COLOURS[kinds.index(name) % len(_COLOURS)] for name in names.tolist()]
+    discs = EllipseCollection(
+        _MILLI * diameter,
+        _MILLI * diameter,
+        np.zeros(len(diameter)),
+        units="xy",
+        offsets=_MILLI * centre,
+        offset_transform=axes.transData,
+        facecolors=colours,
+        edgecolors="black",
+        linewidths=_EDGE_WIDTH,
+    )
+    axes.add_collection(discs)
+
+
+def _materials(assembly: Assembly) -> NDArray[np.str_]:
+    """Return the name of the material of each grain: (n,)."""
+    bodies = assembly.body[assembly.present]
+    names = np.array([str(species.material.name) for species in assembly.species])
+    return names[bodies]
+
+
+def _table(assembly: Assembly) -> dict[str, NDArray[np.generic]]:
+    """Return the grains as a table."""
+    position = assembly.positions()
+    columns: dict[str, NDArray[np.generic]] = dict(
+        zip(("x_m", "y_m", "z_m"), position.T, strict=True)
+    )
+    columns["diameter_m"] = assembly.sphere_diameters()
+    columns["material"] = _materials(assembly)
+    return columns
