@@ -17,6 +17,7 @@ from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import density_as_sphere
 from granwave.lammps_inputs.contact.initial_dents import dents_table
+from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
@@ -269,6 +270,8 @@ def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     names = [run_directory.CASE_FILE, run_directory.DATA_FILE, run_directory.SCRIPT_FILE]
     axes = directions(assembly) if case.precompression else ""
     names += [run_directory.DEAD_LOAD_FILE.format(axis) for axis in axes]
+    started = bool(case.precompression) and balanced_displacements(assembly) is not None
+    names += [run_directory.START_FILE.format(axis) for axis in "xyz" if started]
     names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
     names += [run_directory.LOAD_FILE] if case.load.table else []
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]

@@ -36,6 +36,7 @@ from granwave.lammps_inputs.run_directory import (
     LOG_FILE,
     MOVED_WALLS_FILE,
     SCRIPT_FILE,
+    START_FILE,
     STATIC_FILE,
 )
 from granwave.lammps_inputs.script_words import num
@@ -51,6 +52,7 @@ _NAMES = (
     LOAD_FILE,
     LOG_FILE,
     DEAD_LOAD_FILE,
+    START_FILE,
     CHECKPOINT_FILE,
     f"{DUMPS}/{{}}",
 )

@@ -27,10 +27,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import (
     dead_loads,
     directions,
@@ -64,6 +66,7 @@ from granwave.lammps_inputs.run_directory import (
     DEAD_LOAD_FILE,
     DUMPS,
     MOVED_WALLS_FILE,
+    START_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
 )
@@ -200,6 +203,7 @@ def first_half(assembly: Assembly) -> list[str]:
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
+        *_near_balance(assembly),
         _minimize(assembly, first=True),
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
@@ -232,6 +236,18 @@ def _waiting(assembly: Assembly) -> list[str]:
     return [
         f"group           {_STRIKERS} id {strikers}",
         f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0",
+    ]
+
+
+def _near_balance(assembly: Assembly) -> list[str]:
+    """Return the commands that put the grains near the balance that was found beforehand."""
+    if balanced_displacements(assembly) is None:
+        return []
+    return [
+        "# Newton's method has found a balance nearby: displacements from the data file, m.",
+        *(f"variable        start_{axis} atomfile {START_FILE.format(axis)}" for axis in "xyz"),
+        f"displace_atoms  {_SPHERES} move v_start_x v_start_y v_start_z units box",
+        *(f"variable        start_{axis} delete" for axis in "xyz"),
     ]
 
 
@@ -309,16 +325,28 @@ def second_half(assembly: Assembly) -> list[str]:
 
 
 def load_tables(assembly: Assembly) -> dict[str, str]:
-    """Return the texts of the files of dead loads by name, one for each direction."""
+    """Return the texts of the files of dead loads and of displacements towards balance by name, one
+    for each direction.
+    """
     ids, forces = dead_loads(assembly)
     tables = {}
     for axis in directions(assembly):
-        along = zip(ids.tolist(), forces[:, "xyz".index(axis)].tolist(), strict=True)
-        rows = [f"{sphere} {force:.17g}\n" for sphere, force in along if force]
-        tables[DEAD_LOAD_FILE.format(axis)] = (
-            f"# dead loads: id, force (N); how many\n{len(rows)}\n{''.join(rows)}"
-        )
+        along = forces[:, "xyz".index(axis)]
+        tables[DEAD_LOAD_FILE.format(axis)] = _table("dead loads: id, force (N)", ids, along)
+    moved = balanced_displacements(assembly)
+    if moved is not None:
+        for axis, along in zip("xyz", moved.T, strict=True):
+            title = "displacements: id, displacement (m)"
+            tables[START_FILE.format(axis)] = _table(title, assembly.ids, along)
     return tables
+
+
+def _table(title: str, ids: NDArray[np.int64], values: NDArray[np.float64]) -> str:
+    """Return the text of a file of an atomfile variable; spheres that it lacks have 0."""
+    each = zip(ids.tolist(), values.tolist(), strict=True)
+    rows = [f"{sphere} {value:.17g}\n" for sphere, value in each if value]
+    rows = rows or [f"{ids[0]} 0\n"]  # LAMMPS reads no empty table
+    return f"# {title}; how many\n{len(rows)}\n{''.join(rows)}"
 
 
 def _pressing(assembly: Assembly) -> list[str]:

@@ -8,7 +8,7 @@ import dataclasses
 from typing import Any
 
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.contact_ways import KEY, TOLERANCE, TOUCH
+from granwave.lammps_inputs.case.contact_ways import KEY, OVERLAPS, TOLERANCE, TOUCH
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Overlaps, Precompression
@@ -68,14 +68,16 @@ def _slack(packing: PackingSection) -> float:
 def _with_usual_way(
     packing: PackingSection, stage: Precompression | None, period: Period, errors: ErrorList
 ) -> PackingSection:
-    """Return a packing that names no way with that of a tolerance, or of a file whose digits explain
-    its overlaps.
+    """Return a packing that names no way with that of its tolerance or static load, or of a file
+    whose digits explain its overlaps.
     """
     grains = packing.grains
     touching = dataclasses.replace(packing, contacts=TOUCH.name)
     if packing.touch_tolerance is not None:
         return touching
-    if grains is None or packing.cell is not None or (stage is not None and stage.takes_overlaps):
+    if stage is not None and stage.takes_overlaps:
+        return dataclasses.replace(packing, contacts=OVERLAPS.name)
+    if grains is None or packing.cell is not None:
         return packing
     tolerance = tolerance_of(grains, packing.diameter)
     if tolerance > _EXPLAINED * packing.diameter:

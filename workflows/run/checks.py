@@ -8,6 +8,7 @@ from pathlib import Path
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, RELAX
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.deck.static_stage import (
@@ -85,7 +86,12 @@ LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contac
 _NOT_CONFINED = "the packing is not confined: "
 _PERIODIC = 'take boundary.sides = "periodic"'
 _UNIFORM = ', or precompression.kind = "uniform"'
-_HELD = "hold the outer grains with [[hold]], or close the gaps to the side walls"
+_GUIDED = 'hold the outer grains with [[hold]], guide a row that buckles with [[guide]] (free = "z")'
+_NEAR_BALANCE = (
+    f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and lets '
+    "grains move"
+)
+_AS_FOUND = f', or take {KEY} = "{KEEP.name}", which seeks no balance'
 _PILE = " (without friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
 _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
@@ -94,7 +100,7 @@ def _advice(case: Case) -> str:
     """Return what confines a packing of this kind, of the keys that it takes."""
     rule = case.packing.rule
     if case.packing.grains is not None and case.packing.cell is None:
-        remedy = _HELD
+        remedy = _GUIDED + (_AS_FOUND if case.may_rearrange else _NEAR_BALANCE)
     elif rule.is_lattice and not rule.has_faces:
         remedy = _PERIODIC
     else:
