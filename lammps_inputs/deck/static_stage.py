@@ -78,6 +78,8 @@ _STAGE_END = "# --- end of the static stage ---"
 # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 LARGEST_MOVE = 0.1
 
+# largest contact force over that expected of the load, below which the grains have lost the load
+LOST_LOAD = 1e-3
 FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _SPHERES = "static_spheres"  # group of the moving spheres
@@ -406,21 +408,26 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     """Return the command that finds balance, to a net force that is a fraction of contact forces,
     plus rounding.
     """
-    disordered = has_gaps(assembly.case)
+    case = assembly.case
+    of_file = case.packing.contact_way is not None
+    disordered = has_gaps(case) or of_file
     mean = force_of_contact(assembly)
-    tolerance = _TOLERANCE
-    if disordered:
-        tolerance = _FIRST_HALF
-    elif may_lose_its_load(assembly):
-        tolerance = _TOLERANCE_OF_DISORDER
     span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
     )  # of coordinates
-    least = num(float(f"{tolerance * mean + rounding:.3g}"))
+    if may_lose_its_load(assembly):
+        return _minimize_to(num(float(f"{_TOLERANCE_OF_DISORDER * mean + rounding:.3g}")))
+    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
     if disordered and not first:
-        largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
+        none = f"<{num(LOST_LOAD * mean)}" if of_file else "==0"
+        largest = f"(v_static_force+(v_static_force{none})*{num(mean)})"
         least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
+    return _minimize_to(least)
+
+
+def _minimize_to(least: str) -> str:
+    """Return the command that ends when no net force is larger than ``least``, N."""
     return f"minimize        0.0 {least} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
 
 

@@ -13,6 +13,7 @@ from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.deck.static_stage import (
     FORCE_TOLERANCE,
+    LOST_LOAD,
     largest_move,
     may_lose_its_load,
 )
@@ -91,6 +92,10 @@ _NEAR_BALANCE = (
     f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and lets '
     "grains move"
 )
+_BORNE = (
+    "hold the outer grains with [[hold]], or press on the top with precompression.force and "
+    'boundary.bottom = "wall"'
+)
 _AS_FOUND = f', or take {KEY} = "{KEEP.name}", which seeks no balance'
 _PILE = " (without friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
 _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
@@ -137,6 +142,11 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
         raise RunError(
             f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"
         )
+    if _has_lost_load(assembly, found):
+        raise RunError(
+            f"precompression: the largest contact force is {found['largest_force']:.2g} N after the static stage, "
+            f"expected some {force_of_contact(assembly):.2g} N: the load has pushed the grains apart; {_BORNE}"
+        )
     if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL:
         raise RunError(
             f"precompression: no balance after {found['iterations']:.0f} iterations: a net force of "
@@ -152,6 +162,16 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
                 f"on nothing; take a smaller {name}_force, or give the distance {name}"
             )
     return found
+
+
+def _has_lost_load(assembly: Assembly, found: dict[str, float]) -> bool:
+    """Return True if grains of a file bear hardly any force after the static stage, though they
+    should.
+    """
+    way = assembly.case.packing.contact_way
+    if way is None or may_lose_its_load(assembly):
+        return False
+    return found["largest_force"] < LOST_LOAD * force_of_contact(assembly)
 
 
 def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:

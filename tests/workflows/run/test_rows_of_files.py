@@ -79,6 +79,20 @@ def test_weight_on_the_bottom(tmp_path: Path) -> None:
     assert float(np.max(at_bottom)) == pytest.approx(weight, rel=0.5)  # walls carry some of it
 
 
+def test_advice_on_a_load_that_is_lost_works(tmp_path: Path) -> None:
+    """The walls drive the cylinders between the spheres, and the upper end away."""
+    overlaps = {"contacts": "overlaps"}
+    with pytest.raises(RunError, match="pushed the grains apart; hold the outer grains") as caught:
+        gw.run(row(20, packing=overlaps, precompression=WALLS), directory=tmp_path / "none")
+    assert "press on the top with precompression.force" in str(caught.value)
+    for name, changes in {
+        "hold": {"hold": [{"index": [1, 20]}], "precompression": WALLS},
+        "press": {"precompression": WALLS | {"force": 50.0}},
+    }.items():
+        run = gw.run(row(20, packing=overlaps, **changes), directory=tmp_path / name, figures=False)
+        assert run.summary["energy_balance_error"] < 1e-5
+
+
 ADVICE: dict[str, dict[str, Any]] = {
     "guide": {"guide": [GUIDE]},
     "hold": {"hold": [{"group": "row", "directions": "xy"}]},
@@ -87,24 +101,17 @@ ADVICE: dict[str, dict[str, Any]] = {
 
 
 def test_advice_on_a_row_that_buckles_works(tmp_path: Path) -> None:
-    with pytest.raises(RunError) as caught:
-        gw.run(row(40, precompression=FORCE), directory=tmp_path / "none", figures=False)
+    """A sphere of a row that is not guided starts beside the axis."""
+    text = table(40).replace(f"0,0,{20 * D:.6g}", f"0,1e-05,{20 * D:.6g}")
+    packing = {"grains": text, "touch_tolerance": 2e-6}
+    case = row(40, packing=packing, precompression=FORCE)
+    with pytest.raises(RunError, match="a sphere moved by") as caught:
+        gw.run(case, directory=tmp_path / "none", figures=False)
     message = str(caught.value)
     assert all(word in message for word in ("[[guide]]", "[[hold]]", 'packing.contacts = "relax"'))
     for name, changes in ADVICE.items():
-        case = row(40, precompression=FORCE, **changes)
-        run = gw.run(case, directory=tmp_path / name, figures=False)
-        assert run.summary["energy_balance_error"] < 1e-5
-
-
-def test_advice_on_a_row_whose_end_is_free_works(tmp_path: Path) -> None:
-    """The walls drive the cylinders between the spheres, and the last one off."""
-    with pytest.raises(RunError, match=r"hold the outer grains with \[\[hold\]\]"):
-        gw.run(row(12, precompression=WALLS), directory=tmp_path / "none", figures=False)
-    for name, changes in {
-        "hold": {"hold": [{"index": [1, 12]}]},
-        "keep": {"packing": {"contacts": "keep"}},
-    }.items():
-        case = row(12, precompression=WALLS, **changes)
+        others = {key: value for key, value in changes.items() if key != "packing"}
+        pressed = packing | changes.get("packing", {})
+        case = row(40, packing=pressed, precompression=FORCE, **others)
         run = gw.run(case, directory=tmp_path / name, figures=False)
         assert run.summary["energy_balance_error"] < 1e-5
