@@ -46,6 +46,7 @@ Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
 Offset = tuple[int, int, int]
 Vector = tuple[float, float, float]
 FILE = "file"  # the kind of packings whose grains are at places of their own
+RESTART = "restart"  # the same, of a restart file of LAMMPS, from which their contacts go on
 
 
 @dataclasses.dataclass(frozen=True)
@@ -406,7 +407,7 @@ _FREE = PackingKind(
 
 def kind_names() -> tuple[str, ...]:
     """Return the names of all kinds of packings: lattices, and grains of a file."""
-    return (*KINDS, FILE)
+    return (*KINDS, FILE, RESTART)
 
 
 def kind_of(name: str) -> PackingKind:

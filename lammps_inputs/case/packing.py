@@ -14,6 +14,7 @@ from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.contact_ways import (
     CONTACT_WAYS,
     CONTACTS,
+    KEEP,
     TOLERANCE,
     ContactWay,
     described_ways,
@@ -35,18 +36,21 @@ from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
     FILE,
     KINDS,
+    RESTART,
     ROWS,
     Lattice,
     PackingKind,
     kind_names,
     kind_of,
 )
+from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
 _FORM_OF_FILE = (
     "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
 )
+_FORM_OF_RESTART = "the path of a file that write_restart of LAMMPS wrote, of spheres in SI units"
 _NOT_OF_FILE = (
     "size",
     "top_row",
@@ -57,8 +61,8 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = ("file", "grains", "period")
-_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", CONTACTS, TOLERANCE)
+_OF_FILE = ("file", "grains", "period", RESTART)
+_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", RESTART, CONTACTS, TOLERANCE)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -187,7 +191,11 @@ _WAYS = schema.ListType(
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
-    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names())
+    kind: str = schema.choice(
+        "lattice; file: grains at places of their own; restart: spheres of a restart file of LAMMPS, whose contacts "
+        "keep their dents and springs",
+        kind_names(),
+    )
     size: tuple[int, ...] = schema.typed(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
         _SIZE,
@@ -214,6 +222,10 @@ class PackingSection:
         "has one",
         schema.vector_type(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
         unit=LENGTH,
+        default=None,
+    )
+    restart: str | None = schema.path(
+        "restart file that spheres and contacts go on from; a case of kind restart that was run holds its file so",
         default=None,
     )
     contacts: str | None = schema.choice(
@@ -314,7 +326,7 @@ class PackingSection:
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, CONTACTS: True, TOLERANCE: True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
+        unused = {"cell": True, RESTART: True, CONTACTS: True, TOLERANCE: True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
                   "shape": self.shape == "sphere"}  # fmt: skip
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
@@ -335,6 +347,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     for name, text in foreign.items():
         if name in table:
             errors.add(f"packing.{name}", text)
+    if table.get("kind") == RESTART:
+        table = _of_restart(table, errors)
     own = {name: value for name, value in table.items() if name not in (*foreign, "file")}
     if table.get("kind") != FILE:
         return _read_lattice(own, errors)
@@ -352,8 +366,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
 
 def _foreign_keys(kind: Any) -> dict[str, str]:
     """Return the keys that a kind of packing does not have, each with the fault."""
-    if kind == FILE:
-        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
+    if kind in (FILE, RESTART):
+        text = f'does not belong to packing.kind = "{kind}", whose grains are all in the file'
         return dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
     # a cell may come with [[grains]]: see `parse_case`
     found = show("" if kind is None else kind)
@@ -362,6 +376,31 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
         able = " or ".join(show(name) for name, rule in KINDS.items() if rule.is_plane_crystal)
         foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     return foreign
+
+
+def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
+    """Return the packing of a restart file as one of grains of a file that start as they are."""
+    file = table.get("file")
+    kept = {name: value for name, value in table.items() if name != "file"}
+    kept |= {"kind": FILE, "grains": None}
+    for name, allowed in ((CONTACTS, KEEP.name), ("diameter", None), ("grains", None)):
+        if name in table and table[name] != allowed:
+            fault = Mismatch(show(table[name]), remedy="take it out: the restart file has it")
+            errors.add(f"packing.{name}", fault)
+    if file is None:
+        errors.add("packing.file", f'missing; packing.kind = "restart" needs {_FORM_OF_RESTART}')
+        return kept
+    spheres = schema.read_named("packing.file", file, _FORM_OF_RESTART, read_restart, errors)
+    if spheres is None:
+        return kept
+    return kept | {"grains": _grains_of(spheres), CONTACTS: KEEP.name, RESTART: file}
+
+
+def _grains_of(spheres: RestartSpheres) -> Grains:
+    """Return the spheres of a restart file as grains; their velocities stay in the file."""
+    n = len(spheres.radius)
+    still = np.zeros((n, 3))
+    return Grains(spheres.position, 2 * spheres.radius, [""] * n, [""] * n, still)
 
 
 def _read_lattice(table: Mapping[str, Any], errors: ErrorList) -> PackingSection | None:

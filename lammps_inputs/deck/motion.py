@@ -187,6 +187,7 @@ def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
                 part = _OF_CYLINDER if assembly.shape_of(one) else 1.0
                 inertia += assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 * part
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
+    terms += [MOVING_BED] if case.packing.restart else []
     given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
     return [*lines, f"variable        given equal {given}"]
 
@@ -227,6 +228,7 @@ def _along(case: Case, group: str) -> str:
 
 
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
+MOVING_BED = "v_moving_bed"  # kinetic energy in a restart file, but for spheres that are struck
 STATIC = "v_static"  # elastic and potential energy at the start of the run
 #: Parts of the energies: condition, name, number in the compute, and in the fix of a wall; a variable within another
 #: has 15 digits, which is enough for those of friction.

@@ -45,7 +45,7 @@ from granwave.lammps_inputs.deck.commands import (
     plane_names,
     wall_commands,
 )
-from granwave.lammps_inputs.deck.motion import POTENTIAL
+from granwave.lammps_inputs.deck.motion import MOVING_BED, POTENTIAL
 from granwave.lammps_inputs.deck.output import (
     count_commands,
     displacements,
@@ -54,7 +54,7 @@ from granwave.lammps_inputs.deck.output import (
 )
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
-from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.packing.motion import start_velocity, struck_of, written_in_parts
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import (
     moving_fix,
@@ -283,6 +283,8 @@ def second_half(assembly: Assembly) -> list[str]:
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
     stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
+    if not case.seeks_balance and case.has_friction:  # springs that a bed has kept
+        stored += ["c_static[6]", *(f"f_{name}[8]" for name in plane_fixes(assembly))]
     stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     halted = case.seeks_balance and not case.may_rearrange
@@ -298,7 +300,7 @@ def second_half(assembly: Assembly) -> list[str]:
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
         _minimize(assembly) if case.seeks_balance else "run             0 post no",
-        "variable        static_iterations equal $(step)",
+        f"variable        static_iterations equal {'$(step)' if case.seeks_balance else 0}",
         "variable        static_yielded equal $(c_static[2]:%.0f)",
         "gran/dents      begin",
         *(["unfix           static_halt"] if halted else []),
@@ -308,6 +310,7 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
         "compute         contacts all gran/hysteretic/local",  # taken back by `initial_forces`
         *(count_commands() if written_in_parts(assembly) else []),
+        *(_turning(case) if case.packing.restart else []),
         "run             0 post no",
         *initial_forces(assembly),
         f"variable        static_stored equal {'+'.join(stored)}",
@@ -317,12 +320,40 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"unfix           {_STRIKERS}"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
         f'print           "variable static equal $(v_static_all:%.17g)" file {DUMPS}/{STATIC_FILE} screen no',
+        *(_moving_bed(assembly) if case.packing.restart else []),
         *(
             f"uncompute       static{name}"
             for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")
         ),
         _STAGE_END,
         "",
+    ]
+
+
+def _turning(case: Case) -> list[str]:
+    """Return the commands for the energy of rotation that a restart file brings."""
+    return ["compute         static_turning all erotate/sphere"] if case.has_rotation else []
+
+
+def _moving_bed(assembly: Assembly) -> list[str]:
+    """Return the commands that record the kinetic energy of a restart file, which is input too.
+
+    Spheres that are struck get another velocity.
+    """
+    case = assembly.case
+    terms = ["ke(all)"]
+    lines = []
+    if start_velocity(assembly) is not None and (struck := struck_of(assembly)):
+        lines.append(f"group           static_struck id {joined(struck)}")
+        terms.append("-ke(static_struck)")
+    if case.has_rotation:
+        terms.append("+c_static_turning")
+    name = MOVING_BED.removeprefix("v_")
+    value = f"$({''.join(terms)}:%.17g)"
+    return [
+        *lines,
+        f'print           "variable {name} equal {value}" append {DUMPS}/{STATIC_FILE} screen no',
+        *(["uncompute       static_turning"] if case.has_rotation else []),
     ]
 
 

@@ -57,7 +57,8 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
     parts["packing"] = packing
     if way.presses and packing.grains is not None:
         overlapping = gaps_up_to(packing.grains, 0.0, period).overlapping(_slack(packing))
-        parts[PRECOMPRESSION] = _pressed(stage, overlaps=len(overlapping) > 0)
+        overlaps = len(overlapping) > 0 or packing.restart is not None
+        parts[PRECOMPRESSION] = _pressed(stage, overlaps=overlaps)
 
 
 def _slack(packing: PackingSection) -> float:

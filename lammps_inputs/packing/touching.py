@@ -196,9 +196,7 @@ def _closing(
     normal = _normals(grains, position, pairs, period)
     n_pairs = len(pairs)
     axes = np.arange(3)
-    columns = np.concatenate(
-        [3 * pairs[:, 0, None] + axes, 3 * pairs[:, 1, None] + axes], axis=1
-    )
+    columns = np.concatenate([3 * pairs[:, 0, None] + axes, 3 * pairs[:, 1, None] + axes], axis=1)
     values = np.concatenate([-normal, normal], axis=1)
     rows = np.repeat(np.arange(n_pairs), columns.shape[1])
     shape = (n_pairs, position.size)

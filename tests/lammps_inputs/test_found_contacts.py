@@ -140,7 +140,10 @@ def test_refusal_names_the_ways_and_what_they_would_do() -> None:
 @pytest.mark.parametrize(
     ("packing", "fault"),
     [
-        ({"touch_tolerance": 2e-3}, "packing.touch_tolerance: found 0.002 m, expected at most 0.001 m"),
+        (
+            {"touch_tolerance": 2e-3},
+            "packing.touch_tolerance: found 0.002 m, expected at most 0.001 m",
+        ),
         ({"contacts": "touch", "touch_tolerance": 1e-6}, "found grains 1 and 2, which overlap"),
         ({"contacts": "press"}, 'packing.contacts: found "press", expected one of'),
     ],
@@ -206,5 +209,7 @@ def test_advice_counts_and_presses() -> None:
 def test_file_of_few_digits(tmp_path: Path) -> None:
     (tmp_path / "row.csv").write_text(PAIR)
     tables = {"packing": {"kind": "file", "file": str(tmp_path / "row.csv")}, "material": "brass"}
-    with pytest.raises(InputError, match="grains 1 .line 2. and 2 .line 3., which overlap by 1e-05"):
+    with pytest.raises(
+        InputError, match="grains 1 .line 2. and 2 .line 3., which overlap by 1e-05"
+    ):
         case_from_dict(tables)

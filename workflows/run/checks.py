@@ -87,7 +87,9 @@ LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contac
 _NOT_CONFINED = "the packing is not confined: "
 _PERIODIC = 'take boundary.sides = "periodic"'
 _UNIFORM = ', or precompression.kind = "uniform"'
-_GUIDED = 'hold the outer grains with [[hold]], guide a row that buckles with [[guide]] (free = "z")'
+_GUIDED = (
+    'hold the outer grains with [[hold]], guide a row that buckles with [[guide]] (free = "z")'
+)
 _NEAR_BALANCE = (
     f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and lets '
     "grains move"
