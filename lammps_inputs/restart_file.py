@@ -2,8 +2,8 @@
 
 The end of such a file is, for each process that wrote it, a flag, the number of its values, and the
 values: records of atoms, one after the other, and then a mark. The record of a sphere (``atom_style
-sphere``) begins with its own length, place, id, type, mask, image, velocity, radius, mass and angular
-velocity; what fixes keep of it follows. Integers have the bits of doubles.
+sphere``) begins with its own length, place, id, type, mask, image, velocity, radius, mass and
+angular velocity; what fixes keep of it follows. Integers have the bits of doubles.
 """
 
 from __future__ import annotations

@@ -320,6 +320,7 @@ def with_added_grains(
         restart=packing.restart,
         contacts=packing.contacts,
         touch_tolerance=packing.touch_tolerance,
+        relaxation=packing.relaxation,
     )
 
 

@@ -15,6 +15,8 @@ from granwave.lammps_inputs.case.contact_ways import (
     CONTACT_WAYS,
     CONTACTS,
     KEEP,
+    RELAXATION,
+    RELAXATIONS,
     TOLERANCE,
     ContactWay,
     described_ways,
@@ -62,7 +64,8 @@ _NOT_OF_FILE = (
     "seed",
 )
 _OF_FILE = ("file", "grains", "period", RESTART)
-_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", RESTART, CONTACTS, TOLERANCE)
+_OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, RELAXATION)
+_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", *_OF_CONTACTS)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -192,8 +195,8 @@ class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
     kind: str = schema.choice(
-        "lattice; file: grains at places of their own; restart: spheres of a restart file of LAMMPS, whose contacts "
-        "keep their dents and springs",
+        "lattice; file: grains at places of their own; restart: spheres of a restart file of "
+        "LAMMPS, whose contacts keep their dents and springs",
         kind_names(),
     )
     size: tuple[int, ...] = schema.typed(
@@ -225,20 +228,27 @@ class PackingSection:
         default=None,
     )
     restart: str | None = schema.path(
-        "restart file that spheres and contacts go on from; a case of kind restart that was run holds its file so",
+        "restart file that spheres and contacts go on from; a case of kind restart that was run "
+        "holds its file so",
         default=None,
     )
     contacts: str | None = schema.choice(
-        f"contacts of grains of a file that overlap or nearly touch: {described_ways()}; left out: overlaps are "
-        "refused, but for those that the digits of the file explain, which touch",
+        f"contacts of grains of a file that overlap or nearly touch: {described_ways()}; left out: "
+        "overlaps are refused, but for those that the digits of the file explain, which touch",
         tuple(CONTACT_WAYS),
         default=None,
     )
     touch_tolerance: float | None = schema.number(
-        "largest gap or overlap of two grains of a file that touch; by default what half a unit of the last place of "
-        "its numbers makes of a gap",
+        "largest gap or overlap of two grains of a file that touch; by default what half a unit of "
+        "the last place of its numbers makes of a gap",
         hints.DISPLACEMENT,
         above=0,
+        default=None,
+    )
+    relaxation: str | None = schema.choice(
+        'how contacts = "relax" finds balance: minimiser, without friction; damped: a damped run '
+        "with the laws and the friction of the case, whose springs stay; by default the minimiser",
+        RELAXATIONS,
         default=None,
     )
     gaps: tuple[tuple[int, float], ...] = schema.typed(
@@ -296,7 +306,7 @@ class PackingSection:
 
     @property
     def contact_way(self) -> ContactWay | None:
-        """Way to start contacts of grains that overlap or nearly touch; None: overlaps are refused."""
+        """Way to start contacts of grains that overlap or nearly touch; None: they are refused."""
         return CONTACT_WAYS[self.contacts] if self.contacts else None
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
@@ -326,8 +336,11 @@ class PackingSection:
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, RESTART: True, CONTACTS: True, TOLERANCE: True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
-                  "shape": self.shape == "sphere"}  # fmt: skip
+        unused = dict.fromkeys(("cell", *_OF_CONTACTS), True) | {
+            "gaps": not self.gaps,
+            "top_row": not self.rule.is_plane_crystal,
+            "shape": self.shape == "sphere",
+        }
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
             name: value for name, value in (keys | {"size": size}).items() if not unused.get(name)

@@ -1,7 +1,7 @@
 """Balance of grains at places of their own under a static load, near which the static stage starts.
 
-FIRE, which finds the balance in LAMMPS, takes the more iterations the longer a row of grains is, and
-lets a row without a guide buckle on the way. Newton's method on the energy of elastic contacts
+FIRE, which finds the balance in LAMMPS, takes the more iterations the longer a row of grains is,
+and lets a row without a guide buckle on the way. Newton's method on the energy of elastic contacts
 takes few. Springs hold the grains in a step (Levenberg, 1944; Marquardt, 1963): they soften after
 each step that lowers the energy or the net force, and stiffen where one would not. The stiffness
 leaves out the turning of forces, so that it is never negative.
@@ -27,7 +27,7 @@ from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.places import Places, near_pairs
 from granwave.lammps_inputs.packing.walls import Wall, touched_by, walls
 
-_MARGIN = 0.02  # mean diameters: gaps that may close; a step is at most half of it
+_MARGIN = 0.05  # mean diameters: gaps that may close; no grain moves by more than half of it
 _ROUNDS = 400
 _BALANCED = 1e-11  # net force over the largest contact force
 _ROUNDING = 16.0  # net force by rounding over stiffness times the rounding error of a coordinate
@@ -88,7 +88,7 @@ def balanced_displacements(assembly: Assembly) -> Array | None:
     case = assembly.case
     stage = case.precompression
     way = case.packing.contact_way
-    if stage is None or way is None or not way.balances or stage.presses:
+    if stage is None or way is None or not way.balances or stage.presses or case.settles_damped:
         return None
     yielding = case.boundary.bottom_support is not None or case.load.plate is not None
     if yielding or case.striker or not isinstance(assembly.lattice, Places):
@@ -133,6 +133,8 @@ class BalanceSearch:
             if now.net <= _BALANCED * now.largest + rounding or holding > _STIFFEST * stiffness:
                 break
             move = self._step(now, holding)
+            if np.abs(x + move).max() > self.reach / 2:
+                break  # other grains than those nearby may touch: that is left to the static stage
             there = self.at(x + move)
             if there.energy < now.energy or there.net < now.net:
                 x = x + move
@@ -149,7 +151,7 @@ class BalanceSearch:
         return position
 
     def _step(self, now: BalanceState, holding: float) -> Array:
-        """Return a step of Newton's method between springs, no longer than half the margin."""
+        """Return a step of Newton's method between springs, at most a quarter of the margin."""
         from scipy import sparse  # takes longer to load than most commands need
         from scipy.sparse.linalg import splu
 
@@ -160,7 +162,7 @@ class BalanceSearch:
         factors = splu(held, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
         move = -factors.solve(now.gradient)
         longest = float(np.abs(move).max())
-        return np.asarray(move * min(1.0, self.reach / 2 / longest) if longest else move)
+        return np.asarray(move * min(1.0, self.reach / 4 / longest) if longest else move)
 
     def at(self, x: Array) -> BalanceState:
         """Return the state of grains with these displacements of free directions."""
@@ -178,7 +180,8 @@ class BalanceSearch:
         offsets = np.cumsum([0, *sizes])
         force, slope, work = np.zeros((3, offsets[-1]))
         place = [0] * len(self.groups)
-        place += [n for n, (_, _, own) in enumerate(self.at_walls, start=1) for _ in own]
+        for number, (_, _, own) in enumerate(self.at_walls, start=1):
+            place += [number] * len(own)
         for (group, depth), part in zip(groups, place, strict=True):
             rows = offsets[part] + group.rows
             force[rows], slope[rows], work[rows] = _evaluate(group, depth)

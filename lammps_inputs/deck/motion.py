@@ -43,7 +43,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         f"timestep        {num(schedule.timestep)}",
         f"group           struck id {struck[0] if struck else assembly.ids[0]}",
         f"group           hit id {joined(struck)}" if struck else "group           hit empty",
-        *_integration(assembly),
+        *integration(assembly),
         *_velocities(assembly, resumed=resumed),
     ]
     lines += _load(assembly)
@@ -70,7 +70,7 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     ]
 
 
-def _integration(assembly: Assembly) -> list[str]:
+def integration(assembly: Assembly) -> list[str]:
     """Return the commands of time integration; nodes of bars and grains held upright are not
     rotated.
     """

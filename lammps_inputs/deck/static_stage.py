@@ -45,7 +45,7 @@ from granwave.lammps_inputs.deck.commands import (
     plane_names,
     wall_commands,
 )
-from granwave.lammps_inputs.deck.motion import MOVING_BED, POTENTIAL
+from granwave.lammps_inputs.deck.motion import MOVING_BED, POTENTIAL, integration
 from granwave.lammps_inputs.deck.output import (
     count_commands,
     displacements,
@@ -94,6 +94,10 @@ _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
+_QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
+_MOST_STEPS = 1_000_000  # of a damped run
+_DRAG = 0.03  # of a damped run over sqrt(stiffness mass)
+_DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
@@ -178,7 +182,7 @@ def largest_move(assembly: Assembly) -> float:
 def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
-    if not case.seeks_balance:
+    if not case.seeks_balance or case.settles_damped:
         return _as_found(assembly)
     mass = float(assembly.sphere_masses().min())
     overlap = (
@@ -283,7 +287,8 @@ def second_half(assembly: Assembly) -> list[str]:
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
     stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
-    if not case.seeks_balance and case.has_friction:  # springs that a bed has kept
+    keeps_springs = case.settles_damped or not case.seeks_balance
+    if keeps_springs and case.has_friction:
         stored += ["c_static[6]", *(f"f_{name}[8]" for name in plane_fixes(assembly))]
     stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
@@ -299,7 +304,7 @@ def second_half(assembly: Assembly) -> list[str]:
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
-        _minimize(assembly) if case.seeks_balance else "run             0 post no",
+        *_balance(assembly),
         f"variable        static_iterations equal {'$(step)' if case.seeks_balance else 0}",
         "variable        static_yielded equal $(c_static[2]:%.0f)",
         "gran/dents      begin",
@@ -327,6 +332,43 @@ def second_half(assembly: Assembly) -> list[str]:
         ),
         _STAGE_END,
         "",
+    ]
+
+
+def _balance(assembly: Assembly) -> list[str]:
+    """Return the commands that bring the packing to balance with the laws of the case."""
+    case = assembly.case
+    if case.settles_damped:
+        return _damped_run(assembly)
+    return [_minimize(assembly) if case.seeks_balance else "run             0 post no"]
+
+
+def _damped_run(assembly: Assembly) -> list[str]:
+    """Return the commands of a damped run, which ends when the net forces are small."""
+    case = assembly.case
+    mass = float(assembly.sphere_masses().min())
+    radius = float(assembly.sphere_diameters().min()) / 2
+    stiffness = static_stiffness(assembly)
+    drag = _DRAG * math.sqrt(stiffness * mass)
+    lines = integration(assembly)
+    if case.load.prescribes_motion:
+        lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
+    fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
+    least = num(_QUIET)
+    if case.has_rotation:
+        turning = f"fix             static_twist all viscous/sphere {num(0.4 * drag * radius**2)}"
+        lines.append(turning)
+        fixes.append("static_twist")
+    return [
+        "# A damped run, until the largest net force is small beside the largest contact force.",
+        "thermo          1000",
+        *lines,
+        f"fix             static_drag all viscous {num(drag)}",
+        f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
+        "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
+        f"fix             static_quiet all halt 100 v_static_quiet < {least} error continue",
+        f"run             {_MOST_STEPS} post no",
+        *(f"unfix           {name}" for name in (*fixes, "static_drag", "static_quiet")),
     ]
 
 

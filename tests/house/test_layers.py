@@ -53,7 +53,7 @@ lammps_inputs/packing
 lammps_inputs/case
 lammps_inputs/result_directory
 lammps_inputs/own_files
-lammps_inputs/directories lammps_inputs/marker
+lammps_inputs/directories lammps_inputs/marker lammps_inputs/restart_file
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
 lammps_inputs/errors

@@ -91,8 +91,8 @@ _GUIDED = (
     'hold the outer grains with [[hold]], guide a row that buckles with [[guide]] (free = "z")'
 )
 _NEAR_BALANCE = (
-    f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and lets '
-    "grains move"
+    f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and '
+    "lets grains move"
 )
 _BORNE = (
     "hold the outer grains with [[hold]], or press on the top with precompression.force and "
@@ -146,8 +146,9 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
         )
     if _has_lost_load(assembly, found):
         raise RunError(
-            f"precompression: the largest contact force is {found['largest_force']:.2g} N after the static stage, "
-            f"expected some {force_of_contact(assembly):.2g} N: the load has pushed the grains apart; {_BORNE}"
+            f"precompression: the largest contact force is {found['largest_force']:.2g} N after "
+            f"the static stage, expected some {force_of_contact(assembly):.2g} N: the load has "
+            f"pushed the grains apart; {_BORNE}"
         )
     if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL:
         raise RunError(

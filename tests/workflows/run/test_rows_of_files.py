@@ -21,11 +21,9 @@ GUIDE = {"group": "row", "free": "z"}
 def table(n: int) -> str:
     """Row of n spheres with two cylinders beside each contact, in numbers of six digits."""
     rows = [f"0,0,{k * D:.6g},{D:.6g},sphere,,steel,row" for k in range(n)]
-    rows += [
-        f"{side * BESIDE:.6g},0,{(k + 0.5) * D:.6g},{ROD:.6g},cylinder,{D:.6g},aluminium,rods"
-        for k in range(n - 1)
-        for side in (1, -1)
-    ]
+    for k in range(n - 1):
+        along = f"0,{(k + 0.5) * D:.6g},{ROD:.6g},cylinder,{D:.6g},aluminium,rods"
+        rows += [f"{BESIDE:.6g},{along}", f"{-BESIDE:.6g},{along}"]
     return "x,y,z,diameter,shape,length,material,group\n" + "\n".join(rows) + "\n"
 
 

@@ -1,4 +1,4 @@
-"""A bed that a LAMMPS script of its own has settled with friction is struck from its restart file."""
+"""Impacts on beds that a LAMMPS script has settled with friction, or that settle damped."""
 
 from __future__ import annotations
 
@@ -136,6 +136,22 @@ def test_forces_of_a_settled_bed_do_not_jump(bed: SettledBed, tmp_path: Path) ->
     with Result(tmp_path / "out") as result:
         forces = np.asarray(result.file["contacts/initial_force"])
     assert forces.max() == pytest.approx(bed.values["largest"], rel=1e-6)
+
+
+@pytest.mark.parametrize("relaxation", ["damped", "minimiser"])
+def test_rounded_beds_relax(bed: SettledBed, tmp_path: Path, relaxation: str) -> None:
+    """Damped, the bed hardly moves, for friction bears it; without friction it rearranges."""
+    spheres = read_restart(bed.file)
+    rows = np.column_stack([spheres.position, 2 * spheres.radius]).tolist()
+    lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
+    text = "\n".join(["x,y,z,diameter", *lines]) + "\n"
+    packing = {"kind": "file", "grains": text, "period": [PERIOD, PERIOD]}
+    packing |= {"contacts": "relax", "relaxation": relaxation}
+    run = gw.run(bed.case(packing=packing), directory=tmp_path / "out", figures=False)
+    lines = (tmp_path / "out" / "dumps" / "prestage.txt").read_text().splitlines()
+    record = dict(zip(lines[0].lstrip("#").split(), map(float, lines[1].split()), strict=True))
+    assert record["residual"] < 1e-6
+    assert run.summary["energy_balance_error"] < 1e-5
 
 
 def test_case_of_a_bed_is_read_again(bed: SettledBed) -> None:
