@@ -339,7 +339,7 @@ def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
     )
 
 
-_KEYS = ("file", "initial_overlap")  # last parts of the keys whose strings are paths
+_KEYS = ("file", "restart", "initial_overlap")  # last parts of the keys whose strings are paths
 
 
 def with_absolute_paths(value: Any, directory: Path, key: str = "") -> Any:

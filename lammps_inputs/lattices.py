@@ -48,6 +48,7 @@ Site = Callable[[NDArray, NDArray, NDArray], tuple[NDArray, NDArray, NDArray]]
 Offset = tuple[int, int, int]
 Vector = tuple[float, float, float]
 FILE = "file"  # the kind of packings whose grains are at places of their own
+RESTART = "restart"  # the same, of a restart file of LAMMPS, from which their contacts go on
 
 
 @dataclasses.dataclass(frozen=True)
@@ -422,12 +423,12 @@ def lattice_kinds() -> dict[str, PackingKind]:
 
 def kind_names() -> tuple[str, ...]:
     """Return the names of all kinds of packings: lattices, and grains of a file."""
-    return (*lattice_kinds(), FILE)
+    return (*lattice_kinds(), FILE, RESTART)
 
 
 def kind_of(name: str) -> PackingKind:
     """Return the kind of packing of this name: a lattice, or the one of grains of a file."""
-    return _FREE if name == FILE else lattice_kinds()[name]
+    return _FREE if name in (FILE, RESTART) else lattice_kinds()[name]
 
 
 def section_planes(kind: str) -> tuple[SectionPlane, ...]:

@@ -317,8 +317,10 @@ def with_added_grains(
         grains=grains,
         period=period,
         cell=packing.cell,
+        restart=packing.restart,
         contacts=packing.contacts,
         touch_tolerance=packing.touch_tolerance,
+        relaxation=packing.relaxation,
     )
 
 

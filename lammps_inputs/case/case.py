@@ -26,6 +26,7 @@ from granwave.lammps_inputs.case.bodies import (
 )
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
+from granwave.lammps_inputs.case.contact_ways import DAMPED
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.registry import load_section
@@ -274,9 +275,14 @@ class Case:
 
     @property
     def seeks_balance(self) -> bool:
-        """True if a static stage brings the packing to balance; False: it starts as it was found."""
+        """True if a static stage brings the packing to balance, False if it starts as found."""
         way = self.packing.contact_way
         return way is None or way.balances or not way.presses
+
+    @property
+    def settles_damped(self) -> bool:
+        """True if a damped run with friction brings the packing to balance."""
+        return self.may_rearrange and self.packing.relaxation == DAMPED
 
     @property
     def may_rearrange(self) -> bool:

@@ -8,6 +8,9 @@ import dataclasses
 
 CONTACTS = "contacts"
 TOLERANCE = "touch_tolerance"
+RELAXATION = "relaxation"
+DAMPED = "damped"
+RELAXATIONS = ("minimiser", DAMPED)
 KEY = f"packing.{CONTACTS}"
 
 

@@ -13,6 +13,9 @@ from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.contact_ways import (
     CONTACT_WAYS,
     CONTACTS,
+    KEEP,
+    RELAXATION,
+    RELAXATIONS,
     TOLERANCE,
     ContactWay,
     described_ways,
@@ -34,6 +37,7 @@ from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
     FILE,
+    RESTART,
     ROWS,
     Lattice,
     PackingKind,
@@ -41,9 +45,11 @@ from granwave.lammps_inputs.lattices import (
     kind_of,
     lattice_kinds,
 )
+from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
+_FORM_OF_RESTART = "the path of a file that write_restart of LAMMPS wrote, of spheres in SI units"
 _NOT_OF_FILE = (
     "size",
     "top_row",
@@ -54,8 +60,9 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = (*FILE_FIELDS, "grains", "period")
-_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", CONTACTS, TOLERANCE)
+_OF_FILE = (*FILE_FIELDS, "grains", "period", RESTART)
+_OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, RELAXATION)
+_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", *_OF_CONTACTS)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -184,7 +191,11 @@ _WAYS = schema.ListType(
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
-    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names)
+    kind: str = schema.choice(
+        "lattice; file: grains at places of their own; restart: spheres of a restart file of "
+        "LAMMPS, whose contacts keep their dents and springs",
+        kind_names,
+    )
     size: tuple[int, ...] = schema.typed(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
         _SIZE,
@@ -213,17 +224,28 @@ class PackingSection:
         unit=LENGTH,
         default=None,
     )
+    restart: str | None = schema.path(
+        "restart file that spheres and contacts go on from; a case of kind restart that was run "
+        "holds its file so",
+        default=None,
+    )
     contacts: str | None = schema.choice(
-        f"contacts of grains of a file that overlap or nearly touch: {described_ways()}; left out: overlaps are "
-        "refused, but for those that the digits of the file explain, which touch",
+        f"contacts of grains of a file that overlap or nearly touch: {described_ways()}; left out: "
+        "overlaps are refused, but for those that the digits of the file explain, which touch",
         tuple(CONTACT_WAYS),
         default=None,
     )
     touch_tolerance: float | None = schema.number(
-        "largest gap or overlap of two grains of a file that touch; by default what half a unit of the last place of "
-        "its numbers makes of a gap",
+        "largest gap or overlap of two grains of a file that touch; by default what half a unit of "
+        "the last place of its numbers makes of a gap",
         hints.DISPLACEMENT,
         above=0,
+        default=None,
+    )
+    relaxation: str | None = schema.choice(
+        'how contacts = "relax" finds balance: minimiser, without friction; damped: a damped run '
+        "with the laws and the friction of the case, whose springs stay; by default the minimiser",
+        RELAXATIONS,
         default=None,
     )
     gaps: tuple[tuple[int, float], ...] = schema.typed(
@@ -276,7 +298,7 @@ class PackingSection:
 
     @property
     def contact_way(self) -> ContactWay | None:
-        """Way to start contacts of grains that overlap or nearly touch; None: overlaps are refused."""
+        """Way to start contacts of grains that overlap or nearly touch; None: they are refused."""
         return CONTACT_WAYS[self.contacts] if self.contacts else None
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
@@ -306,8 +328,11 @@ class PackingSection:
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, CONTACTS: True, TOLERANCE: True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
-                  "shape": self.shape == "sphere"}  # fmt: skip
+        unused = dict.fromkeys(("cell", *_OF_CONTACTS), True) | {
+            "gaps": not self.gaps,
+            "top_row": not self.rule.is_plane_crystal,
+            "shape": self.shape == "sphere",
+        }
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
             name: value for name, value in (keys | {"size": size}).items() if not unused.get(name)
@@ -327,6 +352,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     for name, text in foreign.items():
         if name in table:
             errors.add(f"packing.{name}", text)
+    if table.get("kind") == RESTART:
+        table = _of_restart(table, errors)
     own = {name: value for name, value in table.items() if name not in (*foreign, *FILE_FIELDS)}
     if table.get("kind") != FILE:
         return _read_lattice(own, errors)
@@ -344,8 +371,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
 
 def _foreign_keys(kind: Any) -> dict[str, str]:
     """Return the keys that a kind of packing does not have, each with the fault."""
-    if kind == FILE:
-        text = 'does not belong to packing.kind = "file", whose grains are all in the file'
+    if kind in (FILE, RESTART):
+        text = f'does not belong to packing.kind = "{kind}", whose grains are all in the file'
         return dict.fromkeys((*_NOT_OF_FILE, *_OF_SHAPE), text)
     # a cell may come with [[grains]]: see `parse_case`
     found = show("" if kind is None else kind)
@@ -356,6 +383,31 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
         able = " or ".join(map(show, plane))
         foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     return foreign
+
+
+def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
+    """Return the packing of a restart file as one of grains of a file that start as they are."""
+    file = table.get("file")
+    kept = {name: value for name, value in table.items() if name != "file"}
+    kept |= {"kind": FILE, "grains": None}
+    for name, allowed in ((CONTACTS, KEEP.name), ("diameter", None), ("grains", None)):
+        if name in table and table[name] != allowed:
+            fault = Mismatch(show(table[name]), remedy="take it out: the restart file has it")
+            errors.add(f"packing.{name}", fault)
+    if file is None:
+        errors.add("packing.file", f'missing; packing.kind = "restart" needs {_FORM_OF_RESTART}')
+        return kept
+    spheres = schema.read_named("packing.file", file, _FORM_OF_RESTART, read_restart, errors)
+    if spheres is None:
+        return kept
+    return kept | {"grains": _grains_of(spheres), CONTACTS: KEEP.name, RESTART: file}
+
+
+def _grains_of(spheres: RestartSpheres) -> Grains:
+    """Return the spheres of a restart file as grains; their velocities stay in the file."""
+    n = len(spheres.radius)
+    still = np.zeros((n, 3))
+    return Grains(spheres.position, 2 * spheres.radius, [""] * n, [""] * n, still)
 
 
 def _read_lattice(table: Mapping[str, Any], errors: ErrorList) -> PackingSection | None:

@@ -27,7 +27,7 @@ from granwave.lammps_inputs.case.case import (
     case_sections,
 )
 from granwave.lammps_inputs.case.contact import read_pairs
-from granwave.lammps_inputs.case.contact_ways import CONTACTS, TOLERANCE
+from granwave.lammps_inputs.case.contact_ways import CONTACTS, RELAXATION, TOLERANCE
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
@@ -50,7 +50,7 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
 from granwave.lammps_inputs.files import with_absolute_paths
-from granwave.lammps_inputs.lattices import lattice_kinds
+from granwave.lammps_inputs.lattices import RESTART, lattice_kinds
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -247,7 +247,7 @@ def _check_of_grains(packing: PackingSection, errors: ErrorList) -> None:
     """Check that a lattice is not given what belongs to grains at places of their own."""
     if not packing.rule.is_lattice:
         return
-    for name in ("cell", CONTACTS, TOLERANCE):
+    for name in ("cell", CONTACTS, TOLERANCE, RELAXATION, RESTART):
         if getattr(packing, name) is not None:
             found = f"found {show(packing.kind)} alone"
             text = f'belongs to packing.kind = "file", or to [[grains]]; {found}'

@@ -101,6 +101,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         errors.add("striker", str(error))
         return None
     grains.check_lines(assembly, errors)
+    grains.check_restart(assembly, errors)
     for check in (
         precompression.check_plates,
         loads.check_struck,

@@ -17,12 +17,19 @@ from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import density_as_sphere
 from granwave.lammps_inputs.contact.initial_dents import dents_table
+from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
 from granwave.lammps_inputs.deck.static_stage import load_tables
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import DISK_IS_FULL, naming, read_toml, replacing
+from granwave.lammps_inputs.files import (
+    DISK_IS_FULL,
+    naming,
+    read_regular,
+    read_toml,
+    replacing,
+)
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, Species
@@ -223,6 +230,7 @@ def write_deck(
     results = ResultDirectory.at(directory)
     tables = _tables(assembly)
     written = (run_directory.SCRIPT_FILE, run_directory.CASE_FILE, run_directory.DATA_FILE, *tables)
+    bed = _bed_of(case)
     deck = Deck(results.path, case, make_schedule(assembly, timestep), struck_of(assembly), written)
     text = case.to_toml(resolved=resolved(assembly, deck))
     try:
@@ -241,19 +249,23 @@ def write_deck(
         deck.directory / run_directory.CASE_FILE: text,
     }
     texts |= {results / name: table for name, table in tables.items()}
+    copied = {results / run_directory.BED_FILE: bed} if bed else {}
     try:
         with (
             contextlib.ExitStack() as stack
         ):  # left in reverse order: the script is moved into place last
-            paths = dict.fromkeys((deck.script, deck.data, *texts))
+            paths = dict.fromkeys((deck.script, deck.data, *texts, *copied))
             scratch = {path: stack.enter_context(replacing(path)) for path in paths}
             for path, unfinished in scratch.items():
                 with naming(path):
                     if path == deck.data:
                         write_data(assembly, unfinished, processes)
+                    elif path in copied:
+                        unfinished.write_bytes(copied[path])
                     else:
                         unfinished.write_text(texts[path], encoding="utf-8")
-        results.note_deck([run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
+        names = [path.name for path in copied]
+        results.note_deck([run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables, *names])
     except BaseException:
         if before is None:
             results.clear()
@@ -269,10 +281,26 @@ def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     names = [run_directory.CASE_FILE, run_directory.DATA_FILE, run_directory.SCRIPT_FILE]
     axes = directions(assembly) if case.precompression else ""
     names += [run_directory.DEAD_LOAD_FILE.format(axis) for axis in axes]
+    started = bool(case.precompression) and balanced_displacements(assembly) is not None
+    names += [run_directory.START_FILE.format(axis) for axis in "xyz" if started]
+    names += [run_directory.BED_FILE] if case.packing.restart else []
     names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
     names += [run_directory.LOAD_FILE] if case.load.table else []
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
     return [*names, run_directory.LOG_FILE, *dumps]
+
+
+def _bed_of(case: Case) -> bytes:
+    """Return the restart file that spheres and contacts go on from; empty if there is none."""
+    restart = case.packing.restart
+    if restart is None:
+        return b""
+    try:
+        return read_regular(Path(restart))
+    except OSError as error:
+        raise InputError(
+            f"{case.name}: packing.restart: {restart}: cannot be read: {error.strerror}"
+        ) from None
 
 
 def _tables(assembly: Assembly) -> dict[str, str]:

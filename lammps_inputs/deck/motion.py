@@ -16,6 +16,7 @@ from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule
 from granwave.lammps_inputs.script_words import joined, num
 
+MOVING_BED = "v_moving_bed"  # kinetic energy in a restart file, but for spheres that are struck
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
 STATIC = "v_static"  # elastic and potential energy at the start of the run
 GRAVITY = 9.81  # m/s^2, of beads on their holder
@@ -43,7 +44,7 @@ def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> 
         f"timestep        {num(schedule.timestep)}",
         f"group           struck id {struck[0] if struck else assembly.ids[0]}",
         f"group           hit id {joined(struck)}" if struck else "group           hit empty",
-        *_integration(assembly),
+        *integration(assembly),
         *_velocities(assembly, resumed=resumed),
     ]
     lines += _load(assembly)
@@ -70,7 +71,7 @@ def adaptive_timestep(case: Case, schedule: Schedule) -> list[str]:
     ]
 
 
-def _integration(assembly: Assembly) -> list[str]:
+def integration(assembly: Assembly) -> list[str]:
     """Return the commands of time integration; nodes of bars and grains held upright are not
     rotated.
     """
@@ -210,6 +211,8 @@ def _start_energies(assembly: Assembly, moving: Sequence[MovingGroup]) -> list[s
         if any(part.spin):
             inertia = sum(_inertia(assembly, sphere) for sphere in part.spheres)
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(part.spin)})")
+    if assembly.case.packing.restart:
+        terms.append(MOVING_BED)
     return terms
 
 

@@ -27,6 +27,7 @@ from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
 from granwave.lammps_inputs.run_directory import (
+    BED_FILE,
     CASE_FILE,
     CHECKPOINT_FILE,
     DATA_FILE,
@@ -37,6 +38,7 @@ from granwave.lammps_inputs.run_directory import (
     LOG_FILE,
     MOVED_WALLS_FILE,
     SCRIPT_FILE,
+    START_FILE,
     STATIC_FILE,
 )
 from granwave.lammps_inputs.script_words import num
@@ -47,11 +49,13 @@ READ_DATA = f"read_data       {DATA_FILE}"
 
 # words of commands that name files of a run
 _NAMES = (
+    BED_FILE,
     DATA_FILE,
     DENTS_FILE,
     LOAD_FILE,
     LOG_FILE,
     DEAD_LOAD_FILE,
+    START_FILE,
     CHECKPOINT_FILE,
     f"{DUMPS}/{{}}",
 )
@@ -151,9 +155,15 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        f"read_restart    {restart_from}" if restart_from else READ_DATA,
+        _spheres_from(assembly, restart_from),
         *lines,
     ]
+
+
+def _spheres_from(assembly: Assembly, restart_from: str) -> str:
+    """Return the command that reads the spheres."""
+    file = restart_from or (BED_FILE if assembly.case.packing.restart else "")
+    return f"read_restart    {file}" if file else READ_DATA
 
 
 def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:

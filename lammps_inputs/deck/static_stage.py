@@ -27,10 +27,12 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
+from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import (
     dead_loads,
     directions,
@@ -43,7 +45,7 @@ from granwave.lammps_inputs.deck.commands import (
     plane_names,
     wall_commands,
 )
-from granwave.lammps_inputs.deck.motion import POTENTIAL
+from granwave.lammps_inputs.deck.motion import MOVING_BED, POTENTIAL, integration
 from granwave.lammps_inputs.deck.output import (
     count_commands,
     displacements,
@@ -52,7 +54,7 @@ from granwave.lammps_inputs.deck.output import (
 )
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
-from granwave.lammps_inputs.packing.motion import written_in_parts
+from granwave.lammps_inputs.packing.motion import start_velocity, struck_of, written_in_parts
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import (
     moving_fix,
@@ -64,6 +66,7 @@ from granwave.lammps_inputs.run_directory import (
     DEAD_LOAD_FILE,
     DUMPS,
     MOVED_WALLS_FILE,
+    START_FILE,
     STATIC_FILE,
     STATIC_STAGE_FILE,
 )
@@ -75,6 +78,8 @@ _STAGE_END = "# --- end of the static stage ---"
 # diameters; largest displacement beyond contact deformation: larger ones mean rearrangement
 LARGEST_MOVE = 0.1
 
+# largest contact force over that expected of the load, below which the grains have lost the load
+LOST_LOAD = 1e-3
 FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _SPHERES = "static_spheres"  # group of the moving spheres
@@ -89,6 +94,10 @@ _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
+_QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
+_MOST_STEPS = 1_000_000  # of a damped run
+_DRAG = 0.03  # of a damped run over sqrt(stiffness mass)
+_DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
@@ -173,7 +182,7 @@ def largest_move(assembly: Assembly) -> float:
 def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
-    if not case.seeks_balance:
+    if not case.seeks_balance or case.settles_damped:
         return _as_found(assembly)
     mass = float(assembly.sphere_masses().min())
     overlap = (
@@ -200,6 +209,7 @@ def first_half(assembly: Assembly) -> list[str]:
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
+        *_near_balance(assembly),
         _minimize(assembly, first=True),
         *_pressing(assembly),
         "variable        static_force equal $(c_static_largest:%.17g)",
@@ -235,6 +245,18 @@ def _waiting(assembly: Assembly) -> list[str]:
     ]
 
 
+def _near_balance(assembly: Assembly) -> list[str]:
+    """Return the commands that put the grains near the balance that was found beforehand."""
+    if balanced_displacements(assembly) is None:
+        return []
+    return [
+        "# Newton's method has found a balance nearby: displacements from the data file, m.",
+        *(f"variable        start_{axis} atomfile {START_FILE.format(axis)}" for axis in "xyz"),
+        f"displace_atoms  {_SPHERES} move v_start_x v_start_y v_start_z units box",
+        *(f"variable        start_{axis} delete" for axis in "xyz"),
+    ]
+
+
 def _halt(assembly: Assembly) -> list[str]:
     """Return the commands that stop a packing that rearranges, where it may not."""
     if assembly.case.may_rearrange:
@@ -265,6 +287,9 @@ def second_half(assembly: Assembly) -> list[str]:
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
     stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
+    keeps_springs = case.settles_damped or not case.seeks_balance
+    if keeps_springs and case.has_friction:
+        stored += ["c_static[6]", *(f"f_{name}[8]" for name in plane_fixes(assembly))]
     stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     halted = case.seeks_balance and not case.may_rearrange
@@ -279,8 +304,8 @@ def second_half(assembly: Assembly) -> list[str]:
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
-        _minimize(assembly) if case.seeks_balance else "run             0 post no",
-        "variable        static_iterations equal $(step)",
+        *_balance(assembly),
+        f"variable        static_iterations equal {'$(step)' if case.seeks_balance else 0}",
         "variable        static_yielded equal $(c_static[2]:%.0f)",
         "gran/dents      begin",
         *(["unfix           static_halt"] if halted else []),
@@ -290,6 +315,7 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
         "compute         contacts all gran/hysteretic/local",  # taken back by `initial_forces`
         *(count_commands() if written_in_parts(assembly) else []),
+        *(_turning(case) if case.packing.restart else []),
         "run             0 post no",
         *initial_forces(assembly),
         f"variable        static_stored equal {'+'.join(stored)}",
@@ -299,6 +325,7 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"unfix           {_STRIKERS}"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
         f'print           "variable static equal $(v_static_all:%.17g)" file {DUMPS}/{STATIC_FILE} screen no',
+        *(_moving_bed(assembly) if case.packing.restart else []),
         *(
             f"uncompute       static{name}"
             for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")
@@ -308,17 +335,93 @@ def second_half(assembly: Assembly) -> list[str]:
     ]
 
 
+def _balance(assembly: Assembly) -> list[str]:
+    """Return the commands that bring the packing to balance with the laws of the case."""
+    case = assembly.case
+    if case.settles_damped:
+        return _damped_run(assembly)
+    return [_minimize(assembly) if case.seeks_balance else "run             0 post no"]
+
+
+def _damped_run(assembly: Assembly) -> list[str]:
+    """Return the commands of a damped run, which ends when the net forces are small."""
+    case = assembly.case
+    mass = float(assembly.sphere_masses().min())
+    radius = float(assembly.sphere_diameters().min()) / 2
+    stiffness = static_stiffness(assembly)
+    drag = _DRAG * math.sqrt(stiffness * mass)
+    lines = integration(assembly)
+    if case.load.prescribes_motion:
+        lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
+    fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
+    least = num(_QUIET)
+    if case.has_rotation:
+        turning = f"fix             static_twist all viscous/sphere {num(0.4 * drag * radius**2)}"
+        lines.append(turning)
+        fixes.append("static_twist")
+    return [
+        "# A damped run, until the largest net force is small beside the largest contact force.",
+        "thermo          1000",
+        *lines,
+        f"fix             static_drag all viscous {num(drag)}",
+        f"timestep        {num(_DAMPED_STEP * math.sqrt(mass / stiffness))}",
+        "variable        static_quiet equal c_static_net/(c_static_largest+(c_static_largest==0))",
+        f"fix             static_quiet all halt 100 v_static_quiet < {least} error continue",
+        f"run             {_MOST_STEPS} post no",
+        *(f"unfix           {name}" for name in (*fixes, "static_drag", "static_quiet")),
+    ]
+
+
+def _turning(case: Case) -> list[str]:
+    """Return the commands for the energy of rotation that a restart file brings."""
+    return ["compute         static_turning all erotate/sphere"] if case.has_rotation else []
+
+
+def _moving_bed(assembly: Assembly) -> list[str]:
+    """Return the commands that record the kinetic energy of a restart file, which is input too.
+
+    Spheres that are struck get another velocity.
+    """
+    case = assembly.case
+    terms = ["ke(all)"]
+    lines = []
+    if start_velocity(assembly) is not None and (struck := struck_of(assembly)):
+        lines.append(f"group           static_struck id {joined(struck)}")
+        terms.append("-ke(static_struck)")
+    if case.has_rotation:
+        terms.append("+c_static_turning")
+    name = MOVING_BED.removeprefix("v_")
+    value = f"$({''.join(terms)}:%.17g)"
+    return [
+        *lines,
+        f'print           "variable {name} equal {value}" append {DUMPS}/{STATIC_FILE} screen no',
+        *(["uncompute       static_turning"] if case.has_rotation else []),
+    ]
+
+
 def load_tables(assembly: Assembly) -> dict[str, str]:
-    """Return the texts of the files of dead loads by name, one for each direction."""
+    """Return the texts of the files of dead loads and of displacements towards balance by name, one
+    for each direction.
+    """
     ids, forces = dead_loads(assembly)
     tables = {}
     for axis in directions(assembly):
-        along = zip(ids.tolist(), forces[:, "xyz".index(axis)].tolist(), strict=True)
-        rows = [f"{sphere} {force:.17g}\n" for sphere, force in along if force]
-        tables[DEAD_LOAD_FILE.format(axis)] = (
-            f"# dead loads: id, force (N); how many\n{len(rows)}\n{''.join(rows)}"
-        )
+        along = forces[:, "xyz".index(axis)]
+        tables[DEAD_LOAD_FILE.format(axis)] = _table("dead loads: id, force (N)", ids, along)
+    moved = balanced_displacements(assembly)
+    if moved is not None:
+        for axis, along in zip("xyz", moved.T, strict=True):
+            title = "displacements: id, displacement (m)"
+            tables[START_FILE.format(axis)] = _table(title, assembly.ids, along)
     return tables
+
+
+def _table(title: str, ids: NDArray[np.int64], values: NDArray[np.float64]) -> str:
+    """Return the text of a file of an atomfile variable; spheres that it lacks have 0."""
+    each = zip(ids.tolist(), values.tolist(), strict=True)
+    rows = [f"{sphere} {value:.17g}\n" for sphere, value in each if value]
+    rows = rows or [f"{ids[0]} 0\n"]  # LAMMPS reads no empty table
+    return f"# {title}; how many\n{len(rows)}\n{''.join(rows)}"
 
 
 def _pressing(assembly: Assembly) -> list[str]:
@@ -378,21 +481,26 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     """Return the command that finds balance, to a net force that is a fraction of contact forces,
     plus rounding.
     """
-    disordered = has_gaps(assembly.case)
+    case = assembly.case
+    of_file = case.packing.contact_way is not None
+    disordered = has_gaps(case) or of_file
     mean = force_of_contact(assembly)
-    tolerance = _TOLERANCE
-    if disordered:
-        tolerance = _FIRST_HALF
-    elif may_lose_its_load(assembly):
-        tolerance = _TOLERANCE_OF_DISORDER
     span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
     )  # of coordinates
-    least = num(float(f"{tolerance * mean + rounding:.3g}"))
+    if may_lose_its_load(assembly):
+        return _minimize_to(num(float(f"{_TOLERANCE_OF_DISORDER * mean + rounding:.3g}")))
+    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
     if disordered and not first:
-        largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
+        none = f"<{num(LOST_LOAD * mean)}" if of_file else "==0"
+        largest = f"(v_static_force+(v_static_force{none})*{num(mean)})"
         least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"
+    return _minimize_to(least)
+
+
+def _minimize_to(least: str) -> str:
+    """Return the command that ends when no net force is larger than ``least``, N."""
     return f"minimize        0.0 {least} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
 
 

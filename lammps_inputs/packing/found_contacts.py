@@ -8,11 +8,18 @@ import dataclasses
 from typing import Any
 
 from granwave.lammps_inputs.case.boundary import Boundary
-from granwave.lammps_inputs.case.contact_ways import KEY, TOLERANCE, TOUCH
+from granwave.lammps_inputs.case.contact_ways import (
+    KEY,
+    OVERLAPS,
+    RELAX,
+    RELAXATION,
+    TOLERANCE,
+    TOUCH,
+)
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Overlaps, Precompression
-from granwave.lammps_inputs.case.schema import ErrorList
+from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.touching import (
@@ -50,6 +57,14 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
     if packing.contact_way is None:
         packing = _with_usual_way(packing, stage, period, errors)
     way = packing.contact_way
+    relaxes = way is not None and way.rearranges
+    errors.check(
+        (
+            packing.relaxation is not None and not relaxes,
+            f"packing.{RELAXATION}",
+            f'belongs to {KEY} = "{RELAX.name}"; found {show(packing.contacts or "none")}',
+        ),
+    )
     if way is None or not _tolerance_fits(packing, errors):
         return
     if way.moves_grains:
@@ -57,7 +72,8 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
     parts["packing"] = packing
     if way.presses and packing.grains is not None:
         overlapping = gaps_up_to(packing.grains, 0.0, period).overlapping(_slack(packing))
-        parts[PRECOMPRESSION] = _pressed(stage, overlaps=len(overlapping) > 0)
+        overlaps = len(overlapping) > 0 or packing.restart is not None
+        parts[PRECOMPRESSION] = _pressed(stage, overlaps=overlaps)
 
 
 def _slack(packing: PackingSection) -> float:
@@ -68,14 +84,16 @@ def _slack(packing: PackingSection) -> float:
 def _with_usual_way(
     packing: PackingSection, stage: Precompression | None, period: Period, errors: ErrorList
 ) -> PackingSection:
-    """Return a packing that names no way with that of a tolerance, or of a file whose digits explain
-    its overlaps.
+    """Return a packing that names no way with that of its tolerance or static load, or of a file
+    whose digits explain its overlaps.
     """
     grains = packing.grains
     touching = dataclasses.replace(packing, contacts=TOUCH.name)
     if packing.touch_tolerance is not None:
         return touching
-    if grains is None or packing.cell is not None or (stage is not None and stage.takes_overlaps):
+    if stage is not None and stage.takes_overlaps:
+        return dataclasses.replace(packing, contacts=OVERLAPS.name)
+    if grains is None or packing.cell is not None:
         return packing
     tolerance = tolerance_of(grains, packing.diameter)
     if tolerance > _EXPLAINED * packing.diameter:
@@ -90,7 +108,8 @@ def _with_usual_way(
 def _note(grains: Grains, n_overlapping: int, largest: float, tolerance: float) -> str:
     pairs = "a pair overlaps" if n_overlapping == 1 else f"{n_overlapping} pairs overlap"
     return (
-        f"{grains.key(1)}: {pairs} by up to {largest:.3g} m, which the digits of the numbers explain "
+        f"{grains.key(1)}: {pairs} by up to {largest:.3g} m, which the digits of the numbers "
+        "explain "
         f"(the last place is {rounding_of(grains):.3g} m): grains move until the pairs within "
         f'{tolerance:.3g} m just touch; {KEY} = "{TOUCH.name}" says so without this message'
     )
@@ -117,8 +136,9 @@ def _touching(packing: PackingSection, period: Period, errors: ErrorList) -> Pac
         errors.add(
             KEY,
             Mismatch(
-                f'"{TOUCH.name}" with {fit.n_contacts} pairs within {tolerance:.3g} m, which cannot all '
-                f"touch: the best places leave gaps or overlaps of up to {fit.remaining:.3g} m",
+                f'"{TOUCH.name}" with {fit.n_contacts} pairs within {tolerance:.3g} m, which '
+                "cannot all touch: the best places leave gaps or overlaps of up to "
+                f"{fit.remaining:.3g} m",
                 remedy=f"give a smaller packing.{TOLERANCE}, more digits, or another way",
             ),
         )

@@ -4,8 +4,8 @@ that they come from, and the move by which they just touch.
 A grain whose coordinates are rounded to the unit u of their last place is off by up to u/2 along
 each axis, and its diameter by as much. The gap of a pair is then off by up to (sqrt(3) + 1/2) u.
 
-Of the displacements that close all gaps g of the pairs, J d = -g to first order, the smallest in the
-sense of least squares is taken, and again from there: the gaps fall quadratically.
+Of the displacements that close all gaps g of the pairs, J d = -g to first order, the smallest in
+the sense of least squares is taken, and again from there: the gaps fall quadratically.
 """
 
 from __future__ import annotations
@@ -200,9 +200,7 @@ def _closing(
     normal = _normals(grains, position, pairs, period)
     n_pairs = len(pairs)
     axes = np.arange(3)
-    columns = np.concatenate(
-        [3 * pairs[:, 0, None] + axes, 3 * pairs[:, 1, None] + axes], axis=1
-    )
+    columns = np.concatenate([3 * pairs[:, 0, None] + axes, 3 * pairs[:, 1, None] + axes], axis=1)
     values = np.concatenate([-normal, normal], axis=1)
     rows = np.repeat(np.arange(n_pairs), columns.shape[1])
     shape = (n_pairs, position.size)

@@ -54,7 +54,7 @@ lammps_inputs/readers
 lammps_inputs/tables
 lammps_inputs/result_directory
 lammps_inputs/own_files
-lammps_inputs/directories lammps_inputs/marker
+lammps_inputs/directories lammps_inputs/marker lammps_inputs/restart_file
 lammps_inputs/result_kinds
 lammps_inputs/lattices lammps_inputs/run_directory
 lammps_inputs/extensions

@@ -31,10 +31,9 @@ PAIR = "x,y,z,diameter\n0,0,0,0.01\n0,0,0.00999,0.01\n"
 
 def rounded(lattice: Lattice, form: str) -> str:
     """Table of a lattice with numbers of this form."""
-    rows = [
-        ",".join(form % value for value in [*place, lattice.diameter])
-        for place in lattice.positions(1, lattice.n_spheres).tolist()
-    ]
+    rows = []
+    for place in lattice.positions(1, lattice.n_spheres).tolist():
+        rows.append(",".join(form % value for value in [*place, lattice.diameter]))
     return "x,y,z,diameter\n" + "\n".join(rows) + "\n"
 
 
@@ -95,7 +94,10 @@ def test_rounding_bounds_the_gaps_of_contacts() -> None:
 
 def test_touching_cylinders_and_images() -> None:
     """Two cylinders along y beside a sphere, and a row that touches its own image."""
-    text = "x,y,z,diameter,length\n0,0,0,0.01,0\n0.00800001,0.001,0,0.006,0.01\n-0.008,0,1e-8,0.006,0.01\n"
+    text = (
+        "x,y,z,diameter,length\n0,0,0,0.01,0\n"
+        "0.00800001,0.001,0,0.006,0.01\n-0.008,0,1e-8,0.006,0.01\n"
+    )
     grains = parse_grains(text, None)
     fit = fit_touching(grains, 1e-7)
     assert (fit.n_contacts, fit.position[1, 1]) == (2, 0.001)
@@ -140,7 +142,10 @@ def test_refusal_names_the_ways_and_what_they_would_do() -> None:
 @pytest.mark.parametrize(
     ("packing", "fault"),
     [
-        ({"touch_tolerance": 2e-3}, "packing.touch_tolerance: found 0.002 m, expected at most 0.001 m"),
+        (
+            {"touch_tolerance": 2e-3},
+            "packing.touch_tolerance: found 0.002 m, expected at most 0.001 m",
+        ),
         ({"contacts": "touch", "touch_tolerance": 1e-6}, "found grains 1 and 2, which overlap"),
         ({"contacts": "press"}, 'packing.contacts: found "press", expected one of'),
     ],
@@ -206,5 +211,7 @@ def test_advice_counts_and_presses() -> None:
 def test_file_of_few_digits(tmp_path: Path) -> None:
     (tmp_path / "row.csv").write_text(PAIR)
     tables = {"packing": {"kind": "file", "file": str(tmp_path / "row.csv")}, "material": "brass"}
-    with pytest.raises(InputError, match=r"grains 1 .line 2. and 2 .line 3., which overlap by 1e-05"):
+    with pytest.raises(
+        InputError, match=r"grains 1 .line 2. and 2 .line 3., which overlap by 1e-05"
+    ):
         case_from_dict(tables)

@@ -238,7 +238,9 @@ def _contact_rows(found: Mapping[str, Any] | None) -> Rows:
         return
     within = f"{found['n_within']} pairs within {found['tolerance_m']:.3g} m"
     last = f"last place of the file: {found['last_place_m']:.3g} m"
-    beyond = f"{found['n_beyond']} overlap by more, the largest by {found['largest_overlap_m']:.3g} m"
+    beyond = (
+        f"{found['n_beyond']} overlap by more, the largest by {found['largest_overlap_m']:.3g} m"
+    )
     yield "touching in the file", f"{within} ({last}); {beyond}"
     way = found["way"]
     for choice in found["choices"]:

@@ -8,10 +8,12 @@ from pathlib import Path
 
 from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, RELAX
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.contact.static_load import force_of_contact
 from granwave.lammps_inputs.deck.static_stage import (
     FORCE_TOLERANCE,
+    LOST_LOAD,
     largest_move,
     may_lose_its_load,
 )
@@ -85,7 +87,18 @@ LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contac
 _NOT_CONFINED = "the packing is not confined: "
 _PERIODIC = 'take boundary.sides = "periodic"'
 _UNIFORM = ', or precompression.kind = "uniform"'
-_HELD = "hold the outer grains with [[hold]], or close the gaps to the side walls"
+_GUIDED = (
+    'hold the outer grains with [[hold]], guide a row that buckles with [[guide]] (free = "z")'
+)
+_NEAR_BALANCE = (
+    f', or take {KEY} = "{RELAX.name}": it starts at a balance that Newton\'s method finds, and '
+    "lets grains move"
+)
+_BORNE = (
+    "hold the outer grains with [[hold]], or press on the top with precompression.force and "
+    'boundary.bottom = "wall"'
+)
+_AS_FOUND = f', or take {KEY} = "{KEEP.name}", which seeks no balance'
 _PILE = " (without friction a pile spreads, also between walls, and a sphere beside a vacancy may lose its hold)"
 _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
@@ -94,7 +107,7 @@ def _advice(case: Case) -> str:
     """Return advice on keys that confine a packing of this kind."""
     rule = case.packing.rule
     if case.packing.grains is not None and case.packing.cell is None:
-        remedy = _HELD
+        remedy = _GUIDED + (_AS_FOUND if case.may_rearrange else _NEAR_BALANCE)
     elif rule.is_lattice and not rule.has_faces:
         remedy = _PERIODIC
     else:
@@ -131,6 +144,12 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
         raise RunError(
             f"precompression: a sphere moved by {moved:.2g} diameters, expected at most {limit:.2g}; {advice}"
         )
+    if _has_lost_load(assembly, found):
+        raise RunError(
+            f"precompression: the largest contact force is {found['largest_force']:.2g} N after "
+            f"the static stage, expected some {force_of_contact(assembly):.2g} N: the load has "
+            f"pushed the grains apart; {_BORNE}"
+        )
     if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL:
         raise RunError(
             f"precompression: no balance after {found['iterations']:.0f} iterations: a net force of "
@@ -146,6 +165,16 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
                 f"on nothing; take a smaller {name}_force, or give the distance {name}"
             )
     return found
+
+
+def _has_lost_load(assembly: Assembly, found: dict[str, float]) -> bool:
+    """Return True if grains of a file bear hardly any force after the static stage, though they
+    should.
+    """
+    way = assembly.case.packing.contact_way
+    if way is None or may_lose_its_load(assembly):
+        return False
+    return found["largest_force"] < LOST_LOAD * force_of_contact(assembly)
 
 
 def _relative_net_force(assembly: Assembly, found: dict[str, float]) -> float:

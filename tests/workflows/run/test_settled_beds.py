@@ -1,0 +1,188 @@
+"""Impacts on beds that a LAMMPS script has settled with friction, or that settle damped."""
+
+from __future__ import annotations
+
+import dataclasses
+import tomllib
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+import granwave as gw
+from granwave.analysis.result.reader import Result
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.restart_file import read_restart
+from granwave.workflows.run.lammps_engine import open_engine
+
+PERIOD = 0.033
+GRAVITY = 9.81
+DENSITY = 8500.0
+D = 0.010
+SOFT = {"name": "soft", "youngs_modulus": 1e9, "poisson_ratio": 0.3, "density": DENSITY}
+LAWS = {"hertz": "hertz 1e9 0.30", "elastoplastic": "elastoplastic 1e9 0.30 1e6"}
+
+BED = """
+units si
+atom_style sphere
+atom_modify map yes
+newton off
+comm_modify vel yes
+boundary p p m
+region box block 0 {period} 0 {period} -0.06 0.02 units box
+create_box 1 box
+lattice sc 0.011
+region floor block 0 0.0329 0 0.0329 -0.001 0.001 units box
+create_atoms 1 region floor
+lattice sc 0.0113 origin 0.2 0.2 0.2
+region grains block 0 0.0320 0 0.0320 -0.05 -0.013 units box
+create_atoms 1 region grains
+group floor region floor
+reset_atoms id sort yes
+set group all diameter 0.010 density 8500
+neighbor 1e-3 bin
+neigh_modify delay 0 every 1 check yes
+pair_style gran/hysteretic 1e-3
+pair_coeff * * {law} friction 0.4 loss time 2e-5
+group grains subtract all floor
+variable vx atom 0.05*sin(12.9898*id)
+variable vy atom 0.05*sin(78.233*id+1)
+velocity grains set v_vx v_vy 0 units box
+fix weight grains gravity 9.81 vector 0 0 1
+fix motion grains nve/sphere
+timestep 5e-7
+run 200000
+fix drag grains viscous 0.5
+fix twist grains viscous/sphere 1e-5
+run 400000
+unfix drag
+unfix twist
+compute now all gran/hysteretic/energy
+compute sphere all gran/hysteretic/atom
+compute largest all reduce max c_sphere[1]
+compute bearing floor reduce sum fz
+variable force atom sqrt(fx^2+fy^2+fz^2)
+compute net grains reduce max v_force
+thermo_style custom step c_now c_now[6] c_largest c_bearing c_net
+thermo_modify norm no
+run 0 post no
+variable elastic equal $(c_now:%.17g)
+variable springs equal $(c_now[6]:%.17g)
+variable largest equal $(c_largest:%.17g)
+variable bearing equal $(c_bearing:%.17g)
+variable net equal $(c_net:%.17g)
+write_restart bed.restart
+"""
+VALUES = ("elastic", "springs", "largest", "bearing", "net")
+
+
+@dataclasses.dataclass(frozen=True)
+class SettledBed:
+    """A bed: law, folder of its restart file, and values of its last step."""
+
+    law: str
+    folder: Path
+    values: dict[str, float]
+
+    @property
+    def file(self) -> Path:
+        """The restart file."""
+        return self.folder / "bed.restart"
+
+    def case(self, **changes: Any) -> dict[str, Any]:
+        """Case of an impact on the bed."""
+        floor = 1 + np.flatnonzero(np.abs(read_restart(self.file).position[:, 2]) < 1e-6)
+        strength = {"yield_strength": 1e6} if self.law == "elastoplastic" else {}
+        return {
+            "name": "bed",
+            "material": SOFT | strength,
+            "packing": {"kind": "restart", "file": str(self.file), "period": [PERIOD, PERIOD]},
+            "contact": {"law": self.law, "friction": 0.4, "loss": {"time": 2e-5}},
+            "hold": [{"index": floor.tolist()}],
+            "boundary": {"bottom": "free", "sides": "periodic"},
+            "precompression": {"kind": "gravity", "acceleration": GRAVITY},
+            "load": {"velocity": 0.5},
+            "run": {"end_time": 2e-4, "frames": 2},
+        } | changes
+
+
+@pytest.fixture(scope="module", params=LAWS)
+def bed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SettledBed:
+    folder = tmp_path_factory.mktemp(request.param)
+    script = BED.format(period=PERIOD, law=LAWS[request.param])
+    script = script.replace("bed.restart", f"{folder}/bed.restart")
+    with open_engine(None, "none", folder) as engine:
+        engine.commands(script)
+        values = {name: float(engine.lammps.extract_variable(name)) for name in VALUES}
+    return SettledBed(request.param, folder, values)
+
+
+def test_forces_of_a_settled_bed_do_not_jump(bed: SettledBed, tmp_path: Path) -> None:
+    run = gw.run(bed.case(), directory=tmp_path / "out", figures=False)
+    spheres = read_restart(bed.file)
+    weight = GRAVITY * float(spheres.mass[np.abs(spheres.position[:, 2]) > 1e-6].sum())
+    assert bed.values["bearing"] == pytest.approx(weight, rel=0.02)  # it has settled
+    lines = (tmp_path / "out" / "dumps" / "prestage.txt").read_text().splitlines()
+    record = dict(zip(lines[0].lstrip("#").split(), map(float, lines[1].split()), strict=True))
+    assert record["largest_force"] == pytest.approx(bed.values["largest"], abs=1e-6 * weight)
+    net = record["residual"] * record["largest_force"]
+    assert net == pytest.approx(bed.values["net"], abs=1e-3 * weight)
+    both = bed.values["elastic"] + bed.values["springs"]
+    assert record["stored"] == pytest.approx(both, rel=1e-9)
+    assert bed.values["springs"] > 0
+    assert run.summary["energy_balance_error"] < 1e-5
+    with Result(tmp_path / "out") as result:
+        forces = np.asarray(result.file["contacts/initial_force"])
+    assert forces.max() == pytest.approx(bed.values["largest"], rel=1e-6)
+
+
+@pytest.mark.parametrize("relaxation", ["damped", "minimiser"])
+def test_rounded_beds_relax(bed: SettledBed, tmp_path: Path, relaxation: str) -> None:
+    """Damped, the bed hardly moves, for friction bears it; without friction it rearranges."""
+    spheres = read_restart(bed.file)
+    rows = np.column_stack([spheres.position, 2 * spheres.radius]).tolist()
+    lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
+    text = "\n".join(["x,y,z,diameter", *lines]) + "\n"
+    packing = {"kind": "file", "grains": text, "period": [PERIOD, PERIOD]}
+    packing |= {"contacts": "relax", "relaxation": relaxation}
+    run = gw.run(bed.case(packing=packing), directory=tmp_path / "out", figures=False)
+    lines = (tmp_path / "out" / "dumps" / "prestage.txt").read_text().splitlines()
+    record = dict(zip(lines[0].lstrip("#").split(), map(float, lines[1].split()), strict=True))
+    assert record["residual"] < 1e-6
+    assert run.summary["energy_balance_error"] < 1e-5
+
+
+def test_case_of_a_bed_is_read_again(bed: SettledBed) -> None:
+    case = case_from_dict(bed.case(), "bed")
+    assert (case.packing.kind, case.packing.contacts) == ("file", "keep")
+    again = case_from_dict(tomllib.loads(case.to_toml()), "bed")
+    assert again == case
+    assert again.packing.restart == str(bed.file)
+
+
+@pytest.mark.parametrize(
+    ("changes", "fault"),
+    [
+        (
+            {"boundary": {"bottom": "wall", "sides": "periodic"}},
+            "packing.restart: found with walls",
+        ),
+        ({"material": SOFT | {"density": 8000.0, "yield_strength": 1e6}}, "with a mass of"),
+    ],
+)
+def test_faults_of_beds(bed: SettledBed, changes: dict[str, Any], fault: str) -> None:
+    with pytest.raises(InputError, match=fault):
+        case_from_dict(bed.case(**changes), "bed")
+
+
+def test_files_that_are_no_restart(tmp_path: Path) -> None:
+    (tmp_path / "a.restart").write_bytes(b"something else")
+    packing = {"kind": "restart", "file": str(tmp_path / "a.restart")}
+    with pytest.raises(InputError, match="found no restart file of LAMMPS"):
+        case_from_dict({"packing": packing, "material": "brass"})
+    with pytest.raises(
+        InputError, match=r"packing\.file: missing; packing\.kind = .restart. needs"
+    ):
+        case_from_dict({"packing": {"kind": "restart"}, "material": "brass"})
