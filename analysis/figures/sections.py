@@ -38,13 +38,13 @@ DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _EDGE_OF_BLANK = "#c4c4c4"
-_TALL = 2.5  # height over width of a packing whose snapshots stand in one row
+_TALL = 2.5  # height / width of a packing above which all snapshots are in a row ...
+_BROAD = 0.6  # ... and below which they are one below the other
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
-_AROUND_ARROW = 0.3  # between the arrow of the load and the edge of a section, in diameters
-_DISC = 0.96  # drawn over actual diameter
-# length of an axis in a section, over the radius: of a shorter one the end is seen
-_SEEN_ALONG = 0.1
+_AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
+_DISC = 0.96  # drawn / actual diameter
+_SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,8 +192,11 @@ def wave_front(result: Result) -> Drawing | None:
     colours = result.figure_options.colour_map or FORCE_MAP
     reached = np.max(forces, axis=0) >= low
     window = window_around(cut, reached, result.case.packing.diameter)
-    aspect = (window[3] - window[2]) / (window[1] - window[0])
-    n_columns = len(chosen) if aspect > _TALL else 2 if aspect > 0.6 else 1
+    left, right, bottom, top = window
+    aspect = (top - bottom) / (right - left)
+    n_columns = 2 if aspect > _BROAD else 1
+    if aspect > _TALL:
+        n_columns = len(chosen)
     n_rows = math.ceil(len(chosen) / n_columns)
     panel = (WIDTH - 0.6 - 0.15 * n_columns) / n_columns * aspect + 0.3
     figure = new_figure(min(n_rows * panel + 0.95, 8.5))
@@ -236,7 +239,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     if cut is None:
         return None
     diameter = result.case.packing.diameter
-    values = [one.values[cut.index] for one in colourings]
+    values = [colouring.values[cut.index] for colouring in colourings]
     beyond = spheres_beyond_law(result)[cut.index]
     window = window_around(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
@@ -270,7 +273,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
 
 
 def _across_title(plane: Plane) -> str:
-    """Return the title of the axis across a section; that of a layer in x and y is x."""
+    """Return the title of the horizontal axis of a section, x for a layer in x and y."""
     quantity = "x" if plane.down_label == "y" else plane.across_label
     return f"{quantity} (mm)"
 
@@ -295,11 +298,11 @@ def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
     it.
     """
     diameter = result.case.packing.diameter
-    found = list(planes(result.case.packing.kind))
+    cuts = list(planes(result.case.packing.kind))
     if (own := result.figure_options.plane) is not None:
         largest = float(result["spheres/radius"].max(initial=0.0))
-        found.append(own_plane(own.normal, own.through, largest / diameter))
-    for plane in found:
+        cuts.append(own_plane(own.normal, own.through, largest / diameter))
+    for plane in cuts:
         if plane.name == name:
             plane = _from_struck_sphere(plane, result)
             cut = section(plane, result["spheres/position"], result.origin, diameter)
@@ -342,9 +345,12 @@ def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | 
     if not result.assembly.has_cylinders:
         return None
     shapes = result.assembly.grain_shapes()
-    return np.array(
-        [one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(3) for row in rows]
-    )
+    axes = np.zeros((len(rows), 3))
+    for axis, row in zip(axes, rows, strict=True):
+        shape = shapes[row]
+        if shape is not None:
+            axis[:] = shape.vector * shape.length / 2
+    return axes
 
 
 def sticks_of(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64] | None:
@@ -499,13 +505,13 @@ def _snapshots(result: Result) -> list[int]:
     moving = np.flatnonzero(times > 0)
     if not moving.size:
         return []
-    wanted = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
-    nearest = np.abs(times[moving] - wanted[:, None]).argmin(axis=1)
+    even_times = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
+    nearest = np.abs(times[moving] - even_times[:, None]).argmin(axis=1)
     return moving[np.unique(nearest)].tolist()
 
 
 def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:
     """Return True for spheres with a contact loaded beyond the range of the law: (n_spheres,)."""
-    found = np.zeros(result.n_spheres, dtype=bool)
-    found[result.ends[result.beyond_law(LAW_LIMIT)]] = True
-    return found
+    beyond = np.zeros(result.n_spheres, dtype=bool)
+    beyond[result.ends[result.beyond_law(LAW_LIMIT)]] = True
+    return beyond
