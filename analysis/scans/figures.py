@@ -45,6 +45,7 @@ _OF_ZONE = ("plastic_", "zone_")  # names of figures of plastic zones
 _SHOWN_IN = {"m": ("mm", 1e3), "m^3": ("mm^3", 1e9)}
 
 Value = Callable[[PointResult], float]
+Drawers = dict[str, Callable[[], Drawing | None]]  # functions that draw figures, by name
 _Scale = tuple[str, str, dict[int, float]]  # symbol, words, and size by number of the point
 
 
@@ -219,12 +220,12 @@ def drawings(result: ScanResult) -> dict[str, Drawing | NotDrawn]:
     return drawn
 
 
-def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
+def _figures(result: ScanResult) -> Drawers:
     """Return functions that draw the figures of a scan, by name."""
     data = _Data.of(result)
     if data is None:
         return {}
-    figures: dict[str, Callable[[], Drawing | None]] = {}
+    figures: Drawers = {}
     for name in _abscissae(data.keys, data.free):
         figures |= data.curves_over(name)
     if not any(data.keys[name].numeric for name in data.free):
@@ -283,13 +284,13 @@ class _Data:
                 shown.append((ordinate, values))
         return cls(points, keys, free, marks, shown)
 
-    def curves_over(self, name: str) -> dict[str, Callable[[], Drawing | None]]:
+    def curves_over(self, name: str) -> Drawers:
         """Return functions that draw all quantities over a key."""
         x = self.keys[name]
         others = _others(self.keys, self.free, name)
         curves = _curve_rows(self.points, others).values()
         joined = all(_is_one_line(rows, x, self.keys.values()) for rows in curves)
-        figures = {}
+        figures: Drawers = {}
         for ordinate, values in self.ordinates:
             marks = self.marks * ordinate.zone
             figures[f"{ordinate.name}_vs_{x.slug}"] = partial(
@@ -297,10 +298,10 @@ class _Data:
             )
         return figures
 
-    def bars(self) -> dict[str, Callable[[], Drawing | None]]:
+    def bars(self) -> Drawers:
         """Return functions that draw bars of all quantities for each value of the first key."""
         x, *others = (self.keys[name] for name in self.free)
-        figures = {}
+        figures: Drawers = {}
         for ordinate, values in self.ordinates:
             marks = self.marks * ordinate.zone
             figures[f"{ordinate.name}_vs_{x.slug}"] = partial(
@@ -308,7 +309,7 @@ class _Data:
             )
         return figures
 
-    def collapses(self) -> dict[str, Callable[[], Drawing | None]]:
+    def collapses(self) -> Drawers:
         """Return functions that draw dissipation and plastic volume on normalised axes."""
         fraction = "dissipated_fraction"
         figures = {
@@ -343,7 +344,7 @@ class _Data:
         columns = (key, column)
         return partial(draw_curves, table, *titles, others, columns, joined=False, chosen=False)
 
-    def map_of_dissipation(self) -> dict[str, Callable[[], Drawing | None]]:
+    def map_of_dissipation(self) -> Drawers:
         """Return a function that draws the dissipated fraction over two keys."""
         x, y = (self.keys[name] for name in self.free)
         for ordinate, values in self.ordinates:

@@ -468,7 +468,7 @@ def _numbers(summaries: Sequence[Mapping[str, Any]]) -> dict[str, list[float | N
     """Return the numbers of summaries by quantity; None where there is no number."""
     columns: dict[str, list[float | None]] = {}
     for name in dict.fromkeys(itertools.chain.from_iterable(summaries)):
-        values = [summary.get(name) for summary in summaries]
+        values: list[Any] = [summary.get(name) for summary in summaries]
         columns[name] = [float(value) if is_number(value) else None for value in values]
     return columns
 

@@ -61,23 +61,19 @@ RANGES = (
 )  # ranges of the overlap over that at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
-# floors of the scale of residuals
-_LEAST_LOADING = 1e-3
-_LEAST_TURN = 0.05
-_NO_FORCE = 1e-3  # over the force at the turn; smaller forces count as zero
-_FEWEST = 5  # fewest rows of loading beyond first yield
-# overlap over that at first yield; smaller turns do not determine the residual overlap
-_SMALL_TURN = 1.5
-# ratio of forces; no material differs so much from the law, so that the unit must be wrong
-_UNIT_ERROR = 30.0
-_YIELD_SPAN = math.log(
-    10.0
-)  # range of the search on either side of the given yield strength, logarithmic
+_LEAST_LOADING = 1e-3  # smallest scale of residuals / largest force
+_LEAST_TURN = 0.05  # smallest scale of residuals / force at the turn
+_NO_FORCE = 1e-3  # force / force at the turn below which it counts as zero
+_FEWEST = 5  # smallest number of rows of loading beyond first yield
+_SMALL_TURN = (
+    1.5  # overlap / first yield below which a turn does not determine the residual overlap
+)
+_UNIT_ERROR = 30.0  # ratio to the law's force that no material reaches: the unit is wrong
+_YIELD_SPAN = math.log(10.0)  # range of the search around a yield strength, logarithmic
 _HUGE = 1e3  # residual of an invalid law
 
-# smallest slope of a_R at first yield, and weight of this condition
-_LEAST_RISE = 0.01
-_STIFF = 100.0
+_LEAST_RISE = 0.01  # smallest slope of a_R at first yield
+_STIFF = 100.0  # weight of this condition
 
 Array = NDArray[np.float64]
 
@@ -147,7 +143,7 @@ def fit_law(
         Constants to fit; by default those that the curve can determine, and a warning names the
         rest.
     fit_yield
-        True to fit the yield strength, too, starting from that of the softer material.
+        True to fit the yield strength too, starting from the value of the softer material.
 
     Raises
     ------
@@ -170,8 +166,8 @@ def fit_law(
         names.append(YIELD)
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
-            f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, "
-            f"expected at least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
+            f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, expected at "
+            f"least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
         )
     start = first.constants | {YIELD: first.yield_strength}
 
@@ -272,13 +268,14 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
     largest = float(curve.overlap.max(initial=0.0))
     if largest > min(radii):
         raise InputError(
-            f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} m; "
-            "are the overlaps in m, and is --radius right?"
+            f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} "
+            "m; are the overlaps in m, and is --radius right?"
         )
     if largest <= law.yield_overlap:
         raise InputError(
             f"{curve.source}: overlap_m: the largest, {largest:g} m, does not pass first yield at "
-            f"{law.yield_overlap:.4g} m, below which the constants do nothing; are --material and --radius right?"
+            f"{law.yield_overlap:.4g} m, below which the constants do nothing; are --material and "
+            "--radius right?"
         )
     beyond = loading & (curve.overlap > law.yield_overlap)
     if np.count_nonzero(beyond) < _FEWEST:
@@ -289,8 +286,8 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
     ratio = float(np.median(curve.force[beyond] / law.loading_force(curve.overlap[beyond])))
     if not 1 / _UNIT_ERROR < ratio < _UNIT_ERROR:
         raise InputError(
-            f"{curve.source}: force_N: the forces are {ratio:.3g} times those of the published law; "
-            "are they in N, the overlaps in m, and are --material and --radius right?"
+            f"{curve.source}: force_N: the forces are {ratio:.3g} times those of the published "
+            "law; are they in N, the overlaps in m, and are --material and --radius right?"
         )
 
 

@@ -45,8 +45,8 @@ SHARE = 0.9  # fraction of the dissipation that takes place in the material call
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
 _FIT_REMARK = (
-    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the fitted runs. A "
-    "constant whose standard deviation is as large as itself is undetermined."
+    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the "
+    "fitted runs. A constant whose standard deviation is as large as itself is undetermined."
 )
 _CAPTIONS = {
     "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a "
@@ -88,9 +88,10 @@ def text(impacts: Impacts) -> str:
     if len(impacts.continuum_reference):
         first = impacts.continuum_reference.iloc[0]
         parts.append(
-            f"Continuum reference: a punch of {show(1e3 * first.diameter)} mm and {show(first.mass_kg)} kg on "
-            f"{first.material or 'one material'}, {first.run.case['run']['elements']} elements; energies are "
-            f"normalised by sigma_y^2 D^3/E = {show(float(energy_unit(first)))} J."
+            f"Continuum reference: a punch of {show(1e3 * first.diameter)} mm and "
+            f"{show(first.mass_kg)} kg on {first.material or 'one material'}, "
+            f"{first.run.case['run']['elements']} elements; energies are normalised by sigma_y^2 "
+            f"D^3/E = {show(float(energy_unit(first)))} J."
         )
     runs: list[Any] = []
     for table in (impacts.granular, impacts.continuum):
@@ -235,8 +236,9 @@ def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         fractions = impacts.fast.dissipated_fraction
         remark = _FIT_REMARK.format(fractions.min(), fractions.max())
         yield Note(
-            f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest "
-            f"misfit there is {percent(100 * fit.misfit).lstrip('+')}. {remark}"
+            f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative "
+            f"weights; the largest misfit there is {percent(100 * fit.misfit).lstrip('+')}. "
+            f"{remark}"
         )
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(variants(impacts).items())[1:]:

@@ -25,23 +25,21 @@ from granwave.extensions.continuum.sphere_contact.deviations import LOADING, UNL
 from granwave.extensions.continuum.sphere_contact.run import ContactRun
 from granwave.lammps_inputs.files import replacing
 
-# Pa, m: of the first sphere; results do not depend on them
-_MODULUS = 1e11
-_RADIUS = 0.01
+_MODULUS = 1e11  # of the first sphere, Pa; results do not depend on it
+_RADIUS = 0.01  # of the first sphere, m; results do not depend on it
 TABLE = Path(__file__).with_name("law_table.csv")
 CONTACTS = Path(__file__).with_name("law_contacts.csv")
-_DEEPEST = 0.22  # over R*
-_ELEMENTS = 2000  # of each body
-# overlap of the first unloading over that at first yield; number of unloadings
-_FIRST_PEAK = 2.0
-_PEAKS = 6
-_POINTS = 32  # of loading in the table
+_DEEPEST = 0.22  # largest overlap / R*
+_ELEMENTS = 2000  # elements of each body
+_FIRST_PEAK = 2.0  # overlap of the first unloading / overlap at first yield
+_PEAKS = 6  # number of unloadings
+_POINTS = 32  # points of loading in the table
 _SMOOTHED = 0.12  # width of their smoothing, in the logarithm of the overlap
-_FEWEST = 20  # entries of an unloading
+_FEWEST = 20  # smallest number of entries of an unloading
 
 
 def contacts() -> dict[str, dict[str, float]]:
-    """Return the contacts by name, of ``law_contacts.csv``.
+    """Return the contacts of ``law_contacts.csv`` by name.
 
     ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
     of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
@@ -207,7 +205,7 @@ def main() -> None:
 
 
 def write(fresh: pd.DataFrame) -> None:
-    """Write the table: rows of these contacts, and those of the others as they were."""
+    """Write the table with new rows of these contacts, and unchanged rows of the others."""
     text = fresh.map(lambda value: f"{value:.5g}" if isinstance(value, float) else str(value))
     before = pd.read_csv(TABLE, dtype=str, keep_default_na=False)
     table = pd.concat([before[~before["contact"].isin(set(text["contact"]))], text])

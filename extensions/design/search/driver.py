@@ -309,7 +309,8 @@ class _Search:
         """Enter the values of a run that objectives and limits need; the design fails without."""
         problem = self.problem
         values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
-        names_of_values = [entry.name for entry in (*problem.objectives, *problem.limits)]
+        names_of_values = [objective.name for objective in problem.objectives]
+        names_of_values += [limit.name for limit in problem.limits]
         missing = [name for name in names_of_values if not is_number(values.get(name))]
         if missing:
             shown = ", ".join(

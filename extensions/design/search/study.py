@@ -61,7 +61,7 @@ class Design:
     Attributes
     ----------
     number
-        From 1, in the order of their choice.
+        Number from 1, in the order of choice.
     state
         `RUNNING`, `COMPLETE`, `PRUNED`, `REFUSED` or `FAILED`.
     reason
@@ -292,8 +292,8 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
         exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
-            f"{path}: is damaged, so that the search cannot go on; force=True begins it again, "
-            "or put the file back"
+            f"{path}: is damaged, so that the search cannot go on; force=True begins it again, or "
+            "put the file back"
         ) from None
     differences = [
         f"{name} was {_shown(before)}, is {_shown(now)}"
@@ -301,8 +301,8 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
     ]
     if differences:
         raise InputError(
-            f"{directory}: holds another search: {'; '.join(differences[:5])}; "
-            f"give the same file to resume=True, {ResultDirectory(directory).by_force}"
+            f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file "
+            f"to resume=True, {ResultDirectory(directory).by_force}"
         )
     return DesignStudy(problem, directory, designs, exhausted)
 
@@ -347,7 +347,7 @@ def _outcome(study: DesignStudy, findings: Iterable[Any]) -> dict[str, Any]:
     space = problem.space
     tried = study.tried()
     first, *others = problem.objectives
-    at_random: list[float] = []  # smallest objective of so many random designs, by the model
+    at_random: list[float] = []  # expected best objective against the number of random designs
     if not others:
         counts = range(1, sum(design.ran for design in study.designs) + 1)
         at_random = expected_random(space, tried, counts)

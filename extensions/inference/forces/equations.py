@@ -149,9 +149,9 @@ class Noise:
     Attributes
     ----------
     strain
-        Of strains.
+        Standard deviation of strains.
     stress
-        Of stresses, Pa.
+        Standard deviation of stresses, Pa.
     acceleration
         m/s^2.
     angular_acceleration

@@ -199,7 +199,7 @@ class StraightWall:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class CandidateContacts:
-    """Possible contacts, those of pairs first.
+    """Possible contacts, pairs of grains first.
 
     Attributes
     ----------

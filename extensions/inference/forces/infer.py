@@ -83,7 +83,7 @@ class Inference:
 
     @property
     def relative_residual(self) -> float:
-        """Root of the sum of squares of the residuals over that of the right-hand sides."""
+        """Norm of the residuals divided by the norm of the right-hand sides."""
         size = float(np.linalg.norm(self.equations.data(self.factor)))
         return float(np.linalg.norm(self.residual)) / size if size > 0 else 0.0
 
@@ -282,7 +282,7 @@ def relative_noise(grains: MeasuredGrains, share: float) -> Noise:
     turning = size(grains.angular_acceleration)
     motion = size(grains.acceleration)
     if turning and motion and turning * float(grains.radius.mean()) < _ROUNDING * motion:
-        turning = None  # grains that do not turn: what is left is rounding
+        turning = None  # grains do not turn, values are rounding
     if grains.compliance is None:
         return Noise(None, size(grains.stress), motion, turning)
     return Noise(size(grains.strain), None, motion, turning)

@@ -21,15 +21,15 @@ from granwave.extensions.waves.spectra.quantities import MOST_BANDS, MOST_MODES
 from granwave.extensions.waves.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.extensions.waves.spectra.wave_vectors import Path
 
-_ZERO = 1e-10  # omega^2 over the largest: no stiffness
-_LONG = 1e-6  # |k| times the period: a uniform displacement
-_TURNING = 0.99  # of the energy in rotations: grains that roll
+_ZERO = 1e-10  # omega^2 / largest omega^2 without stiffness
+_LONG = 1e-6  # |k| times the period of a uniform displacement
+_TURNING = 0.99  # fraction of the energy in rotations above which grains roll
 ROLLING = "like gears: they roll on each other, which friction does not resist"
-_LEAST = 1e-6  # of the highest frequency: bands that only touch leave no gap
-ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
-_BINS = 120
-_MOMENTS = 240
-_VECTORS = 12
+_LEAST = 1e-6  # smallest gap / highest frequency: bands that only touch leave no gap
+ALL_UP_TO = 1500  # degrees of freedom up to which all modes are found
+_BINS = 120  # largest number of bins of the density of states of a small packing
+_MOMENTS = 240  # Chebyshev moments of the density of states of a large packing
+_VECTORS = 12  # random vectors for these moments
 _SEED = 1
 _WORDS = {
     place: f"along {name}" if place < 3 else f"turning about {name[1]}"
@@ -123,7 +123,7 @@ def solve_bands(
     Parameters
     ----------
     n_bands
-        How many; None: all of a small cell, 30 of a large one.
+        Number of bands; None: all bands of a small cell, 30 of a large cell.
     chosen
         Degrees of freedom whose part of the energy is sought: (n_freedoms,).
     """
@@ -169,9 +169,10 @@ def describe_floppy(bands: Bands) -> str:
         _, vectors = bands.stiffness.spectrum(bands.path.k[row : row + 1], bands.floppy.shape[1])
     loose = np.abs(vectors[0][:, bands.floppy[row]]) ** 2
     return (
-        f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no resistance at "
-        f"{bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors there are some)"
-        f"{growing(bands.square, bands.largest)}; {who_moves(bands.network, loose.sum(axis=1))}"
+        f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no "
+        f"resistance at {bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors "
+        f"there are some){growing(bands.square, bands.largest)}; "
+        f"{who_moves(bands.network, loose.sum(axis=1))}"
     )
 
 
@@ -246,7 +247,7 @@ def gaps(bands: Bands) -> list[Gap]:
     """Return the gaps between the bands of a path, and those below the first and above the last, by
     rising frequency.
 
-    Of a large cell the last one is left out where only the lowest bands were sought.
+    The gap above the last band is left out if only the lowest bands of a large cell were sought.
     """
     edges = band_edges(bands)
     intervals: list[Gap] = []
@@ -292,7 +293,7 @@ class Modes:
 
     @property
     def n_floppy(self) -> int:
-        """Number of modes that meet no resistance, among those that were found."""
+        """Number of modes without resistance among the modes of this object."""
         return int(np.count_nonzero(self.square <= _ZERO * self.largest))
 
     @property
@@ -320,7 +321,7 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
     Parameters
     ----------
     n_modes
-        How many; None: all of a small packing, 60 of a large one.
+        Number of modes; None: all modes of a small packing, 60 of a large packing.
     """
     network = stiffness.network
     n = network.n_freedoms

@@ -19,12 +19,10 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
 
-# moments of inertia over m R^2, the second about the axis
-_OF_SPHERE = 0.4
-_OF_CYLINDER = 0.5
-_NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
-# of the largest force: contacts that bear nothing but what the search for balance left
-_UNLOADED = 1e-7
+_OF_SPHERE = 0.4  # moment of inertia / (m R^2)
+_OF_CYLINDER = 0.5  # moment of inertia about the axis / (m R^2)
+_NEGLIGIBLE = 1e-12  # overlap / mean diameter due to rounding
+_UNLOADED = 1e-7  # force / largest force of contacts that carry only the residual of the balance
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -116,7 +114,7 @@ class Bodies:
 
     @property
     def inertia(self) -> Array:
-        """Moments of inertia, of cylinders about their axis: (n,), kg m^2."""
+        """Moments of inertia, for cylinders about their axis: (n,), kg m^2."""
         factor = np.array(
             [_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes]
         )[self.kind]
@@ -269,7 +267,7 @@ class Bodies:
     def network(
         self, position: Array, periods: Array, peak: Callable[[NeighbourPairs], Array] | None = None
     ) -> Network:
-        """Return the springs of the contacts that bear force in a state.
+        """Return the springs of the loaded contacts in a state.
 
         Parameters
         ----------
@@ -328,7 +326,7 @@ class Bodies:
 
 
 def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:
-    """Whole numbers of periods to cells that may hold neighbours, of each pair of opposite ones
+    """Whole numbers of periods to cells that may hold neighbours; of each pair of opposite cells
     only the first.
     """
     if not len(periods):

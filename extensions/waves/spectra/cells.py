@@ -47,7 +47,7 @@ def primitive_vectors(kind: PackingKind) -> tuple[Array, int]:
     """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the
     cell.
 
-    Along the axes that it has; the spheres are those of the first sites of successive layers. Where
+    They lie along its axes; the spheres are on the first sites of successive layers. Where
     the supports of a sphere are three lattice vectors, they are taken: the standard names of
     directions then fit the load along z.
     """

@@ -21,19 +21,17 @@ from granwave.extensions.waves.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.lattices import TOUCHING
 
-MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
-# unknowns, factorised; more by conjugate gradients, except in slender packings
-DIRECT_UP_TO = 1500
-SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
-# entries by unknown in a row of grains; bandwidth: some 6 x 6 grains across
-_OF_A_ROW = 6
-_SLENDER = 120
-_ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
+MARGIN = 0.02  # largest gap of pairs that may close in a step, mean diameters
+DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except slender packings
+SOFT = 1e-10  # stiffness added to all unknowns / mean stiffness, for motions without resistance
+_OF_A_ROW = 6  # entries per unknown of a row of grains
+_SLENDER = 120  # bandwidth of a slender packing, of some 6 x 6 grains across
+_ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Evaluation:
-    """State with its energy and gradient, and what the second derivatives are made of."""
+    """State with its energy and gradient, and the terms of the second derivatives."""
 
     energy: float
     gradient: Array
@@ -60,9 +58,7 @@ class EnergyProblem:
         self.with_turning = with_turning
         self.free = bodies.moves[:, :3] if bodies.settles is None else bodies.settles
         number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
-        self.number = np.append(
-            number, np.full((1, 3), -1), axis=0
-        )  # the last row is that of walls
+        self.number = np.append(number, np.full((1, 3), -1), axis=0)  # the last row is the walls
         self.strains = list(bodies.stress)
         self.n_motions = int(self.free.sum())
         self.n_of_grains = self.n_motions + len(self.strains)
@@ -91,7 +87,7 @@ class EnergyProblem:
         return matrix
 
     def uniform(self, strain: float) -> Array:
-        """Unknowns of an even compression along the free strains that bear a load."""
+        """Unknowns of a uniform compression along the loaded free strains."""
         x = np.zeros(self.n)
         x[self.n_motions : self.n_of_grains] = [-strain if a == b else 0.0 for a, b in self.strains]
         deformed = self.bodies.position @ self.deformation(x).T

@@ -46,7 +46,7 @@ class Touches:
     dents
         Largest earlier overlaps, alike everywhere; None without.
     scaled
-        True if the law grows with R*, False if it is that of one size.
+        True if the law scales with R*, False if it holds for one size.
     rolling, twisting
         Resistances; None without.
     """
@@ -177,8 +177,8 @@ class PairLaws:
             isinstance(overlap, tuple) and any(limit.low or limit.high for limit in overlap)
         ):
             raise InputError(
-                f"{self.case.name}: contact.initial_overlap: found dents that differ from place to place; "
-                "run the case, and give the directory of the run"
+                f"{self.case.name}: contact.initial_overlap: found dents that differ from place to "
+                "place; run the case, and give the directory of the run"
             )
 
     @property

@@ -164,9 +164,9 @@ def mean_cell(result: Result) -> MeanCell:
     )
     if spread > _ALIKE:
         raise InputError(
-            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
-            f"expected the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such "
-            "a packing"
+            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % "
+            f"inside the run, expected the same in every cell ({100 * _ALIKE:g} %); granwave modes "
+            "and granwave transmission take such a packing"
         )
     grains = packing_bodies(assembly).part(cell.rows, cell.periods)
     moves = grains.moves & moving(assembly.lattice.rule.axes or "xyz", case)

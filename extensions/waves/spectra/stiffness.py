@@ -24,14 +24,12 @@ from granwave.extensions.waves.spectra.network import Array, Network, across
 from granwave.lammps_inputs.errors import InputError, RunError
 
 Complex = NDArray[np.complex128]
-# degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
-DENSE_UP_TO = 600
-# degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
-_FACTORISED_UP_TO = 3000
-_PRECISION = 1e-9
-_MOST_RESTARTS = 20_000
+DENSE_UP_TO = 600  # degrees of freedom up to which whole spectra are faster than a few values
+_FACTORISED_UP_TO = 3000  # degrees of freedom up to which factors fit the memory
+_PRECISION = 1e-9  # relative precision of Lanczos' method, which needs no factors
+_MOST_RESTARTS = 20_000  # largest number of its restarts
 _BATCH = 2**24  # numbers in the matrices that are solved at once
-_BELOW = 1e-7  # of the largest omega^2, where values are sought from
+_BELOW = 1e-7  # shift below zero at which values are sought / largest omega^2
 
 
 def factorised(matrix: sparse.sparray) -> Any:
@@ -120,7 +118,7 @@ class Stiffness:
 
     @property
     def total(self) -> sparse.csr_array:
-        """K(0), of all cells that move alike: (n_freedoms, n_freedoms), N/m."""
+        """K(0), for identical motions of all cells: (n_freedoms, n_freedoms), N/m."""
         return sparse.csr_array(sum((block + block.T for block in self.others), start=self.own))
 
     def _phases(self, k: Array, axis: int | None) -> Complex:
@@ -139,7 +137,7 @@ class Stiffness:
         return np.asarray((own if axis is None else 0.0) + half + half.conj().transpose(0, 2, 1))
 
     def matrix(self, k: Array, axis: int | None = None) -> sparse.csr_array:
-        """Return D(k), or dD/dk along an axis, of one wave vector (3,), rad/m, as a sparse matrix."""
+        """Return D(k), or dD/dk along an axis, for a wave vector (3,), rad/m: a sparse matrix."""
         own, others = self._scaled
         matrix = sparse.csr_array(own.shape, dtype=np.complex128)
         if axis is None:

@@ -72,7 +72,7 @@ class Transmission:
     drive, sensors
         Ids.
     axis
-        Direction of drive and sensors, of "xyz".
+        Direction of drive and sensors: x, y or z.
     frequency
         (n_frequencies,), Hz.
     ratio
@@ -281,7 +281,8 @@ def _far(
     last = np.flatnonzero(away <= depth)
     if np.isin(_row(network, drive, "--drive"), last):
         raise InputError(
-            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner layer"
+            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner "
+            "layer"
         )
     return last, 1 - away[last] / max(depth, 1e-300)
 

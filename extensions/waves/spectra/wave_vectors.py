@@ -47,20 +47,17 @@ from granwave.lammps_inputs.files import read_number
 
 _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
-_EPSILON = 1e-3  # of a cell, for recognising its symmetry
-MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
-# unknowns of a condensed problem, and of the cells that are condensed
-MOST_ON_FACES = 400
-_MOST_CONDENSED = 6000
-# cubes of unknowns times frequencies, to which their number is reduced; fewest of them
-_FLOPS = 5e8
-_FEWEST = 16
+_EPSILON = 1e-3  # relative tolerance of the symmetry of a cell
+MOST_UNKNOWNS = 80  # unknowns of the linear problem, which is solved at some hundred frequencies
+MOST_ON_FACES = 400  # largest number of unknowns of a condensed problem
+_MOST_CONDENSED = 6000  # largest number of unknowns of a cell that is condensed
+_FLOPS = 5e8  # largest product of frequencies and cubes of unknowns of condensed problems
+_FEWEST = 16  # smallest number of frequencies
 _OUTSIDE = 1e-9  # relative part of a wave vector outside the span of the periods that is rounding
 _WHOLE = 1e-6  # deviation of plane positions from multiples of their spacing, relative to periods
-_WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
-# of |lambda|; beyond are the infinite ones of a singular pencil
-_SMALLEST = 1e-12
-_LARGEST = 1e12
+_WAVE = 1e-6  # ln |lambda| below which a wave does not decay
+_SMALLEST = 1e-12  # smallest |lambda|
+_LARGEST = 1e12  # largest |lambda|; larger values are infinite ones of a singular pencil
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -197,8 +194,8 @@ def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
             )
         if unknown := [name for name in names if name not in special_points]:
             raise InputError(
-                f"--path: found the point {unknown[0]}, expected one of {', '.join(special_points)}, those of this cell; "
-                f"or {_FORM}"
+                f"--path: found the point {unknown[0]}, expected one of "
+                f"{', '.join(special_points)}, those of this cell; or {_FORM}"
             )
         stretches.append([(name, special_points[name]) for name in names])
     return stretches
