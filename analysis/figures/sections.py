@@ -324,10 +324,10 @@ def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
 
 
 def disc_radii(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64]:
-    """Return the radii of the discs of a section: those of the spheres on a plane of the lattice,
+    """Return the radii of the discs of a section: radii of the spheres on a plane of the lattice,
     else of the cuts.
 
-    Centres of scattered spheres lie beside the planes of the lattice by less than the tolerance of
+    Centres of scattered spheres are off the planes of the lattice by less than the tolerance of
     the plane.
     """
     radius = result["spheres/radius"][cut.index]
@@ -409,7 +409,7 @@ def draw_discs(
 def disc_colours(
     values: NDArray[np.float64], colouring: Colouring
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the colours of discs with these values (n,), and those of their edges: (n, 4) each."""
+    """Return the colours of discs with values (n,), and the colours of their edges: (n, 4) each."""
     mapped = colormaps[colouring.map]
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
     coloured = (values > 0)[:, None]
@@ -449,7 +449,7 @@ def colour_bar(
     values: NDArray[np.float64],
     location: str = "bottom",
 ) -> None:
-    """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the
+    """Draw a colour bar next to, above or below the panels, with pointed ends if values exceed the
     scale.
     """
     below = bool(np.any((values > 0) & (values < colouring.low)))

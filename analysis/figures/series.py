@@ -117,7 +117,7 @@ def panels(
 
 
 def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: Any) -> None:
-    """Label axes, and set what else they have.
+    """Label axes, and set their other properties.
 
     Parameters
     ----------

@@ -146,7 +146,7 @@ def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
 
 
 def not_made(what: str, error: Exception) -> NotDrawn:
-    """Warn of what could not be made, and return it with the reason.
+    """Warn of a figure or file that could not be made, and return it with the reason.
 
     Damaged files, full disks and lack of memory concern everything else too, and are raised.
     """
@@ -277,14 +277,14 @@ def files_of(
     be drawn.
     """
 
-    def made() -> dict[str, bytes] | NotDrawn | None:
+    def draw_files() -> dict[str, bytes] | NotDrawn | None:
         drawing = draw()
         return contents(drawing, formats) if isinstance(drawing, Drawing) else drawing
 
-    found = attempt(f"figure {name}", made)
-    return (
-        {NOT_DRAWN_SUFFIX: f"{found.reason}\n".encode()} if isinstance(found, NotDrawn) else found
-    )
+    files = attempt(f"figure {name}", draw_files)
+    if isinstance(files, NotDrawn):
+        return {NOT_DRAWN_SUFFIX: f"{files.reason}\n".encode()}
+    return files
 
 
 def lay_out(figure: Figure, resolution: float) -> None:

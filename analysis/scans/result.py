@@ -37,7 +37,7 @@ Status = Literal["done", "failed", "missing"]
 
 @dataclasses.dataclass(frozen=True)
 class PointResult:
-    """Result of one point.
+    """Result of a point.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class PointResult:
     labels
         Values of the varied keys, by dotted key; lists and tables as text.
     status, reason
-        Status, and why the point failed or what is damaged; empty otherwise.
+        Status, and the reason of a failure or the damaged file; empty otherwise.
     directory
         Directory of its run; None if it was never started.
     summary

@@ -18,6 +18,7 @@ import dataclasses
 import logging
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -169,38 +170,22 @@ def fit_law(
             f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, expected at "
             f"least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
         )
-    start = first.constants | {YIELD: first.yield_strength}
-
-    def law_of(x: Array, checked: bool = False) -> ContactLaw:
-        constants = {
-            name: float(factor * start[name]) for name, factor in zip(names, x, strict=True)
-        }
-        strength = constants.pop(YIELD, None)
-        return contact_of(
-            _with_yield(materials, strength), radii, constants=constants, checked=checked
-        )
-
-    scale = residual_scale(curve)[rows]
-
-    def residuals(x: Array) -> Array:
-        law = law_of(x)
-        off = (law.force(curve.overlap[rows], curve.peak[rows]) - curve.force[rows]) / scale
-        return np.append(np.nan_to_num(off, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE), _healing(law))
-
-    units = {**start, YIELD: 1.0}  # bounds of the yield strength are relative
-    bounds = np.sort([np.array(BOUNDS[name]) / units[name] for name in names], axis=1)
+    problem = _Problem(curve, rows, materials, radii, first, names)
+    bounds = problem.bounds
     largest = float(curve.peak.max()) / first.yield_overlap
-    search = Search(residuals, bounds, names, np.append(curve.loading[rows], False), largest)
+    is_loading = np.append(curve.loading[rows], False)
+    search = Search(problem.residuals, bounds, names, is_loading, largest)
     x = search.best()
     try:
-        law = law_of(x, checked=True)
+        law = problem.law(x, checked=True)
     except ValueError as error:
         raise InputError(
             f"{curve.source}: the constants that fit best make {error}; hold some with --free"
         ) from None
     at_bound = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
-    rho = _neighbours(residuals(x)[:-1], curve.branch[rows])
+    rho = _neighbours(problem.residuals(x)[:-1], curve.branch[rows])
     spread = uncertainties(search, x, at_bound) * math.sqrt((1 + rho) / (1 - rho))
+    start = problem.start
     of_published = _misfit(curve, published).set_index("part").drop(columns="rows")
     return Fit(
         curve=curve,
@@ -216,6 +201,62 @@ def fit_law(
         correlation=rho,
         misfit=_misfit(curve, law).join(of_published.add_prefix("published_"), on="part"),
     )
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Problem:
+    """Least-squares problem of a fit; its variables are the values relative to their start.
+
+    Attributes
+    ----------
+    rows
+        True for the fitted rows of the curve: (n,).
+    first
+        Law at the start.
+    names
+        Names of the fitted values: constants of the law, and `YIELD`.
+    """
+
+    curve: Curve
+    rows: NDArray[np.bool_]
+    materials: Sequence[Material]
+    radii: Sequence[float]
+    first: ContactLaw
+    names: Sequence[str]
+
+    @cached_property
+    def start(self) -> dict[str, float]:
+        """Values at the start by name."""
+        return self.first.constants | {YIELD: self.first.yield_strength}
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Bounds of the variables: (n_values, 2)."""
+        units = {**self.start, YIELD: 1.0}  # bounds of the yield strength are relative
+        return np.sort([np.array(BOUNDS[name]) / units[name] for name in self.names], axis=1)
+
+    @cached_property
+    def scale(self) -> Array:
+        """Scale of the residuals of the fitted rows, N."""
+        return residual_scale(self.curve)[self.rows]
+
+    def law(self, x: Array, *, checked: bool = False) -> ContactLaw:
+        """Return the law for some variables; with ``checked``, ValueError if it is not passive."""
+        constants = {
+            name: float(factor * self.start[name])
+            for name, factor in zip(self.names, x, strict=True)
+        }
+        materials = _with_yield(self.materials, constants.pop(YIELD, None))
+        return contact_of(materials, self.radii, constants=constants, checked=checked)
+
+    def residuals(self, x: Array) -> Array:
+        """Return the scaled residuals of the fitted rows, and the penalty of `_healing`."""
+        law = self.law(x)
+        curve = self.curve
+        force = law.force(curve.overlap[self.rows], curve.peak[self.rows])
+        residuals = (force - curve.force[self.rows]) / self.scale
+        finite = np.nan_to_num(residuals, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE)
+        return np.append(finite, _healing(law))
 
 
 def residual_scale(curve: Curve) -> Array:
@@ -345,9 +386,9 @@ def _with_yield(materials: Sequence[Material], strength: float | None) -> list[M
 
 def _healing(law: ContactLaw) -> float:
     """Return a penalty against negative residual overlaps: 0 if a_R increases at first yield."""
-    slope, offset, rate = (
-        law.constants[f"residual_{name}"] for name in ("slope", "offset", "rate")
-    )
+    slope = law.constants["residual_slope"]
+    offset = law.constants["residual_offset"]
+    rate = law.constants["residual_rate"]
     return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
 
 

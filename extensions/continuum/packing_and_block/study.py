@@ -1,4 +1,4 @@
-"""Impacts on packings and on blocks in one report: side by side, and each other's scaling."""
+"""Impacts on packings and on blocks in one report: their comparison, and the scaling of both."""
 
 from __future__ import annotations
 
@@ -67,7 +67,7 @@ _CAPTIONS = {
 
 
 def select(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Impacts]:
-    """All that can be compared, as one group."""
+    """All comparable impacts, as one group."""
     impacts = collect(runs)
     return [impacts] if len(impacts.granular) or len(impacts.continuum) else []
 

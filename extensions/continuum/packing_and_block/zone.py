@@ -1,4 +1,4 @@
-"""Size of the plastic zone against energy, packings and continuum side by side: what holds 50, 90
+"""Size of the plastic zone against energy, of packings and of the continuum: regions with 50, 90
 and 99 %.
 
 Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in

@@ -179,7 +179,7 @@ def reduce(directory: Path) -> pd.DataFrame:
 
 
 def main() -> None:
-    """Run the contacts whose files are not there."""
+    """Run the contacts without a file."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )

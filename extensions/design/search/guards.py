@@ -172,7 +172,7 @@ def further_runs(
 ) -> Iterator[tuple[str, str, Tables]]:
     """Give the further runs of a design that make a case: name, what is changed, and the tables.
 
-    ``longer``: how many times as late as in the design file its run has ended.
+    ``longer``: duration of its run divided by that of the design file.
     """
     case = problem.case(problem.tables_of(best.values, problem.samples[0], longer=longer))
     tables = case.to_dict()

@@ -1,4 +1,4 @@
-"""Problem of a search: keys of a design file, a base case with what may vary, and the cases of its
+"""Problem of a search: keys of a design file, a base case with its variables, and the cases of its
 designs.
 """
 
@@ -142,7 +142,7 @@ class UncertaintyTable:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SearchTable:
-    """``[search]``: how long and how."""
+    """``[search]``: extent and method of the search."""
 
     evaluations: int = schema.count(
         "designs that are run; refused ones do not count", default=60, at_most=100_000
@@ -208,7 +208,7 @@ class DesignLimit:
         return max(margins, default=0.0)
 
     def fault(self, value: float) -> str:
-        """Say how a value is beyond its bounds; empty if it is within."""
+        """Return a value beyond its bounds in words, with the bound; empty within the bounds."""
         if self.high is not None and value > self.high:
             return f"{self.name} {value:.4g}, at most {self.high:g}"
         if self.low is not None and value < self.low:

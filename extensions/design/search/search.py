@@ -243,7 +243,7 @@ def _threads() -> Any:
 
 
 def _scaled(losses: Array) -> Array:
-    """Return the logarithms of losses of one sign, in the order of the losses; others unchanged."""
+    """Return the logarithms of losses of the same sign, in their order; others unchanged."""
     if (losses > 0).all():
         return np.log(losses)
     if (losses < 0).all():

@@ -261,7 +261,7 @@ class Infer:
 
     @property
     def deviations(self) -> Noise:
-        """Standard deviations of what was measured."""
+        """Standard deviations of the measured quantities."""
         return self.noise or Noise()
 
     @property

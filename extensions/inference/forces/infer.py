@@ -19,6 +19,8 @@ from granwave.extensions.inference.forces.case import Infer
 from granwave.extensions.inference.forces.equations import Equations, Noise, Weights
 from granwave.extensions.inference.forces.freedom import expected_misfit, freedom, root_of
 from granwave.extensions.inference.forces.grains import (
+    NORMAL,
+    TANGENTIAL,
     Array,
     CandidateContacts,
     MeasuredGrains,
@@ -93,12 +95,14 @@ class Inference:
         each, N.
         """
         assert self.spread is not None
-        shear = np.linalg.norm(self.spread[:, 1:], axis=1) / math.sqrt(self.spread.shape[1] - 1)
-        return self.spread[:, 0], np.asarray(shear)
+        shear = np.linalg.norm(self.spread[:, TANGENTIAL], axis=1) / math.sqrt(
+            self.spread.shape[1] - 1
+        )
+        return self.spread[:, NORMAL], np.asarray(shear)
 
     @cached_property
     def n_free(self) -> float:
-        """Mean of chi^2 over noise: the number of equations minus that of free components of
+        """Mean of chi^2 over noise: the number of equations minus the number of free components of
         forces, with weights that whiten the noise; see `freedom`. A modulus that is found is one
         more.
         """

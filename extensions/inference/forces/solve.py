@@ -1,14 +1,15 @@
-"""Forces that push, within the cone of friction, and fit the equations best; Young's modulus from
+"""Compressive forces within the cone of friction that fit the equations best; Young's modulus from
 the motion.
 
-Strains tell forces up to a factor, accelerations tell them without.
+Strains determine the forces up to a factor; accelerations determine the factor.
 
-The right-hand side of the stress is proportional to the moduli, that of the motion is not. The
-factor of the moduli is the minimum of chi^2, the sum of squares of the errors of strains and
-accelerations over their standard deviations, with the forces that are best for each factor. These
-forces are not held within the cone of friction here: noise could push those on its border inwards
-only, which biases the modulus upwards by as much as its standard error. An additional column of the
-least squares, in place of the search, would be biased low: it takes the strains as free of errors.
+The right-hand side of the stress is proportional to the moduli, the right-hand side of the motion
+does not depend on them. The factor of the moduli is at the minimum of chi^2, the sum of squares of
+the errors of strains and accelerations over their standard deviations, with the best forces for
+each factor. These forces are not confined to the cone of friction: noise could push forces on the
+cone inwards only, and bias the modulus upwards by as much as its standard error. An additional
+column of the least squares in place of the search would bias the modulus downwards, since it takes
+the strains as free of errors.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 from scipy import linalg, optimize, sparse
 
 from granwave.extensions.inference.forces.equations import Equations, unknown_columns
-from granwave.extensions.inference.forces.grains import NORMAL, Array, MeasuredGrains
+from granwave.extensions.inference.forces.grains import NORMAL, TANGENTIAL, Array, MeasuredGrains
 from granwave.lammps_inputs.errors import InputError, RunError
 
 #: Number of unknowns above which problems in the plane use the conic solver with sparse matrices.
@@ -82,8 +83,10 @@ def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimensio
     force = _free(matrix, data, friction, dimension)
     if force is not None:
         slack = _ROUNDING * float(np.abs(force).max(initial=0.0))
-        size = np.linalg.norm(force[:, 1:], axis=1)
-        if (force[:, 0] >= -slack).all() and (size <= friction * force[:, 0] + 4 * slack).all():
+        size = np.linalg.norm(force[:, TANGENTIAL], axis=1)
+        if (force[:, NORMAL] >= -slack).all() and (
+            size <= friction * force[:, NORMAL] + 4 * slack
+        ).all():
             return _onto(force, friction)
     return _by_cones(matrix, data, friction, dimension)
 
@@ -122,12 +125,12 @@ def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
 
 def _onto(force: Array, friction: Array) -> Array:
     """Move forces that rounding put outside their cones onto them."""
-    normal = np.maximum(force[:, 0], 0.0)
-    size = np.linalg.norm(force[:, 1:], axis=1)
+    normal = np.maximum(force[:, NORMAL], 0.0)
+    size = np.linalg.norm(force[:, TANGENTIAL], axis=1)
     shrink = np.minimum(
         1.0, np.divide(friction * normal, size, out=np.ones_like(size), where=size > 0)
     )
-    return np.concatenate([normal[:, None], shrink[:, None] * force[:, 1:]], axis=1)
+    return np.concatenate([normal[:, None], shrink[:, None] * force[:, TANGENTIAL]], axis=1)
 
 
 def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:

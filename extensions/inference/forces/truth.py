@@ -1,6 +1,4 @@
-"""States of a finished run with the forces at all contacts, from snapshots that were recorded with
-them.
-"""
+"""States of a finished run with the forces at all contacts, from snapshots with contact forces."""
 
 from __future__ import annotations
 
@@ -16,8 +14,10 @@ from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
 from granwave.extensions.inference.forces.equations import make_equations
 from granwave.extensions.inference.forces.grains import (
+    NORMAL,
     PAIRS,
     SCALES,
+    TANGENTIAL,
     TURNS,
     Array,
     CandidateContacts,
@@ -266,7 +266,7 @@ class Snapshots:
         at_walls = np.flatnonzero(contacts.second < 0)
         own = contacts.first[at_walls]
         pushes = np.reshape(recorded, (-1, len(grains)))[contacts.wall[at_walls], own]
-        true[at_walls, 0] = pushes
+        true[at_walls, NORMAL] = pushes
         left = rest.copy()
         np.subtract.at(left, own, pushes[:, None] * contacts.normal[at_walls])
         if not self.friction[1] or not len(at_walls):
@@ -274,7 +274,9 @@ class Snapshots:
         loaded = at_walls[pushes > 0]
         for grain in np.unique(contacts.first[loaded]).tolist():
             own = loaded[contacts.first[loaded] == grain]
-            tangents = np.concatenate([contacts.basis[m][:, 1:] for m in own.tolist()], axis=1)
+            tangents = np.concatenate(
+                [contacts.basis[m][:, TANGENTIAL] for m in own.tolist()], axis=1
+            )
             levers = contacts.arm[own].repeat(self.dimension - 1, axis=0).T
             scale = grains.radius[grain]
             if self.dimension == 3:  # levers end half-way into the overlap
@@ -292,7 +294,7 @@ class Snapshots:
                     "forces its motion does not tell apart; choose another --time, or a packing "
                     "without friction of its walls"
                 )
-            true[own, 1:] = solution.reshape(len(own), -1)
+            true[own, TANGENTIAL] = solution.reshape(len(own), -1)
             left[grain] -= tangents @ solution
         return left
 

@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.extensions.waves.spectra.bands import (
     ROLLING,
@@ -77,7 +78,7 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     There is a wave for each direction in which all grains can be displaced together.
     """
     network = stiffness.network
-    is_held = np.ones(3, dtype=bool)
+    is_held: NDArray[np.bool_] = np.ones(3, dtype=bool)
     if network.n_grains:
         is_held = ~network.moves[:, :3].all(axis=0)
     if len(network.supports):

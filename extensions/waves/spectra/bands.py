@@ -1,9 +1,9 @@
-"""Bands of an endless packing along a path of wave vectors, gaps between them, and modes of a
+"""Bands of a periodic packing along a path of wave vectors, gaps between them, and modes of a
 finite packing.
 
-Participation ratio of a mode with the energies e_i of its grains: (sum e)^2/(n sum e^2); 1: all
-grains move alike, 1/n: one moves. The density of states of a large packing is that of its lowest
-modes; for the whole range, its moments over Chebyshev polynomials are found with random vectors
+The participation ratio of a mode is (sum e_i)^2/(n sum e_i^2), where e_i are the energies of the n
+grains: 1 if all grains move equally, 1/n if only one grain moves. The density of states of a large
+packing is found over its whole range from moments over Chebyshev polynomials with random vectors
 (kernel polynomial method, doi:10.1103/RevModPhys.78.275).
 """
 
@@ -156,7 +156,7 @@ def solve_bands(
 
 
 def describe_floppy(bands: Bands) -> str:
-    """Describe the modes without resistance: how many, where, which grains move how; empty if there
+    """Describe the modes without resistance: their number, wave vector and motion; empty if there
     are none.
     """
     counts = bands.floppy.sum(axis=1)
@@ -189,8 +189,8 @@ def growing(square: Array, largest: float) -> str:
 
 
 def who_moves(network: Network, share: Array) -> str:
-    """Describe which grains move in which directions, given the energies of the degrees of freedom
-    (n_freedoms,).
+    """Describe the directions and the grains of a motion, given the energies of the degrees of
+    freedom: (n_freedoms,).
     """
     grain, direction = network.freedoms
     total = share.sum()
@@ -228,13 +228,13 @@ class Gap:
 
     @property
     def relative_width(self) -> float:
-        """Width over the middle."""
+        """Width divided by the middle frequency."""
         return (self.high - self.low) / self.middle if np.isfinite(self.high) else np.inf
 
 
 def band_edges(bands: Bands) -> Array:
     """Return the lowest and highest frequency of each band along the path: (n_bands, 2), Hz; NaN
-    without any.
+    for bands without a frequency.
     """
     frequency = bands.frequency
     low = np.where(np.isnan(frequency), np.inf, frequency).min(axis=0)
@@ -244,8 +244,7 @@ def band_edges(bands: Bands) -> Array:
 
 
 def gaps(bands: Bands) -> list[Gap]:
-    """Return the gaps between the bands of a path, and those below the first and above the last, by
-    rising frequency.
+    """Return the gaps between, below and above the bands of a path, by rising frequency.
 
     The gap above the last band is left out if only the lowest bands of a large cell were sought.
     """
@@ -303,11 +302,11 @@ class Modes:
 
     @property
     def complete(self) -> bool:
-        """True if these are all modes."""
+        """True if these are all modes of the packing."""
         return len(self.square) == self.network.n_freedoms
 
     def describe_floppy(self) -> str:
-        """Describe the modes without resistance: how many, and which grains move how."""
+        """Describe the modes without resistance: their number and motion."""
         loose = self.square <= _ZERO * self.largest
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
         suffix = "" if self.complete or not loose.all() else " or more"
@@ -316,7 +315,7 @@ class Modes:
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
-    """Find the modes of a finite packing: all of a small one, the lowest of a large one.
+    """Find the modes of a finite packing: all modes of a small packing, the lowest of a large one.
 
     Parameters
     ----------

@@ -1,5 +1,5 @@
-"""Grains of a unit cell or of a finite packing at places of their own, with walls and loads, and
-the contacts there.
+"""Grains of a unit cell or of a finite packing at their positions, with walls and loads, and their
+contacts.
 """
 
 from __future__ import annotations

@@ -1,9 +1,9 @@
-"""Energy of grains under static loads: unknowns, their energy with its derivatives, and a step of
+"""Energy of grains under static loads: unknowns, energy with its derivatives, and a step of
 Newton's method.
 
-Unknown are the displacements of the grains, the strains of the cell that are free, and the
-distances of walls that move in to a force. The energy of the contacts and of the loads is smallest
-in the static state; contacts are loaded for the first time, without friction.
+The unknowns are the displacements of the grains, the free strains of the cell, and the distances of
+walls that move in up to a force. The energy of contacts and loads has a minimum in the static
+state. Contacts are loaded for the first time, without friction.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Grains of a finite packing with its static loads, and states that are no static states of it."""
+"""Grains of a finite packing with its static loads, and checks of their static states."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
 
 
 def whole(assembly: Assembly) -> Bodies:
-    """Return all grains of a finite packing with their dead loads; those of a held layer do not
+    """Return all grains of a finite packing with their dead loads; grains of a held layer do not
     move.
     """
     case = assembly.case

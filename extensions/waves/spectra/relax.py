@@ -1,10 +1,12 @@
 """Static state of grains under load, by Newton's method on their `EnergyProblem`.
 
-As in the static stage of a run, walls move in to their force with elastic contacts, and stay there.
+As in the static stage of a run, walls move in up to their force with elastic contacts, and stay
+there.
 
-A packing that buckles has no static state near the places that it is given. Newton's method with
-the turning of forces then finds the one in which all forces balance and from which it buckles: some
-motions lower its energy. Grains that are loose at first are followed until they touch others.
+A packing that buckles has no stable static state near its given positions. Newton's method with the
+turning of forces then finds the state in which all forces balance and from which the packing
+buckles: some motions lower its energy. Grains that are loose at first are followed until they touch
+others.
 """
 
 from __future__ import annotations
@@ -162,7 +164,7 @@ def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[Static
 
 
 def _other_ways(problem: EnergyProblem) -> Iterator[tuple[EnergyProblem, _Way]]:
-    """Give the problems and the searches that find a balance where Newton's method does not."""
+    """Give the problems and searches that find a balance if Newton's method does not."""
     if problem.n <= _BUCKLED_UP_TO:
         yield EnergyProblem(problem.bodies, with_turning=True), _search
     if problem.n <= _FALLEN_UP_TO:
@@ -201,7 +203,7 @@ class _Progress:
         self.since = 0
 
     def ends(self, now: Evaluation) -> bool:
-        """Return True if a state is balanced, as far as rounding lets it."""
+        """Return True if a state is balanced up to rounding."""
         net = _net(self.problem, now)
         self.since = 0 if net < 0.5 * self.best else self.since + 1
         self.best = min(self.best, net)
@@ -214,12 +216,12 @@ class _Progress:
 
 
 def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
-    """Return the same as `_search`, by the method of Levenberg and Marquardt, which follows grains
-    that nothing resists until something does.
+    """Return the result of `_search` by the method of Levenberg and Marquardt, which follows loose
+    grains until they touch others.
 
-    It starts before the load where the start is far away, since no contact resists there. Springs
-    hold all grains in place during a step: they soften after each step that lowers the energy, and
-    stiffen where one would not.
+    If the start is far from the unloaded state, the search begins in the unloaded state, since no
+    contact resists at the start. Springs hold all grains in place during a step. They soften after
+    each step that lowers the energy, and stiffen if a step would not lower it.
     """
     reach = MARGIN / 2 * problem.bodies.spacing
     if np.abs(x[: problem.n_motions]).max(initial=0.0) > reach:
@@ -249,7 +251,7 @@ def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
 def _downhill(
     problem: EnergyProblem, x: Array, now: Evaluation, move: Array
 ) -> tuple[Array, Evaluation] | None:
-    """Return the unknowns after so much of a step that energy or net force falls; None if neither
+    """Return the unknowns after the part of a step that lowers energy or net force; None if no part
     does.
     """
     net = _net(problem, now)
@@ -268,7 +270,7 @@ def _downhill(
 
 
 def _net(problem: EnergyProblem, now: Evaluation) -> float:
-    """Largest net force on a grain, or that on the cell over the mean of its periods, N."""
+    """Return the largest net force on a grain, a wall, or the cell (over its mean period), N."""
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
     cell = float(np.abs(now.gradient[problem.n_motions : problem.n_of_grains]).max(initial=0.0))

@@ -1,5 +1,5 @@
-"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static
-stage left it.
+"""Static states for waves of small amplitude: of a case, by Newton's method, or of a finished run,
+at the end of its static stage.
 """
 
 from __future__ import annotations

@@ -1,12 +1,13 @@
 """Stiffness and dynamical matrices of a network of springs.
 
-The stiffness between the cells at 0 and at the vector R of periods is K_R; with the phase k.R
-between them
+The stiffness between the cells at 0 and at the vector R of periods is K_R. With the phase k.R
+between these cells
 
-    K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R)),   D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
+    K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R))
+    D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
 
-where the sum has each pair of opposite R once. dD/dk gives the group velocities (Hellmann,
-Feynman).
+where the sum contains one vector R of each opposite pair. dD/dk gives the group velocities
+(Hellmann, Feynman).
 """
 
 from __future__ import annotations
@@ -33,8 +34,8 @@ _BELOW = 1e-7  # shift below zero at which values are sought / largest omega^2
 
 
 def factorised(matrix: sparse.sparray) -> Any:
-    """Factorise a matrix whose pattern is symmetric; SuperLU's default for others fills in ten
-    times as much.
+    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
+    much.
     """
     options = {"SymmetricMode": True}
     return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -68,7 +69,7 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
 
 
 def _block(first: list[Array], second: list[Array], weights: list[Array]) -> Array:
-    """Sum of the products of strains, the first ones, with their stiffnesses: (n, 6, 6)."""
+    """Return the sum of products of strains and their stiffnesses: (n, 6, 6)."""
     parts = zip(first[: len(weights)], second[: len(weights)], weights, strict=True)
     return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in parts], axis=0)
 
