@@ -111,7 +111,7 @@ def space_time_map(
 
 
 def force_histories(result: Result) -> Drawing | None:
-    """Draw the force history of some contacts, evenly spread over the loaded ones."""
+    """Draw the force histories of some of the loaded contacts, evenly spaced along the chain."""
     if "chain" not in result:
         return None
     force = result["chain/contact_force"]

@@ -218,18 +218,16 @@ def _place_ticks(axis: Axis) -> None:
 
 
 def least_span(figure: Figure) -> None:
-    """Widen axes on which all values are equal or nearly so: their ticks would show one and the
-    same number.
-    """
-    for axes in (axes for axes in figure.axes if axes.get_label() != _COLOUR_BAR):
-        if axes.get_autoscalex_on() and (
-            limits := _around(axes.dataLim.intervalx, axes.get_xscale())
-        ):
-            axes.set_xlim(limits)
-        if axes.get_autoscaley_on() and (
-            limits := _around(axes.dataLim.intervaly, axes.get_yscale())
-        ):
-            axes.set_ylim(limits)
+    """Widen axes with nearly equal values, whose ticks would all show the same number."""
+    for axes in figure.axes:
+        if axes.get_label() == _COLOUR_BAR:
+            continue
+        x_limits = _around(axes.dataLim.intervalx, axes.get_xscale())
+        if axes.get_autoscalex_on() and x_limits:
+            axes.set_xlim(x_limits)
+        y_limits = _around(axes.dataLim.intervaly, axes.get_yscale())
+        if axes.get_autoscaley_on() and y_limits:
+            axes.set_ylim(y_limits)
 
 
 def _around(values: NDArray[np.float64], scale: str) -> tuple[float, float] | None:

@@ -115,8 +115,9 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation over input; ``part``: by yielding, friction or viscous
-    losses only.
+    """Return the colouring by dissipation / energy input.
+
+    ``part``: only the dissipation by ``yielding``, ``friction`` or ``viscous`` losses.
     """
     values = result["spheres/dissipated_energy"]
     if part:
@@ -192,8 +193,8 @@ def wave_front(result: Result) -> Drawing | None:
     colours = result.figure_options.colour_map or FORCE_MAP
     reached = np.max(forces, axis=0) >= low
     window = window_around(cut, reached, result.case.packing.diameter)
-    left, right, bottom, top = window
-    aspect = (top - bottom) / (right - left)
+    left, right, top, bottom = window
+    aspect = (bottom - top) / (right - left)
     n_columns = 2 if aspect > _BROAD else 1
     if aspect > _TALL:
         n_columns = len(chosen)
@@ -294,23 +295,24 @@ def _draw_impact(
 
 
 def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
-    """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on
+    """Return the spheres on a plane; None without the plane, or with a single line of spheres on
     it.
     """
     diameter = result.case.packing.diameter
-    cuts = list(planes(result.case.packing.kind))
-    if (own := result.figure_options.plane) is not None:
+    candidates = list(planes(result.case.packing.kind))
+    own = result.figure_options.plane
+    if own is not None:
         largest = float(result["spheres/radius"].max(initial=0.0))
-        cuts.append(own_plane(own.normal, own.through, largest / diameter))
-    for plane in cuts:
-        if plane.name == name:
-            plane = _from_struck_sphere(plane, result)
-            cut = section(plane, result["spheres/position"], result.origin, diameter)
-            wide = (
-                len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
-            )
-            return cut if wide else None
-    return None
+        candidates.append(own_plane(own.normal, own.through, largest / diameter))
+    plane = next((candidate for candidate in candidates if candidate.name == name), None)
+    if plane is None:
+        return None
+    plane = _from_struck_sphere(plane, result)
+    cut = section(plane, result["spheres/position"], result.origin, diameter)
+    if not len(cut.index):
+        return None
+    is_wide = np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
+    return cut if is_wide else None
 
 
 def _from_struck_sphere(plane: Plane, result: Result) -> Plane:

@@ -26,6 +26,7 @@ from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
 from granwave.extensions.continuum.packing_and_block.impacts import (
     Impacts,
+    QuadraticLaw,
     area_table,
     by_area,
     collect,
@@ -223,23 +224,9 @@ def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:
 
 def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Quadratic law, collapse of the scaling, and loading area."""
-    if fit := quadratic_fit(impacts):
-        packing_cells = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
-        caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
-        columns = (
-            TableColumn("Constant", key=True),
-            *numeric("Value, with its standard deviation"),
-        )
-        yield table_of(
-            caption, columns, zip(("D0", "D1", "D2"), packing_cells, strict=True), by_row=True
-        )
-        fractions = impacts.fast.dissipated_fraction
-        remark = _FIT_REMARK.format(fractions.min(), fractions.max())
-        yield Note(
-            f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative "
-            f"weights; the largest misfit there is {percent(100 * fit.misfit).lstrip('+')}. "
-            f"{remark}"
-        )
+    fit = quadratic_fit(impacts)
+    if fit:
+        yield from _fit_of_velocities(impacts, fit)
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(variants(impacts).items())[1:]:
         pairs = equal(runs, impacts.reference, "velocity_normalised")
@@ -259,6 +246,21 @@ def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
             rows.append((energy, *cells, float(np.ptp(fractions.dropna()))))
         columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
         yield table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
+
+
+def _fit_of_velocities(impacts: Impacts, fit: QuadraticLaw) -> Iterator[DocumentTable | Note]:
+    """Constants of the quadratic law, and their range of velocities."""
+    caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
+    value = numeric("Value, with its standard deviation")
+    columns = (TableColumn("Constant", key=True), *value)
+    cells = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
+    yield table_of(caption, columns, zip(("D0", "D1", "D2"), cells, strict=True), by_row=True)
+    fractions = impacts.fast.dissipated_fraction
+    remark = _FIT_REMARK.format(fractions.min(), fractions.max())
+    yield Note(
+        f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; "
+        f"the largest misfit there is {percent(100 * fit.misfit).lstrip('+')}. {remark}"
+    )
 
 
 def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:

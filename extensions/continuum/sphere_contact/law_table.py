@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -143,39 +144,49 @@ def reduce(directory: Path) -> pd.DataFrame:
         history = pd.read_csv(directory / f"{name}.csv")
         first = case_of(name, values).contact_law("elastoplastic-fe")
         start = first.yield_overlap / first.effective_radius
-        loading = history[
-            (history["branch"] == LOADING)
-            & (history["overlap"] > 0.3 * start)
-            & (history["force"] > 0)
-        ]
-        x = np.log(loading["overlap"].to_numpy())
-        y = np.log((loading["force"] / loading["overlap"]).to_numpy())
-        for at in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
-            weight = np.exp(-0.25 * ((x - math.log(at)) / _SMOOTHED) ** 2)
-            near = weight > 0.03
-            level = np.polyfit(x[near] - math.log(at), y[near], 2, w=weight[near])[-1]
-            rows.append((name, "loading", at, at * math.exp(level), "", "", ""))
-        for _, down in history[history["branch"] == UNLOADING].groupby("cycle"):
-            part = down.iloc[int(down["overlap"].to_numpy().argmax()) :]
-            part = part[part["force"] > 0]
-            overlap = part["overlap"].to_numpy()
-            share = part["force"].to_numpy() / part["force"].iloc[0]
-            if len(part) < _FEWEST:
-                continue
-
-            def misfit(
-                constants: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share
-            ) -> np.ndarray:
-                residual, exponent = constants
-                scaled = (overlap / overlap[0] - residual) / (1 - residual)
-                return np.asarray(np.clip(scaled, 1e-9, None) ** exponent - share)
-
-            fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
-            rows.append((name, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
-                         np.abs(fitted.fun).max()))  # fmt: skip
+        for overlap, force in _smoothed_loading(history, start):
+            rows.append((name, "loading", overlap, force, "", "", ""))
+        for _, cycle in history[history["branch"] == UNLOADING].groupby("cycle"):
+            down = cycle.iloc[int(cycle["overlap"].to_numpy().argmax()) :]
+            down = down[down["force"] > 0]
+            if len(down) >= _FEWEST:
+                rows.append((name, "unloading", *_fitted_unloading(down)))
     return pd.DataFrame(
         rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"]
     )
+
+
+def _smoothed_loading(history: pd.DataFrame, start: float) -> Iterator[tuple[float, float]]:
+    """Give overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
+    is_loading = history["branch"] == LOADING
+    loading = history[is_loading & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
+    x = np.log(loading["overlap"].to_numpy())
+    y = np.log((loading["force"] / loading["overlap"]).to_numpy())
+    for overlap in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
+        distance = x - math.log(overlap)
+        weight = np.exp(-0.25 * (distance / _SMOOTHED) ** 2)
+        near = weight > 0.03
+        level = np.polyfit(distance[near], y[near], 2, w=weight[near])[-1]
+        yield overlap, overlap * math.exp(level)
+
+
+def _fitted_unloading(down: pd.DataFrame) -> tuple[float, float, float, float, float]:
+    """Return overlap and force at the peak of an unloading, residual overlap, exponent, and the
+    largest deviation from the fitted curve over the peak force.
+    """
+    relative = down["overlap"].to_numpy() / down["overlap"].iloc[0]
+    share = down["force"].to_numpy() / down["force"].iloc[0]
+
+    def misfit(constants: np.ndarray) -> np.ndarray:
+        residual, exponent = constants
+        scaled = (relative - residual) / (1 - residual)
+        return np.asarray(np.clip(scaled, 1e-9, None) ** exponent - share)
+
+    fitted = least_squares(misfit, [relative[-1], 1.35])
+    residual, exponent = fitted.x
+    peak = down["overlap"].iloc[0]
+    largest = np.abs(fitted.fun).max()
+    return peak, down["force"].iloc[0], residual * peak, exponent, largest
 
 
 def main() -> None:

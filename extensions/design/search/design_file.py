@@ -441,12 +441,11 @@ def _objectives(
     without_target = "bar" not in base and not is_target(bottom)
     for objective in objectives:
         of_target = any(fnmatchcase(objective.name, pattern) for pattern in _OF_TARGET)
-        errors.check((
-            without_target and of_target, "objective",
+        fault = (
             f"{objective.name}: is null without a target: found boundary.bottom = {show(bottom)} "
-            "in the base, "
-            'expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}',
-        ))  # fmt: skip
+            'in the base, expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}'
+        )
+        errors.check((without_target and of_target, "objective", fault))
     return tuple(objectives)
 
 

@@ -221,17 +221,16 @@ class Bodies:
     def near(
         self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
     ) -> NeighbourPairs:
-        """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than
-        ``wall_gap``.
+        """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap`` to
+        walls, by default the same.
         """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[
-            self.kind
-        ]
-        around = np.where(
-            half > 0, np.hypot(self.radius, half), self.radius
-        )  # radii of spheres around the grains
+        half_lengths = np.array(
+            [0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes]
+        )
+        half = half_lengths[self.kind]
+        around = np.where(half > 0, np.hypot(self.radius, half), self.radius)  # enclosing spheres
         reach = 2 * float(around.max()) + gap
         tree = KDTree(position)
         pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)

@@ -183,32 +183,37 @@ class EnergyProblem:
 def newton_step(
     hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False, holding: float = 0.0
 ) -> Array:
-    """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are
-    no minimum.
+    """Return Newton's step.
 
     Parameters
     ----------
+    pivots
+        True for an indefinite matrix; the step then also leads to balances that are no minimum.
     holding
-        Stiffness of springs that hold all grains in place, N/m; by default so soft that only free
-        motions feel it.
+        Stiffness of springs that hold all grains in place, N/m; by default so soft that it affects
+        free motions only.
     """
     diagonal = hessian.diagonal()
     soft = SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
     matrix = (hessian + (holding or soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
     if pivots:
         return np.asarray(splu(matrix).solve(-gradient))
-    # in a long row or a slender packing factors are small, and conjugate gradients need its length
-    direct = len(diagonal) <= DIRECT_UP_TO or matrix.nnz <= _OF_A_ROW * matrix.shape[0]
-    if not direct:
-        place = np.empty(matrix.shape[0], dtype=np.int64)
-        place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(
-            len(place)
-        )
-        rows, columns = matrix.nonzero()
-        direct = bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
-    if direct:
+    if len(diagonal) <= DIRECT_UP_TO or _is_slender(matrix):
         return np.asarray(factorised(matrix).solve(-gradient))
-    step, _ = cg(
-        matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal())
-    )
+    preconditioner = sparse.diags_array(1 / matrix.diagonal())
+    step, _ = cg(matrix, -gradient, rtol=1e-5, maxiter=4000, M=preconditioner)
     return np.asarray(step)
+
+
+def _is_slender(matrix: sparse.csc_array) -> bool:
+    """Return True for the matrix of a long row or a slender packing.
+
+    Its factors are small, and conjugate gradients would take as many steps as it is long.
+    """
+    if matrix.nnz <= _OF_A_ROW * matrix.shape[0]:
+        return True
+    order = reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)
+    place = np.empty(matrix.shape[0], dtype=np.int64)
+    place[order] = np.arange(len(place))
+    rows, columns = matrix.nonzero()
+    return bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)

@@ -219,19 +219,18 @@ class PairLaws:
         and their scales.
         """
         parts: list[Part] = []
+        flat: Partner = (wall.material, None)
         for n, (material, shape) in enumerate(self.bodies):
-            if len(rows := np.flatnonzero(kind == n)):
-                by_size = (
-                    shape is not None
-                    or self.case.contact_between(material, wall.material).entry.is_power
-                )
-                radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
+            rows = np.flatnonzero(kind == n)
+            if not len(rows):
+                continue
+            contact = self.case.contact_between(material, wall.material)
+            scale = None
+            if shape is None and not contact.entry.is_power:
                 scale = wall.effective_radii(radius[rows])
-                friction = wall_friction(self.case, wall, material)
-                flat = (wall.material, None)
-                parts += self._parts(
-                    self.bodies[n], flat, friction, rows, radii, None if by_size else scale
-                )
+            radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
+            friction = wall_friction(self.case, wall, material)
+            parts += self._parts(self.bodies[n], flat, friction, rows, radii, scale)
         return parts
 
     def _parts(
