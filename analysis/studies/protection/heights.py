@@ -101,16 +101,16 @@ def pictures(all_series: AllSeries) -> Iterator[Picture]:
         place = frictions.index(runs[0].friction)
         colour = _COLOURS[bottoms.index(runs[0].bottom) % len(_COLOURS)]
         layers = np.array([float(run.layers) for run in runs])
-        values = {
-            column: np.array([run.value(key) for run in runs]) for key, column in _SHOWN.items()
-        }
+        values = {}
+        for key, column in _SHOWN.items():
+            values[column] = np.array([run.value(key) for run in runs])
         for axes, column in zip(row, values, strict=False):
             look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
             (line,) = axes.plot(layers, values[column], look, color=colour, label=name)
             line.set(markersize=3.5, markerfacecolor="none" if place else colour)
         columns[f"{column_name(name)}_layers"] = layers
-        for column, reductions in values.items():
-            columns[f"{column_name(name)}_{column}"] = reductions
+        for column, series_values in values.items():
+            columns[f"{column_name(name)}_{column}"] = series_values
     heights = sorted({run.layers for run in chain.from_iterable(all_series)})
     for axes, label in zip(row, _LABELS, strict=True):
         axes.set(xlabel="Layers", ylabel=label, xscale="log")

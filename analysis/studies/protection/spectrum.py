@@ -94,7 +94,8 @@ def _held_run(runs: Sequence[TargetRun], plate_run: TargetRun) -> TargetRun | No
 def title(groups: Sequence[Spectrum]) -> str:
     """Title with packing and impact."""
     one_height = len({held_run.layers for held_run, _ in groups}) == 1
-    return f"Protected target, shock spectrum: {impact_title(groups[0][0].assembly, height=one_height)}"
+    impact = impact_title(groups[0][0].assembly, height=one_height)
+    return f"Protected target, shock spectrum: {impact}"
 
 
 def rows(groups: Sequence[Spectrum]) -> Iterator[Row]:
@@ -157,8 +158,16 @@ def pictures(groups: Sequence[Spectrum]) -> Iterator[Picture]:
             ("short_impulse", period, theory.short_impulse, "--", "short impulse, J/(Mω)"),
         ):
             full = "none" if column == "without" else colour
-            axes.plot(_MICRO * x, _MICRO * values, line, color=colour, label=called, markersize=4, linewidth=0.9,
-                      markerfacecolor=full)  # fmt: skip
+            axes.plot(
+                _MICRO * x,
+                _MICRO * values,
+                line,
+                color=colour,
+                label=called,
+                markersize=4,
+                linewidth=0.9,
+                markerfacecolor=full,
+            )
             columns[f"{word}_{column}_m"] = values
     axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in groups))
     legend_outside(figure, 2, fontsize=7)

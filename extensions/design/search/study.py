@@ -185,17 +185,34 @@ class DesignStudy:
     def _table(self) -> str:
         """Return the text of designs.csv."""
         problem = self.problem
-        known: dict[str, None] = {}  # values of the packing, in the order of their appearance
+        packing_values: dict[
+            str, None
+        ] = {}  # values of the packing, in the order of their appearance
         for design in self.designs:
-            known.update(dict.fromkeys(design.known))
-        objectives = [entry.name for entry in problem.objectives if entry.name not in known]
-        limits = [entry.name for entry in problem.limits if entry.name not in (*known, *objectives)]
+            packing_values.update(dict.fromkeys(design.known))
+        objectives = [
+            entry.name for entry in problem.objectives if entry.name not in packing_values
+        ]
+        limits = [
+            entry.name
+            for entry in problem.limits
+            if entry.name not in (*packing_values, *objectives)
+        ]
         spreads = []
         if len(problem.samples) > 1:
             for objective in problem.objectives:
                 spreads += [f"{objective.name}_low", f"{objective.name}_high"]
         keys = [variable.key for variable in problem.space.variables]
-        columns = ["number", "state", "reason", "directory", *keys, *known, *objectives, *spreads]
+        columns = [
+            "number",
+            "state",
+            "reason",
+            "directory",
+            *keys,
+            *packing_values,
+            *objectives,
+            *spreads,
+        ]
         stream = io.StringIO()
         table = csv.DictWriter(stream, [*columns, *limits], restval="", lineterminator="\n")
         table.writeheader()

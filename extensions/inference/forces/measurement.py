@@ -119,10 +119,10 @@ def _faults_of_names(
 ) -> Iterator[str]:
     """Give the faults of the headings of a table, and of the names that they stand for."""
     names_by_group = groups(dimension)
-    known = list(itertools.chain.from_iterable(names_by_group.values()))
+    allowed = list(itertools.chain.from_iterable(names_by_group.values()))
     for name, heading in zip(names, headings, strict=True):
-        if name not in known:
-            yield f"found a column {show(heading)}, expected names among {', '.join(known)}"
+        if name not in allowed:
+            yield f"found a column {show(heading)}, expected names among {', '.join(allowed)}"
     for name, count in Counter(names).items():
         if count > 1:
             yield f"found the column {name} {count} times, expected it once"

@@ -80,10 +80,10 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     network = stiffness.network
     is_held: NDArray[np.bool_] = np.ones(3, dtype=bool)
     if network.n_grains:
-        is_held = ~network.moves[:, :3].all(axis=0)
+        is_held = np.asarray(~network.moves[:, :3].all(axis=0), dtype=bool)
     if len(network.supports):
-        is_held |= np.abs(network.supports.normal).max(axis=0) > 0
-        is_held |= network.supports.tangential.max() > 0
+        is_held |= np.any(network.supports.normal != 0, axis=0)
+        is_held |= bool(network.supports.tangential.max() > 0)
     size = float(np.linalg.norm(network.periods, axis=1).max())
     wave_number = _LONG / size
     square, _ = stiffness.spectrum(directions * wave_number, int((~is_held).sum()))
