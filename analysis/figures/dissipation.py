@@ -56,7 +56,7 @@ _ALL = {2: "both", 3: "all"}  # label of the sum, by number of kinds of dissipat
 def dissipation_ranked(result: Result) -> Drawing | None:
     """Draw the dissipation of the spheres in descending order, with rings beyond the law's range.
 
-    With friction, also that by yielding and by friction, each in its own descending order.
+    With friction, dissipation by yielding and by friction is drawn too, each in descending order.
     """
     dissipated = result["spheres/dissipated_energy"]
     rows = ranked(dissipated)
@@ -95,7 +95,7 @@ def dissipation_ranked(result: Result) -> Drawing | None:
 def dissipation_cumulated(result: Result) -> Drawing | None:
     """Draw the volume of the spheres that dissipate a given share of the input.
 
-    With friction, also for dissipation by yielding and by friction alone.
+    With friction, also for dissipation by yielding only and by friction only.
     """
     if not np.any(result["spheres/dissipated_energy"] > 0):
         return None
@@ -138,28 +138,26 @@ def dissipation_cumulated(result: Result) -> Drawing | None:
 
 
 def _number_dissipating(result: Result, n_dissipating: int) -> str:
-    """Return how many spheres dissipated energy, and how many yielded where the numbers differ."""
+    """Return the number of spheres that dissipated energy, and of yielded spheres if it differs."""
     text = f"all {n_dissipating} spheres\nthat dissipated energy"
     n_yielded = int(np.count_nonzero(result["spheres/contacts_yielded"]))
     return f"{text}\n({n_yielded} yielded)" if n_yielded not in (0, n_dissipating) else text
 
 
 def _parts(result: Result) -> dict[str, tuple[NDArray[np.float64], str, str]]:
-    """Return the dissipation by yielding, friction and losses, with colour and line; empty if there
-    is one kind.
+    """Return the dissipation by yielding, friction and damping, with colour and line; empty for a
+    single kind.
     """
-    found = (
-        {"yielding": (result.yield_energy, ORANGE, "--")}
-        if result.yields or result.yield_energy.any()
-        else {}
-    )
+    parts = {}
+    if result.yields or result.yield_energy.any():
+        parts["yielding"] = (result.yield_energy, ORANGE, "--")
     for part, name, colour, line in (
         ("friction", "friction", GREEN, ":"),
         ("viscous losses", "viscous", PURPLE, "-."),
     ):
         if result.has(f"spheres/{name}_energy"):
-            found[part] = result[f"spheres/{name}_energy"], colour, line
-    return found if len(found) > 1 else {}
+            parts[part] = (result[f"spheres/{name}_energy"], colour, line)
+    return parts if len(parts) > 1 else {}
 
 
 def plastic_zone_growth(result: Result) -> Drawing | None:
@@ -343,12 +341,12 @@ def _outside(distance: Array, energy: Array) -> tuple[Array, Array]:
     """Return distances, rising from 0, and the share of the energy that lies beyond each."""
     order = np.argsort(distance, kind="stable")
     place = distance[order]
-    held = np.cumsum(energy[order])
+    enclosed = np.cumsum(energy[order])
     last = np.append(
         np.diff(place) > _SAME * place[-1], True
     )  # last of the parts at the same distance
     place = place[last]
-    beyond = 1 - held[last] / held[-1]
+    beyond = 1 - enclosed[last] / enclosed[-1]
     if place[0] > 0:
         place = np.insert(place, 0, 0.0)
         beyond = np.insert(beyond, 0, 1.0)
@@ -372,13 +370,13 @@ def directions(result: Result) -> Drawing | None:
         return None
     frame = waves.travelling_frame(result)
     time = result.frame_times[frame]
-    found = {
+    spreads = {
         f"Energy at {time * _MICRO:.0f} µs": waves.spread(
             result, waves.energy_of_spheres(result, frame)
         ),
         "Dissipation": waves.spread(result, result["spheres/dissipated_energy"]),
     }
-    shown = {name: one for name, one in found.items() if one is not None}
+    shown = {name: spread for name, spread in spreads.items() if spread is not None}
     if not shown:
         return None
     layer = waves.is_layer(result)
@@ -389,32 +387,32 @@ def directions(result: Result) -> Drawing | None:
     figure, *row = panels(height, len(shown), width=WIDTH, subplot_kw=polar)
     draw = _draw_layer if layer else _draw_half_sphere
     columns: dict[str, NDArray] = {}
-    for axes, (name, one), colours in zip(
+    for axes, (name, spread), colours in zip(
         row, shown.items(), ((BLUE, FORCE_MAP), (ORANGE, DISSIPATION_MAP)), strict=False
     ):
-        title = (
-            f"{name}\n{100 * one.along:.0f} % along contacts\n(even spread: {100 * one.even:.0f} %)"
-        )
-        columns |= draw(result, axes, one, *colours)
+        title = f"{name}\n{100 * spread.along:.0f} % along contacts\n(even spread: {100 * spread.even:.0f} %)"
+        columns |= draw(result, axes, spread, *colours)
         axes.set_title(title)
         axes.set_xticks(np.deg2rad([0, 90, 180, 270]), ["x", "y", "", ""])
-        columns[f"{name.split()[0].lower()}_share"] = one.cells.ravel()
+        columns[f"{name.split()[0].lower()}_share"] = spread.cells.ravel()
     return Drawing(figure, columns)
 
 
 def _draw_layer(
-    _: Result, axes: Any, one: waves.Spread, colour: str, __: str
+    _: Result, axes: Any, spread: waves.Spread, colour: str, __: str
 ) -> dict[str, NDArray]:
     """Draw the shares of a layer as bars; return the columns of the directions."""
     angle = np.arange(waves.LAYER_BINS) * 360 / waves.LAYER_BINS - 180
-    axes.bar(np.deg2rad(angle), 100 * one.cells, np.deg2rad(360 / waves.LAYER_BINS), color=colour)
+    axes.bar(
+        np.deg2rad(angle), 100 * spread.cells, np.deg2rad(360 / waves.LAYER_BINS), color=colour
+    )
     axes.yaxis.set_major_formatter("{x:.0f} %")
     axes.yaxis.get_major_locator().base.set_params(nbins=3)
     return {"angle_deg": angle}
 
 
 def _draw_half_sphere(
-    result: Result, axes: Any, one: waves.Spread, _: str, colours: str
+    result: Result, axes: Any, spread: waves.Spread, _: str, colours: str
 ) -> dict[str, NDArray]:
     """Draw the shares below the impact in a stereographic view; return the columns of the
     directions.
@@ -424,10 +422,10 @@ def _draw_half_sphere(
     )
     depth = 1 - np.arange(waves.RINGS + 1) / waves.RINGS  # cosine of the angle to the impact axis
     axis = preferred_directions(result.case.packing.kind)
-    norm = Normalize(0, float(one.relative.max()))
+    norm = Normalize(0, float(spread.relative.max()))
     colours = result.figure_options.colour_map or colours
     radius = 2 * np.tan(np.arccos(depth) / 2)
-    mesh = axes.pcolormesh(edges, radius, one.relative, cmap=colours, norm=norm, rasterized=True)
+    mesh = axes.pcolormesh(edges, radius, spread.relative, cmap=colours, norm=norm, rasterized=True)
     ring: dict[str, Any] = {"markerfacecolor": "none", "markeredgecolor": "white", "markersize": 9}
     axes.plot(
         np.arctan2(axis[:, 1], axis[:, 0]), 2 * np.tan(np.arccos(axis[:, 2]) / 2), "o", **ring

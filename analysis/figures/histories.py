@@ -31,10 +31,9 @@ from granwave.analysis.measures.lines import sensor_accelerations, sensor_veloci
 from granwave.analysis.measures.target import reached, unprotected
 from granwave.analysis.result.reader import Result, misfit, moved_mass, work_on_packing
 
-# of a second, of a metre
-_NANO = 1e9
-_MICRO = 1e6
-_MILLI = 1e3
+_NANO = 1e9  # nanoseconds in a second
+_MICRO = 1e6  # microseconds in a second
+_MILLI = 1e3  # millimetres in a metre
 _PROBE = re.compile(r"(?P<name>(sphere|contact)_\d+(_\d+)?)_(?P<quantity>\w+)")
 _QUANTITIES = {
     "u": ("Displacement (µm)", 1e6),
@@ -66,25 +65,26 @@ _LOST_OTHERWISE = {
 _ROUNDING = 1e-9  # of the input: yielding of laws that cannot yield, left by subtraction
 _NEGLIGIBLE = 1e-3  # negative energy over the input that counts as rounding
 _IN_PANEL = 4  # sensors in a panel
-# probes: after so many lines are broken, with more there is no legend
-_IN_COLOUR = 6
-_MOST_IN_LEGEND = 10
+# figure of probes
+_LINES = ("-", "--", ":")  # each for as many curves as there are colours
+_IN_COLOUR = 6  # curves with the same line
+_MOST_IN_LEGEND = 10  # largest number of curves with a legend
 _LEAST = 1e-3  # of the tolerance: where the axis of the error begins
 
 
 def energies(result: Result) -> Drawing | None:
     """Draw all energies, and the residual of their sum."""
-    given = result.energy_input
-    if not given:
+    energy_input = result.energy_input
+    if not energy_input:
         return None
     time = result["energy/time"]
     parts = _energy_parts(result)
     residual = np.abs(sum(parts.values()) - result["energy/input"]) / result.largest_input
     figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
-    unit, name = energy_unit(given)
+    unit, name = energy_unit(energy_input)
     as_areas = (
         len(parts) > 3
-        and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * given
+        and min(float(values.min()) for values in parts.values()) > -_NEGLIGIBLE * energy_input
     )
     if as_areas:
         colours = [_AREAS[part] for part in parts]
@@ -100,7 +100,7 @@ def energies(result: Result) -> Drawing | None:
         time * _MICRO, result["energy/input"] * unit, color="black", linestyle=":", label="input"
     )
     least = 0 if as_areas or len(parts) == 3 else None
-    label(upper, y=f"Energy ({name})", ylim=(least, 1.05 * given * unit))
+    label(upper, y=f"Energy ({name})", ylim=(least, 1.05 * energy_input * unit))
     legend_above(upper, 3, handlelength=1.0 if as_areas else 1.6)
     lower.semilogy(
         time * _MICRO, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8
@@ -199,72 +199,65 @@ def impactor_velocity(result: Result) -> Drawing | None:
 
 def probes(result: Result) -> Drawing | None:
     """Draw the records of the probes, with a panel for each quantity."""
-    wanted = {
-        f"sphere_{probe.sphere}" for probe in result.case.output.probes if probe.sphere is not None
-    }
-    wanted |= {
-        "contact_{}_{}".format(*probe.contact)
-        for probe in result.case.output.probes
-        if probe.contact
-    }
-    if "probes" not in result or not wanted:
+    histories = set()
+    for probe in result.case.output.probes:
+        if probe.sphere is not None:
+            histories.add(f"sphere_{probe.sphere}")
+        if probe.contact:
+            histories.add("contact_{}_{}".format(*probe.contact))
+    if "probes" not in result or not histories:
         return None
     time = result["probes/time"]
     shown: dict[str, dict[str, NDArray]] = {}
-    names = [
-        name for name in result.names("probes") if name.rsplit("_", 1)[0] in wanted
-    ]  # without sensors
-    for found in filter(None, map(_PROBE.fullmatch, names)):
-        quantity = found["quantity"]
+    # without records of sensors
+    names = [name for name in result.names("probes") if name.rsplit("_", 1)[0] in histories]
+    for match in filter(None, map(_PROBE.fullmatch, names)):
+        quantity = match["quantity"]
         key = quantity if quantity in _QUANTITIES else quantity[0]
         axis = "" if key == quantity else f", {quantity[1:]}"
-        curve = found["name"].replace("_", " ", 1).replace("_", "-") + axis
-        shown.setdefault(key, {})[curve] = result[f"probes/{found[0]}"]
+        curve = match["name"].replace("_", " ", 1).replace("_", "-") + axis
+        shown.setdefault(key, {})[curve] = result[f"probes/{match[0]}"]
     figure, *stack = panels(0.5 + 1.5 * len(shown), rows=len(shown), sharex=True)
     for axes, key in zip(stack, sorted(shown, key=list(_QUANTITIES).index), strict=True):
         quantity, scale = _QUANTITIES[key]
         for n, (curve, values) in enumerate(shown[key].items()):
-            against_time(
-                axes, time, values * scale, ("-", "--", ":")[n // _IN_COLOUR % 3], label=curve
-            )
+            line = _LINES[n // _IN_COLOUR % len(_LINES)]
+            against_time(axes, time, values * scale, line, label=curve)
         label(axes, y=quantity)
         if len(shown[key]) <= _MOST_IN_LEGEND:
             axes.legend(handlelength=1.2)
     units = {name: result.unit(f"probes/{name}").replace(" s-1", "_s") for name in names}
-    return Drawing(
-        figure,
-        {"time_s": time} | {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names},
-    )
+    columns = {f"{name}_{units[name]}": result[f"probes/{name}"] for name in names}
+    return Drawing(figure, {"time_s": time} | columns)
 
 
 def sensors(result: Result) -> Drawing | None:
     """Draw the accelerations of the spheres with a sensor, each along the direction of its largest
     velocity.
     """
-    found = sensor_accelerations(result)
-    if not found:
+    accelerations = sensor_accelerations(result)
+    if not accelerations:
         return None
     time = result["probes/time"]
     velocities = sensor_velocities(result)
-    names = list(found)
+    names = list(accelerations)
     rows = -(-len(names) // _IN_PANEL)
     figure, *stack = panels(0.5 + 1.5 * rows, rows=rows, sharex=True)
     for n, name in enumerate(names):
         axes = stack[n // _IN_PANEL]
         velocity = velocities[name]
         fastest = velocity[np.argmax(np.linalg.norm(velocity, axis=1))]
-        along = found[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
+        along = accelerations[name] @ fastest / (np.linalg.norm(fastest) or 1.0)
         line = "--" if len(axes.lines) % 2 else "-"  # neighbours often coincide
         against_time(axes, time, along, line, label=name, linewidth=0.9)
     for axes in stack:
         label(axes, y="Acceleration (m/s²)")
         axes.legend(handlelength=1.2, loc="upper left")
-    columns = {
-        f"{name}_a{axis}_m_s2": values[:, n]
-        for name, values in found.items()
-        for n, axis in enumerate("xyz")
-    }
-    return Drawing(figure, {"time_s": time} | columns)
+    columns = {"time_s": time}
+    for name, values in accelerations.items():
+        for axis, component in zip("xyz", values.T, strict=True):
+            columns[f"{name}_a{axis}_m_s2"] = component
+    return Drawing(figure, columns)
 
 
 def _common_zero(first: Axes, second: Axes) -> None:
@@ -281,23 +274,23 @@ def target(result: Result) -> Drawing | None:
     None if the bottom does not move and there is no such force: the force on the bottom has a
     figure of its own.
     """
-    found = reached(result)
-    if found is None or not np.any(found.force):
+    arrival = reached(result)
+    if arrival is None or not np.any(arrival.force):
         return None
     without = unprotected(result.assembly, float(result["energy/time"][-1]))
-    moves = found.displacement is not None
+    moves = arrival.displacement is not None
     if not moves and without is None:
         return None
-    time = found.time
-    columns = {"time_s": found.time, "force_N": found.force, "impulse_Ns": found.impulse}
+    time = arrival.time
+    columns = {"time_s": arrival.time, "force_N": arrival.force, "impulse_Ns": arrival.impulse}
     figure, force, impulse, *below = panels(
         4.8 if moves else 3.5, rows=3 if moves else 2, sharex=True
     )
-    against_time(force, time, found.force, linewidth=0.9, label="on the target")
-    if found.displacement is not None and found.ground_force is not None:
-        columns |= {"displacement_m": found.displacement, "ground_force_N": found.ground_force}
+    against_time(force, time, arrival.force, linewidth=0.9, label="on the target")
+    if arrival.displacement is not None and arrival.ground_force is not None:
+        columns |= {"displacement_m": arrival.displacement, "ground_force_N": arrival.ground_force}
         against_time(
-            force, time, found.ground_force, color=GREEN, linewidth=0.9, label="on the ground"
+            force, time, arrival.ground_force, color=GREEN, linewidth=0.9, label="on the ground"
         )
     if without is not None and without.peak_force > 0:
         columns |= {
@@ -311,11 +304,11 @@ def target(result: Result) -> Drawing | None:
             linestyle="--",
             label="target without packing",
         )
-        peaks = float(found.force.max()), without.peak_force
+        peaks = float(arrival.force.max()), without.peak_force
         force.set(yscale="log", ylim=(1e-2 * min(peaks), 2 * max(peaks)))
     label(force, y="Force (N)")
     legend_above(force, 2)
-    impulse.plot(time * _MICRO, found.impulse * _MILLI, color=ORANGE)
+    impulse.plot(time * _MICRO, arrival.impulse * _MILLI, color=ORANGE)
     label(impulse, y="Impulse (mN s)")
     for axes in below:
         ledger = result["energy/time"]
@@ -333,15 +326,15 @@ def timestep(result: Result) -> Drawing | None:
     """Draw the timestep against time, and below it the error of the balance: measured, expected,
     and allowed.
     """
-    given = result.largest_input
+    largest_input = result.largest_input
     tolerance = result.case.run.energy_tolerance
-    if not given or not result.has("energy/timestep"):
+    if not largest_input or not result.has("energy/timestep"):
         return None
     time = result["energy/time"]
     step = result["energy/timestep"]
     work = work_on_packing(result.ledger, moved_mass(result.assembly))
-    expected = np.abs(result["energy/expected_error"]) * work / given
-    error = misfit(result.ledger) / given
+    expected = np.abs(result["energy/expected_error"]) * work / largest_input
+    error = misfit(result.ledger) / largest_input
     figure, upper, lower = panels(3.2, rows=2, sharex=True)
     upper.step(time * _MICRO, step * _NANO, where="pre")
     upper.set_yscale("log", base=2)

@@ -44,8 +44,8 @@ def impact_arrow(result: Result) -> ImpactArrow:
     if not moving:
         ids = np.array(struck_of(assembly), dtype=np.int64)
         place = result["spheres/position"][result.rows(ids)].mean(axis=0) if len(ids) else None
-        way = np.array(assembly.case.load.way)
-        return ImpactArrow(result.origin if place is None else place, way)
+        direction = np.array(assembly.case.load.way)
+        return ImpactArrow(result.origin if place is None else place, direction)
     masses = np.array([assembly.mass_of(number) for number in moving])
     momentum = masses @ np.array(list(moving.values()))
     rows = result.rows(np.array(list(moving), dtype=np.int64))

@@ -43,12 +43,11 @@ _MICRO = 1e6
 _MILLI = 1e3
 _KILO = 1e-3
 _MOST_CURVES = 5
-_DECADES = 3.0  # of force that the map shows
-# largest force that waves add to a static one, over that up to which the scale of the map is linear
-_LINEAR = 30.0
-_MOST_COLUMNS = 2000  # of a map
-_MOST_OF_A_LINE = 12  # curves
-_WIDE = 0.05  # smallest over largest ratio of amplitudes below which the axis is logarithmic
+_DECADES = 3.0  # decades of force in the map
+_LINEAR = 30.0  # largest dynamic force / force up to which the scale of the map is linear
+_MOST_COLUMNS = 2000  # largest number of columns of a map
+_MOST_OF_A_LINE = 12  # largest number of curves of a line of grains
+_WIDE = 0.05  # smallest / largest amplitude below which the axis is logarithmic
 
 
 def force_map(result: Result) -> Drawing | None:
@@ -70,7 +69,7 @@ def force_map(result: Result) -> Drawing | None:
     if small := pressed and np.abs(waves - waves[0]).max() < waves[0].max():
         parts = [
             (name, place, force - force[0]) for name, place, force in parts
-        ]  # what the waves add
+        ]  # force of the waves only
     largest = max(float(np.abs(force).max()) for _, _, force in parts) or 1.0
     norm: Normalize = LogNorm(10**-_DECADES * largest, largest)
     if small:
@@ -83,21 +82,17 @@ def force_map(result: Result) -> Drawing | None:
     for axes, (name, place, force) in zip(row, parts, strict=True):
         step = max(1, len(place) // _MOST_COLUMNS)
         every = max(1, len(place) // 20)
-        shown = (
-            force[:, ::step]
-            if small
-            else np.where(force[:, ::step] > norm.vmin, force[:, ::step], np.nan)
-        )
+        shown = force[:, ::step]
+        if not small:
+            shown = np.where(shown > norm.vmin, shown, np.nan)
         image = space_time_map(axes, place[::step], time, shown, norm, colours)
         axes.set_title(name if len(parts) > 1 else "")
         slug = name.replace(" ", "_")
-        columns |= {
-            f"{slug}_at_{1e3 * z:.4g}_mm_N": force[:, n] for n, z in list(enumerate(place))[::every]
-        }
+        for n in range(0, len(place), every):
+            columns[f"{slug}_at_{1e3 * place[n]:.4g}_mm_N"] = force[:, n]
     label(row[0], y="Time (µs)")
-    figure.colorbar(
-        image, ax=row[-1], label="Force beyond the static one (N)" if small else "Force (N)"
-    )
+    quantity = "Force beyond the static one (N)" if small else "Force (N)"
+    figure.colorbar(image, ax=row[-1], label=quantity)
     return Drawing(figure, columns)
 
 
@@ -116,7 +111,7 @@ def space_time_map(
 
 
 def force_histories(result: Result) -> Drawing | None:
-    """Draw the force history of some contacts, evenly spread over the loaded ones."""
+    """Draw the force histories of some of the loaded contacts, evenly spaced along the chain."""
     if "chain" not in result:
         return None
     force = result["chain/contact_force"]
@@ -142,10 +137,12 @@ def along_chain(result: Result) -> Drawing | None:
     """Draw peak force and dissipated energy of every contact along the chain."""
     if "chain" not in result:
         return None
-    peak, lost = (result.along_chain(name) for name in ("peak_force", "dissipated_energy"))
+    peak = result.along_chain("peak_force")
+    lost = result.along_chain("dissipated_energy")
     if not np.any(peak):
         return None
-    number, (scale, unit) = np.arange(1, len(peak) + 1), _unit(peak)
+    number = np.arange(1, len(peak) + 1)
+    scale, unit = _unit(peak)
     curves = [(peak * scale, f"Peak force ({unit})")]
     if np.any(lost > 0):
         energy, name = energy_unit(float(lost.max()))
@@ -191,12 +188,12 @@ def bead_velocities(result: Result) -> Drawing | None:
 
 def bars(result: Result) -> Drawing | None:
     """Draw the contact force on each bar, and its energy."""
-    found = result.assembly.bars
-    if not found:
+    bars_of_run = result.assembly.bars
+    if not bars_of_run:
         return None
     figure, upper, lower = panels(3.4, rows=2, sharex=True)
     columns: dict[str, NDArray] = {"energy_time_s": result["energy/time"]}
-    for bar in found:
+    for bar in bars_of_run:
         time = result[f"walls/{bar.name}/time"]
         force = result[f"walls/{bar.name}/force"]
         energy = result[f"energy/{bar.name}"]
@@ -231,18 +228,24 @@ def sensors(result: Result) -> Drawing | None:
 
 
 def _name(result: Result, contact: int) -> str:
-    """Return the label of a contact from the numbers of its beads, S for strikers and "bar" for
-    bars.
-    """
-    n = result.assembly.lattice.n_spheres
-    spheres = result.assembly.n_spheres
-    ids = (int(result["chain/contact_i"][contact]), int(result["chain/contact_j"][contact]))
-    words = [str(one) if one <= n else f"S{one - n}" if one <= spheres else "bar" for one in ids]
-    return "-".join(words)
+    """Return the label of a contact from the labels of its bodies, such as ``3-4``."""
+    first = _name_of_body(result, int(result["chain/contact_i"][contact]))
+    second = _name_of_body(result, int(result["chain/contact_j"][contact]))
+    return f"{first}-{second}"
+
+
+def _name_of_body(result: Result, number: int) -> str:
+    """Return the number of a bead, S with its number for a striker, or ``bar``."""
+    n_beads = result.assembly.lattice.n_spheres
+    if number <= n_beads:
+        return str(number)
+    if number <= result.assembly.n_spheres:
+        return f"S{number - n_beads}"
+    return "bar"
 
 
 def _counted(result: Result) -> str:
-    """Return from which end contacts and beads are counted."""
+    """Return the end from which contacts and beads are counted."""
     return f"from the {'loaded' if result.case.load.driven else 'struck'} end"
 
 
@@ -260,13 +263,14 @@ def line_speeds(result: Result) -> Drawing | None:
     for axes, line in zip(stack, lines, strict=True):
         group = f"lines/{line.name}"
         time = result[f"{group}/time"]
+        ids = result[f"{group}/id"]
         speed = np.linalg.norm(result[f"{group}/velocity"], axis=2)
         n = speed.shape[1]
         chosen = np.unique(np.linspace(0, n - 1, min(n, _MOST_OF_A_LINE)).round().astype(int))
-        for one in chosen:
-            colour = colormaps["viridis"](0.9 * one / max(n - 1, 1))
-            against_time(axes, time, speed[:, one], color=colour, linewidth=0.8)
-            columns[f"{line.name}_{result[f'{group}/id'][one]}_m_s"] = speed[:, one]
+        for column in chosen:
+            colour = colormaps["viridis"](0.9 * column / max(n - 1, 1))
+            against_time(axes, time, speed[:, column], color=colour, linewidth=0.8)
+            columns[f"{line.name}_{ids[column]}_m_s"] = speed[:, column]
         label(axes, y="Speed (m/s)", title=line.name if len(lines) > 1 else "", ylim=(0, None))
     return Drawing(figure, columns)
 
@@ -312,9 +316,9 @@ def _draw_decay(axes: Axes, line: LineRecord) -> None:
     def shape(x: NDArray[np.float64]) -> NDArray[np.float64]:
         return -decay.first * x - (decay.second - decay.first) * np.maximum(x - decay.border, 0)
 
-    known = kept & np.isfinite(line.peak_speed) & (line.peak_speed > 0)
-    height = np.mean(np.log(line.peak_speed[known]) - shape(line.distance[known]))
-    x = np.sort(np.append(line.distance[known], decay.border))
+    fitted = kept & np.isfinite(line.peak_speed) & (line.peak_speed > 0)
+    height = np.mean(np.log(line.peak_speed[fitted]) - shape(line.distance[fitted]))
+    x = np.sort(np.append(line.distance[fitted], decay.border))
     axes.plot(x * _MILLI, np.exp(shape(x) + height), color=ORANGE, linewidth=0.9)
     axes.axvline(decay.border * _MILLI, color=GREY, linestyle=":", linewidth=0.8)
 
@@ -323,61 +327,65 @@ def transmission(result: Result) -> Drawing | None:
     """Draw the amplitudes along a chain under a harmonic load, or the transmission of a burst, a
     sweep or noise.
     """
-    found = transmission_of(result)
-    if found is None:
+    response = transmission_of(result)
+    if response is None:
         return None
     figure, axes = panels(2.6)
-    if isinstance(found, SteadyMotion):
-        bead = np.arange(1, len(found.velocity) + 1)
-        size = np.abs(found.velocity)
+    if isinstance(response, SteadyMotion):
+        bead = np.arange(1, len(response.velocity) + 1)
+        size = np.abs(response.velocity)
         axes.semilogy(
             bead, np.where(size > 0, size, np.nan), ".-", color=BLUE, markersize=3, linewidth=0.8
         )
-        if found.last < len(size):
-            axes.axvspan(found.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
-            place = (found.last + 0.5 + (len(size) - found.last) / 2, 0.04)
+        if response.last < len(size):
+            axes.axvspan(response.last + 0.5, len(size) + 0.5, color=GREY, alpha=0.2, linewidth=0)
+            place = (response.last + 0.5 + (len(size) - response.last) / 2, 0.04)
             axes.text(
                 *place, "absorbing", transform=axes.get_xaxis_transform(), ha="center", color=GREY
             )
-        label(axes, "Bead, from the loaded end", f"Velocity at {found.frequency:.4g} Hz (m/s)")
+        label(axes, "Bead, from the loaded end", f"Velocity at {response.frequency:.4g} Hz (m/s)")
         axes.set_xlim(0.5, len(size) + 0.5)
         axes.xaxis.set_major_locator(MaxNLocator(integer=True))
         columns = {
             "bead": bead,
             "velocity_amplitude_m_s": size,
-            "phase_rad": np.angle(found.velocity),
+            "phase_rad": np.angle(response.velocity),
         }
-        return Drawing(figure, columns | {"left_by_fit": found.left})
-    ratio = np.abs(found.ratio)
-    axes.plot(found.frequency * 1e-3, ratio, color=BLUE, linewidth=0.8)
-    label(axes, "Frequency (kHz)", f"Velocity of bead {found.last} over that of {found.first}")
+        return Drawing(figure, columns | {"left_by_fit": response.left})
+    ratio = np.abs(response.ratio)
+    axes.plot(response.frequency * 1e-3, ratio, color=BLUE, linewidth=0.8)
+    label(
+        axes,
+        "Frequency (kHz)",
+        f"Velocity of bead {response.last} over that of {response.first}",
+    )
     axes.axhline(1.0, color=GREY, linewidth=0.6)
     axes.set(**({"yscale": "log"} if ratio.min() < _WIDE * ratio.max() else {"ylim": (0, None)}))
     columns = {
-        "frequency_Hz": found.frequency,
-        "ratio": np.abs(found.ratio),
-        "phase_rad": np.angle(found.ratio),
+        "frequency_Hz": response.frequency,
+        "ratio": np.abs(response.ratio),
+        "phase_rad": np.angle(response.ratio),
     }
     return Drawing(figure, columns)
 
 
 def amplitude_sweep(result: Result) -> Drawing | None:
     """Draw the velocity of the last bead against the amplitude of the load, rising and falling."""
-    found = amplitude_sweep_of(result)
-    if found is None:
+    sweep = amplitude_sweep_of(result)
+    if sweep is None:
         return None
     scale, unit = result.case.load.shown_amplitude
     names = ("load's frequency", "twice", "three times", "half of it")
     figure, axes = panels(2.9)
-    columns = {"load": found.load, "rising": found.rising.astype(int)}
+    columns = {"load": sweep.load, "rising": sweep.rising.astype(int)}
     for number, name in enumerate(names):
         look: Any = {"color": COLOURS[number], "linewidth": 0.9}
-        for chosen, line, called in ((found.rising, "-", name), (~found.rising, "--", None)):
+        for chosen, line, called in ((sweep.rising, "-", name), (~sweep.rising, "--", None)):
             axes.plot(
-                found.load[chosen] * scale, found.last[number][chosen], line, label=called, **look
+                sweep.load[chosen] * scale, sweep.last[number][chosen], line, label=called, **look
             )
-        columns[f"last_at_{MULTIPLES[number]:g}_f_m_s"] = found.last[number]
-        columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = found.first[number]
+        columns[f"last_at_{MULTIPLES[number]:g}_f_m_s"] = sweep.last[number]
+        columns[f"first_at_{MULTIPLES[number]:g}_f_m_s"] = sweep.first[number]
     label(
         axes,
         f"Amplitude of the load ({unit}), dashed: falling",

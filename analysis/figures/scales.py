@@ -25,33 +25,29 @@ from matplotlib.ticker import (
 )
 from numpy.typing import NDArray
 
-_WIDE = 10.0  # largest over smallest value from which on an axis is logarithmic
-# largest over smallest value from which ticks are at powers of ten only
-_MANY = 1e4
-_MANY_OF_COLOURS = 1e2
+_WIDE = 10.0  # largest / smallest value above which an axis is logarithmic
+_MANY = 1e4  # largest / smallest value above which ticks are at powers of ten only ...
+_MANY_OF_COLOURS = 1e2  # ... and the same for colour bars
 _COLOUR_BAR = "<colorbar>"  # label that matplotlib gives to axes of a colour bar
-# largest over smallest value up to which labels are plain numbers, if these are short
-_NARROW = 30.0
-_LEAST_PLAIN = 1e-3
-_MOST_PLAIN = 1e4
-# limits of a logarithmic axis over its value: ticks at two of 1, 2 and 5 at least
-_LEAST_DECADE = 3.0
-_LEAST_SPAN = 1e-3  # of an axis, over its values: labels of ticks have four digits
-_MOST_NAMED = 8  # columns and lines of a map that are named, and whose cells have numbers
+_NARROW = 30.0  # largest / smallest value below which labels may be plain numbers
+_LEAST_PLAIN = 1e-3  # smallest plain number
+_MOST_PLAIN = 1e4  # largest plain number
+_LEAST_DECADE = 3.0  # smallest ratio of the limits of a logarithmic axis, for two ticks
+_LEAST_SPAN = 1e-3  # smallest span of an axis relative to its values: labels have four digits
+_MOST_NAMED = 8  # columns and lines of a map with names and numbers
 _BREAK: dict[str, Any] = {
     "ha": "center", "va": "center", "bbox": {"facecolor": "white", "edgecolor": "none", "pad": 0.3}
 }  # fmt: skip
-# factors of powers of ten that are labelled, and every how many decades; the richest first
+# labelled factors of powers of ten, and distance of the powers, decades; most labels first
 _WITHIN_DECADES: tuple[tuple[tuple[float, ...], int], ...] = (((1.0, 2.0, 5.0), 1), ((1.0, 3.0), 1))
 _POWERS = tuple(((1.0,), every) for every in (1, 2, 3, 5, 10, 20))
-_ENOUGH = 3  # labels of powers of ten with which an axis has no others
-# of a label, in font sizes: width of a character, gap to the next label, height of a line
-_CHARACTER = 0.6
-_SUPERSCRIPT = 0.42
-_GAP = 0.5
-_LINE = 1.15
-_MOST_TICKS = 30  # of an axis
-_LEAST_TICKS = 2.2  # limits of an axis over its value with one of 1, 2 and 5 at most between them
+_ENOUGH = 3  # number of labels at powers of ten that makes other labels unnecessary
+_CHARACTER = 0.6  # width of a character in a label, font sizes
+_SUPERSCRIPT = 0.42  # width of a superscript, font sizes
+_GAP = 0.5  # gap between labels, font sizes
+_LINE = 1.15  # height of a line, font sizes
+_MOST_TICKS = 30  # largest number of ticks of an axis
+_LEAST_TICKS = 2.2  # ratio of the limits of an axis below which it has at most one tick
 # most intervals of such an axis: labels stand side by side along x, one above the other along y
 _FEW_TICKS = {"x": 1, "y": 3}
 _POINTS = 72.0  # in an inch
@@ -145,7 +141,10 @@ def labelled_values(
         Number of decades from one power to the next.
     """
     powers = range(math.floor(math.log10(low)), math.ceil(math.log10(high)) + 1)
-    values = [factor * 10.0**power for power in powers if not power % every for factor in factors]
+    values: list[float] = []
+    for power in powers:
+        if power % every == 0:
+            values += [factor * 10.0**power for factor in factors]
     margin = 1 + 1e-9
     return sorted(value for value in values if low / margin <= value <= high * margin)
 
@@ -171,15 +170,20 @@ def _length(axis: Any) -> float:
 
 
 def plain_powers(figure: Figure) -> None:
-    """Give logarithmic axes that have the usual labels those of `PowersOfTen`; of many decades
-    ticks at powers only.
+    """Give logarithmic axes the labels of `PowersOfTen` in place of the usual labels.
+
+    Axes over many decades have ticks at powers only.
     """
-    every_axes = [part for axes in figure.axes for part in (axes, *axes.child_axes)]
-    for part in every_axes:
-        if isinstance(part, SecondaryAxis):
-            secondary: Any = part
+    axes_and_children: list[Any] = []
+    for axes in figure.axes:
+        axes_and_children += [axes, *axes.child_axes]
+    axis_list: list[Any] = []
+    for axes in axes_and_children:
+        if isinstance(axes, SecondaryAxis):
+            secondary: Any = axes
             secondary._set_lims()  # else it has the limits of its axis only when it is drawn
-    for axis in (axis for axes in every_axes for axis in (axes.xaxis, axes.yaxis)):
+        axis_list += [axes.xaxis, axes.yaxis]
+    for axis in axis_list:
         if type(axis.get_major_locator()) is LogLocator:
             _place_ticks(axis)
         for usual, change in (
@@ -214,18 +218,16 @@ def _place_ticks(axis: Axis) -> None:
 
 
 def least_span(figure: Figure) -> None:
-    """Widen axes on which all values are equal or nearly so: their ticks would show one and the
-    same number.
-    """
-    for axes in (one for one in figure.axes if one.get_label() != _COLOUR_BAR):
-        if axes.get_autoscalex_on() and (
-            limits := _around(axes.dataLim.intervalx, axes.get_xscale())
-        ):
-            axes.set_xlim(limits)
-        if axes.get_autoscaley_on() and (
-            limits := _around(axes.dataLim.intervaly, axes.get_yscale())
-        ):
-            axes.set_ylim(limits)
+    """Widen axes with nearly equal values, whose ticks would all show the same number."""
+    for axes in figure.axes:
+        if axes.get_label() == _COLOUR_BAR:
+            continue
+        x_limits = _around(axes.dataLim.intervalx, axes.get_xscale())
+        if axes.get_autoscalex_on() and x_limits:
+            axes.set_xlim(x_limits)
+        y_limits = _around(axes.dataLim.intervaly, axes.get_yscale())
+        if axes.get_autoscaley_on() and y_limits:
+            axes.set_ylim(y_limits)
 
 
 def _around(values: NDArray[np.float64], scale: str) -> tuple[float, float] | None:

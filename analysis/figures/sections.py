@@ -38,13 +38,13 @@ DISSIPATION_LIMITS = (1e-6, 1e-1)  # of dissipation over input
 _MILLI = 1e3  # mm in a metre
 _SNAPSHOTS = 4
 _EDGE_OF_BLANK = "#c4c4c4"
-_TALL = 2.5  # height over width of a packing whose snapshots stand in one row
+_TALL = 2.5  # height / width of a packing above which all snapshots are in a row ...
+_BROAD = 0.6  # ... and below which they are one below the other
 _LEAST_DECADES = 3  # default range of a logarithmic scale
 _RING = 1.0  # width of the ring around a sphere beyond the range of the law, points
-_AROUND_ARROW = 0.3  # between the arrow of the load and the edge of a section, in diameters
-_DISC = 0.96  # drawn over actual diameter
-# length of an axis in a section, over the radius: of a shorter one the end is seen
-_SEEN_ALONG = 0.1
+_AROUND_ARROW = 0.3  # distance of the load's arrow from the edge of a section, diameters
+_DISC = 0.96  # drawn / actual diameter
+_SEEN_ALONG = 0.1  # length of an axis in a section / radius below which a cylinder is seen end-on
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,8 +115,9 @@ def peak_force_colouring(result: Result, decades: float | None = None) -> Colour
 
 
 def dissipation_colouring(result: Result, part: str = "") -> Colouring:
-    """Return the colouring by dissipation over input; ``part``: by yielding, friction or viscous
-    losses only.
+    """Return the colouring by dissipation / energy input.
+
+    ``part``: only the dissipation by ``yielding``, ``friction`` or ``viscous`` losses.
     """
     values = result["spheres/dissipated_energy"]
     if part:
@@ -192,8 +193,11 @@ def wave_front(result: Result) -> Drawing | None:
     colours = result.figure_options.colour_map or FORCE_MAP
     reached = np.max(forces, axis=0) >= low
     window = window_around(cut, reached, result.case.packing.diameter)
-    aspect = (window[3] - window[2]) / (window[1] - window[0])
-    n_columns = len(chosen) if aspect > _TALL else 2 if aspect > 0.6 else 1
+    left, right, top, bottom = window
+    aspect = (bottom - top) / (right - left)
+    n_columns = 2 if aspect > _BROAD else 1
+    if aspect > _TALL:
+        n_columns = len(chosen)
     n_rows = math.ceil(len(chosen) / n_columns)
     panel = (WIDTH - 0.6 - 0.15 * n_columns) / n_columns * aspect + 0.3
     figure = new_figure(min(n_rows * panel + 0.95, 8.5))
@@ -236,7 +240,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
     if cut is None:
         return None
     diameter = result.case.packing.diameter
-    values = [one.values[cut.index] for one in colourings]
+    values = [colouring.values[cut.index] for colouring in colourings]
     beyond = spheres_beyond_law(result)[cut.index]
     window = window_around(cut, np.max(values, axis=0) >= colourings[0].low, diameter)
     aspect = (window[3] - window[2]) / (window[1] - window[0])
@@ -270,7 +274,7 @@ def section_drawing(result: Result, name: str, *colourings: Colouring) -> Drawin
 
 
 def _across_title(plane: Plane) -> str:
-    """Return the title of the axis across a section; that of a layer in x and y is x."""
+    """Return the title of the horizontal axis of a section, x for a layer in x and y."""
     quantity = "x" if plane.down_label == "y" else plane.across_label
     return f"{quantity} (mm)"
 
@@ -291,23 +295,24 @@ def _draw_impact(
 
 
 def cut_of(result: Result, name: str) -> SpheresOnPlane | None:
-    """Return the spheres on a plane; None if there is no such plane, or only a line of spheres on
+    """Return the spheres on a plane; None without the plane, or with a single line of spheres on
     it.
     """
     diameter = result.case.packing.diameter
-    found = list(planes(result.case.packing.kind))
-    if (own := result.figure_options.plane) is not None:
+    candidates = list(planes(result.case.packing.kind))
+    own = result.figure_options.plane
+    if own is not None:
         largest = float(result["spheres/radius"].max(initial=0.0))
-        found.append(own_plane(own.normal, own.through, largest / diameter))
-    for plane in found:
-        if plane.name == name:
-            plane = _from_struck_sphere(plane, result)
-            cut = section(plane, result["spheres/position"], result.origin, diameter)
-            wide = (
-                len(cut.index) and np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
-            )
-            return cut if wide else None
-    return None
+        candidates.append(own_plane(own.normal, own.through, largest / diameter))
+    plane = next((candidate for candidate in candidates if candidate.name == name), None)
+    if plane is None:
+        return None
+    plane = _from_struck_sphere(plane, result)
+    cut = section(plane, result["spheres/position"], result.origin, diameter)
+    if not len(cut.index):
+        return None
+    is_wide = np.ptp(cut.across) > diameter and np.ptp(cut.down) > diameter / 2
+    return cut if is_wide else None
 
 
 def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
@@ -321,10 +326,10 @@ def _from_struck_sphere(plane: Plane, result: Result) -> Plane:
 
 
 def disc_radii(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64]:
-    """Return the radii of the discs of a section: those of the spheres on a plane of the lattice,
+    """Return the radii of the discs of a section: radii of the spheres on a plane of the lattice,
     else of the cuts.
 
-    Centres of scattered spheres lie beside the planes of the lattice by less than the tolerance of
+    Centres of scattered spheres are off the planes of the lattice by less than the tolerance of
     the plane.
     """
     radius = result["spheres/radius"][cut.index]
@@ -342,9 +347,12 @@ def half_axes(result: Result, rows: NDArray[np.int64]) -> NDArray[np.float64] | 
     if not result.assembly.has_cylinders:
         return None
     shapes = result.assembly.grain_shapes()
-    return np.array(
-        [one.vector * one.length / 2 if (one := shapes[row]) else np.zeros(3) for row in rows]
-    )
+    axes = np.zeros((len(rows), 3))
+    for axis, row in zip(axes, rows, strict=True):
+        shape = shapes[row]
+        if shape is not None:
+            axis[:] = shape.vector * shape.length / 2
+    return axes
 
 
 def sticks_of(result: Result, cut: SpheresOnPlane) -> NDArray[np.float64] | None:
@@ -403,7 +411,7 @@ def draw_discs(
 def disc_colours(
     values: NDArray[np.float64], colouring: Colouring
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the colours of discs with these values (n,), and those of their edges: (n, 4) each."""
+    """Return the colours of discs with values (n,), and the colours of their edges: (n, 4) each."""
     mapped = colormaps[colouring.map]
     colours = mapped(colouring.norm(np.maximum(values, colouring.low)))
     coloured = (values > 0)[:, None]
@@ -443,7 +451,7 @@ def colour_bar(
     values: NDArray[np.float64],
     location: str = "bottom",
 ) -> None:
-    """Draw a colour bar beside, above or below the panels, with pointed ends if values exceed the
+    """Draw a colour bar next to, above or below the panels, with pointed ends if values exceed the
     scale.
     """
     below = bool(np.any((values > 0) & (values < colouring.low)))
@@ -499,13 +507,13 @@ def _snapshots(result: Result) -> list[int]:
     moving = np.flatnonzero(times > 0)
     if not moving.size:
         return []
-    wanted = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
-    nearest = np.abs(times[moving] - wanted[:, None]).argmin(axis=1)
+    even_times = passage(result) * np.arange(1, _SNAPSHOTS + 1) / _SNAPSHOTS
+    nearest = np.abs(times[moving] - even_times[:, None]).argmin(axis=1)
     return moving[np.unique(nearest)].tolist()
 
 
 def spheres_beyond_law(result: Result) -> NDArray[np.bool_]:
     """Return True for spheres with a contact loaded beyond the range of the law: (n_spheres,)."""
-    found = np.zeros(result.n_spheres, dtype=bool)
-    found[result.ends[result.beyond_law(LAW_LIMIT)]] = True
-    return found
+    beyond = np.zeros(result.n_spheres, dtype=bool)
+    beyond[result.ends[result.beyond_law(LAW_LIMIT)]] = True
+    return beyond

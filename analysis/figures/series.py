@@ -47,7 +47,7 @@ def energy_unit(largest: float) -> tuple[float, str]:
     """Return the unit in which energies up to ``largest`` (J) are shown: how many are a joule, and
     its name.
     """
-    return next((one for one in _ENERGIES if largest * one[0] >= 1), _ENERGIES[-1])
+    return next((unit for unit in _ENERGIES if largest * unit[0] >= 1), _ENERGIES[-1])
 
 
 def velocity_unit(largest: float) -> tuple[float, str]:
@@ -55,7 +55,7 @@ def velocity_unit(largest: float) -> tuple[float, str]:
     and its name.
     """
     return next(
-        (one for one in _VELOCITIES if largest * one[0] >= _LEAST_VELOCITY), _VELOCITIES[-1]
+        (unit for unit in _VELOCITIES if largest * unit[0] >= _LEAST_VELOCITY), _VELOCITIES[-1]
     )
 
 
@@ -64,7 +64,7 @@ def against_time(
 ) -> None:
     """Draw a record against time, and label that axis.
 
-    Of long records the lowest and the highest value of every bin are drawn, which give the same
+    Long records are drawn by the lowest and the highest value of every bin, which give the same
     curve.
     """
     if len(values) > _MOST_POINTS:
@@ -82,7 +82,7 @@ def against_time(
 
 
 def time_axis(axes: Axes, time: NDArray[np.float64]) -> None:
-    """Label the axis of times, s; that of the lowest panel if several share it."""
+    """Label the axis of times, s, of the lowest panel if several share it."""
     if axes.get_subplotspec() is None or axes.get_subplotspec().is_last_row():  # type: ignore[union-attr]
         axes.set_xlabel("Time (µs)")
     axes.set_xlim(0, float(time[-1]) * _MICRO or 1.0)
@@ -105,9 +105,9 @@ def panels(
     Parameters
     ----------
     height, width
-        Inches; the width is that of two columns of a journal for panels side by side, else of one.
+        Inches; by default the width of a column of a journal, or of two for panels side by side.
     options
-        Of ``Figure.subplots``.
+        Arguments of ``Figure.subplots``.
     """
     figure = new_figure(height, width or WIDTH * min(columns, 2))
     grid = figure.subplots(rows, columns, squeeze=False, **options).ravel()
@@ -117,14 +117,14 @@ def panels(
 
 
 def label(axes: Axes, x: str = "", y: str = "", *, log: str = "", **settings: Any) -> None:
-    """Label axes, and set what else they have.
+    """Label axes, and set their other properties.
 
     Parameters
     ----------
     log
         Names of logarithmic axes: ``x``, ``y`` or ``xy``.
     settings
-        Of ``Axes.set``, such as ``xlim`` and ``title``.
+        Arguments of ``Axes.set``, such as ``xlim`` and ``title``.
     """
     axes.set(**{f"{name}scale": "log" for name in log})
     axes.set(xlabel=x or axes.get_xlabel(), ylabel=y or axes.get_ylabel(), **settings)
@@ -151,7 +151,7 @@ def column_name(words: str) -> str:
     return "_".join(filter(None, kept.split("_")))
 
 
-_HEIGHT = 2.6  # inches, of a figure that pyplot makes
+_HEIGHT = 2.6  # height of a figure that pyplot makes, inches
 _COLORBAR = "<colorbar>"  # label that matplotlib gives to the axes of colour bars
 
 
@@ -181,8 +181,8 @@ def draw_axes(
         least_span(drawing.figure)
         drawing.figure.draw_without_rendering()  # ticks take their style when they are first needed
     pyplot.figure(drawing.figure)
-    found = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]
-    return found[0] if len(found) == 1 else found
+    plots = [axes for axes in drawing.figure.axes if axes.get_label() != _COLORBAR]
+    return plots[0] if len(plots) == 1 else plots
 
 
 @contextlib.contextmanager

@@ -38,36 +38,38 @@ Outcome = Contents | None  # None: the figure does not apply
 
 @contextlib.contextmanager
 def helpers(n_figures: int) -> Iterator[Helpers]:
-    """Start helpers for so many figures, none on a single core; they end with the ``with`` block.
+    """Start helpers for a number of figures, none on a single core; the ``with`` block ends them.
 
     Raises
     ------
     InputError
         The environment does not give a number of processes.
     """
-    found = Helpers()
+    started = Helpers()
     try:
         with contextlib.suppress(OSError):  # with fewer helpers this process draws more
             for _ in range(_processes(n_figures) - 1):
-                found.start()
-        yield found
+                started.start()
+        yield started
     finally:
-        found.end()
+        started.end()
 
 
 def _processes(n_figures: int) -> int:
     """Return the number of processes that draw, this one included."""
-    asked = os.environ.get(PROCESSES, str(_MOST_PROCESSES))
-    if not asked.isdecimal():
+    setting = os.environ.get(PROCESSES, str(_MOST_PROCESSES))
+    if not setting.isdecimal():
         raise InputError(
-            f"{PROCESSES}: found {asked!r} in the environment, expected a number of processes"
+            f"{PROCESSES}: found {setting!r} in the environment, expected a number of processes"
         )
     room = 1 + int(available_memory() / _MEMORY)
-    return max(1, min(int(asked), len(os.sched_getaffinity(0)), n_figures // _LEAST_FIGURES, room))
+    return max(
+        1, min(int(setting), len(os.sched_getaffinity(0)), n_figures // _LEAST_FIGURES, room)
+    )
 
 
 class Helpers:
-    """Processes that draw figures beside this one; made by `helpers`."""
+    """Processes that draw figures together with this process; made by `helpers`."""
 
     def __init__(self) -> None:
         self._processes: list[subprocess.Popen[bytes]] = []
@@ -126,17 +128,21 @@ class Helpers:
             with contextlib.suppress(OSError):
                 pickle.dump(request, process.stdin)  # type: ignore[arg-type]
             idle.put(process)
-        given = shares or [[number] for number in range(len(names))]
-        waiting = {self._threads.submit(_drawn_beside, idle, share): share for share in given}
-        place = {number: future for future, share in waiting.items() for number in share}
+        waiting: dict[Future[Any], Sequence[int]] = {}
+        future_of: dict[int, Future[Any]] = {}  # by the number of a figure
+        for share in shares or [[number] for number in range(len(names))]:
+            future = self._threads.submit(_drawn_beside, idle, share)
+            waiting[future] = share
+            future_of |= dict.fromkeys(share, future)
         drawn: dict[int, tuple[bool, Outcome]] = {}
         for number, name in enumerate(names):
-            while (
-                number not in drawn and not place[number].done() and (share := self._take(waiting))
-            ):
-                drawn |= {one: _attempt(draw, names[one]) for one in share}
+            while number not in drawn and not future_of[number].done():
+                share = self._take(waiting)
+                if not share:
+                    break
+                drawn |= {n: _attempt(draw, names[n]) for n in share}
             if number not in drawn:
-                drawn |= place[number].result()
+                drawn |= future_of[number].result()
             succeeded, outcome = drawn.pop(number)
             yield outcome if succeeded else draw(name)
 
@@ -148,8 +154,9 @@ class Helpers:
 def _drawn_beside(
     idle: SimpleQueue[subprocess.Popen[bytes]], share: Sequence[int]
 ) -> dict[int, tuple[bool, Outcome]]:
-    """Let an idle helper draw a share; return success and outcome of each figure by number, none if
-    the helper died.
+    """Let an idle helper draw a share; return the success and outcome of each figure by number.
+
+    If the helper dies, no figure has succeeded.
     """
     process = idle.get()
     assert process.stdin is not None and process.stdout is not None

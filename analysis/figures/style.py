@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import io
 import logging
+import math
 import re
 import traceback
 import zlib
@@ -117,7 +118,7 @@ class Drawing:
     columns: Columns
 
     def call_grains(self, called: str) -> None:
-        """Let the texts of the figure call the grains what they are: spheres, cylinders or grains."""
+        """Use the word for the grains in the texts of the figure: spheres, cylinders or grains."""
         if called != SPHERES:
             for text in self.figure.findobj(Text):
                 text.set_text(in_grains(text.get_text(), called))
@@ -145,7 +146,7 @@ def attempt(what: str, draw: Callable[[], Made]) -> Made | NotDrawn:
 
 
 def not_made(what: str, error: Exception) -> NotDrawn:
-    """Warn of what could not be made, and return it with the reason.
+    """Warn of a figure or file that could not be made, and return it with the reason.
 
     Damaged files, full disks and lack of memory concern everything else too, and are raised.
     """
@@ -153,9 +154,9 @@ def not_made(what: str, error: Exception) -> NotDrawn:
         raise error
     place = traceback.extract_tb(error.__traceback__)[-1]
     reason = f"{type(error).__name__}: {error} ({Path(place.filename).name}, line {place.lineno})"
-    found = NotDrawn(what, " ".join(reason.split()))
-    logger.warning("%s", found)
-    return found
+    not_drawn = NotDrawn(what, " ".join(reason.split()))
+    logger.warning("%s", not_drawn)
+    return not_drawn
 
 
 _scale: ContextVar[float] = ContextVar("scale", default=1.0)  # of the size of figures
@@ -228,13 +229,13 @@ def contents(drawing: Drawing, formats: Sequence[str] = ("pdf",)) -> dict[str, b
     drawing.figure.savefig(
         png, format="png", metadata={"Software": _MAKER}, pil_kwargs=_COMPRESSION
     )
-    found = {".png": png.getvalue()}
+    files = {".png": png.getvalue()}
     for name in formats:
         stream = io.BytesIO()
         with _needed_tables_only():
             drawing.figure.savefig(stream, format=name, metadata=_METADATA[name])
-        found[f".{name}"] = stream.getvalue()
-    return found | {".csv": _csv(drawing.columns)}
+        files[f".{name}"] = stream.getvalue()
+    return files | {".csv": _csv(drawing.columns)}
 
 
 # tables of an embedded TrueType font (ISO 32000-1, 9.9), and the order of its glyphs
@@ -276,14 +277,14 @@ def files_of(
     be drawn.
     """
 
-    def made() -> dict[str, bytes] | NotDrawn | None:
+    def draw_files() -> dict[str, bytes] | NotDrawn | None:
         drawing = draw()
         return contents(drawing, formats) if isinstance(drawing, Drawing) else drawing
 
-    found = attempt(f"figure {name}", made)
-    return (
-        {NOT_DRAWN_SUFFIX: f"{found.reason}\n".encode()} if isinstance(found, NotDrawn) else found
-    )
+    files = attempt(f"figure {name}", draw_files)
+    if isinstance(files, NotDrawn):
+        return {NOT_DRAWN_SUFFIX: f"{files.reason}\n".encode()}
+    return files
 
 
 def lay_out(figure: Figure, resolution: float) -> None:
@@ -319,11 +320,9 @@ def save_as(path: Path, columns: Columns, draw: Callable[[], Drawing]) -> None:
     InputError
         A file of such a name exists, and granwave did not write it.
     """
-    files = (
-        [path]
-        if path.suffix == ".csv"
-        else [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
-    )
+    files = [path]
+    if path.suffix != ".csv":
+        files = [path.with_suffix(suffix) for suffix in FIGURE_SUFFIXES]
     own = {**_OWN, ".csv": rb"\A" + re.escape(",".join(columns).encode()) + rb"\n"}
     for file in files:
         refuse_other_file(file, own[file.suffix])
@@ -393,10 +392,10 @@ class FigureFolder:
 
     def remove(self, *names: str) -> None:
         """Remove earlier figures."""
-        self.results.clear([file for name in names for file in figure_files(name)])
+        self.results.clear(list(chain.from_iterable(map(figure_files, names))))
 
     def names(self) -> list[str]:
-        """Return the names of the figures in the folder, those included that could not be drawn."""
+        """Return the names of the figures in the folder, with figures that could not be drawn."""
         return [path.stem for path in self._files() if path.suffix in (".png", NOT_DRAWN_SUFFIX)]
 
     def not_drawn(self) -> dict[str, NotDrawn]:
@@ -420,7 +419,7 @@ def write_csv(columns: Columns, path: Path, *, exact: bool = False) -> None:
     Parameters
     ----------
     exact
-        True for all digits of numbers, so that they are read back as they are; 10 otherwise.
+        True for all digits of numbers, so that they are read back unchanged; 10 otherwise.
     """
     path.write_bytes(_csv(columns, exact=exact))
 
@@ -434,9 +433,13 @@ def _csv(columns: Columns, *, exact: bool = False) -> bytes:
 
 def _texts(values: ArrayLike, exact: bool) -> list[str]:
     array = np.asarray(values)
-    if array.dtype.kind == "f":
-        return [
-            "" if value != value else repr(value) if exact else f"{value:.10g}"
-            for value in array.tolist()
-        ]
-    return [str(value) for value in array.tolist()]
+    if array.dtype.kind != "f":
+        return [str(value) for value in array.tolist()]
+    return [_number(value, exact) for value in array.tolist()]
+
+
+def _number(value: float, exact: bool) -> str:
+    """Return the text of a number, empty for NaN, with all digits or 10."""
+    if math.isnan(value):
+        return ""
+    return repr(value) if exact else f"{value:.10g}"

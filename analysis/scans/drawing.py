@@ -1,11 +1,11 @@
 """Drawing of the figures of a scan: curves with error bars, bars by category, maps, and marks of
 plastic zones.
 
-Curves and bars are drawn of a table with a row for each point: ``curve``, number of its curve;
-``row`` of one of the curve's points in the scan; ``x``, abscissa, of bars the place of the
-category; ``mean``, ``deviation``, ``half_width`` of the 95 % confidence interval of the mean and
-``count`` of its values, deviation and half-width NaN for a single one; ``mark``, `Mark` of a
-plastic zone, 0 for other quantities.
+Curves and bars are drawn from a table with a row for each point. Its columns are ``curve``, the
+number of the curve; ``row``, the row of a point of the curve in the scan; ``x``, the abscissa, or
+for bars the position of the category; ``mean``, ``deviation`` and ``half_width`` of the 95 %
+confidence interval of the mean (NaN for a single value) and the ``count`` of values; ``mark``, the
+`Mark` of a plastic zone, 0 for other quantities.
 """
 
 from __future__ import annotations
@@ -50,20 +50,18 @@ _LINE = 0.15  # inches, height of a line of names
 _AXIS = 0.78 * WIDTH  # inches, length of a horizontal axis
 _BAR = 0.24 * WIDTH  # inches, width of a colour scale
 _CHARACTER = 0.066  # inches, approximate width of a character
-_HANDLE = 5  # characters that a mark in a legend takes
-# characters
-_LINE_OF_NAME = 28
-_LINE_OF_LEGEND = 52
-_MOST_MARKED = 60  # points of a curve with markers
-# largest over smallest value from which an axis of values, of abscissae is logarithmic
-_SPREAD = 30.0
-_DECADE = 10.0
+_HANDLE = 5  # width of a mark in a legend, characters
+_LINE_OF_NAME = 28  # longest line of a category's name, characters
+_LINE_OF_LEGEND = 52  # longest line of a legend, characters
+_MOST_MARKED = 60  # largest number of points of a curve with markers
+_SPREAD = 30.0  # largest / smallest value above which an axis of values is logarithmic
+_DECADE = 10.0  # largest / smallest abscissa above which an axis may be logarithmic
 
 Titles = tuple[str, str]
 
 
 def draw_curves(
-    found: DataFrame,
+    points: DataFrame,
     x_title: str,
     y_title: str,
     others: Sequence[VariedKey],
@@ -75,7 +73,8 @@ def draw_curves(
 ) -> Drawing:
     """Draw curves with markers and a legend above, or a colour scale if there are many curves.
 
-    Points of plastic zones that reach a boundary are open, half open if a wave returned from one.
+    Points of plastic zones that reach a boundary are open, half open if a wave returned from a
+    boundary.
 
     Parameters
     ----------
@@ -90,19 +89,13 @@ def draw_curves(
     chosen
         True if the abscissae are values of a key, False if they are results.
     """
-    numeric = (
-        [key for key in others if key.numeric] if found.curve.nunique() > len(_COLOURS) else []
-    )
-    along = max(numeric, key=lambda key: len({key.values[row] for row in found.row}), default=None)
-    if along:  # too many curves for a legend: a colour scale of the key with most values
-        shades = np.unique([along.values[row] for row in found.row])
-        norm = (LogNorm if even_in_log(shades) else Normalize)(
-            float(shades[0]), float(shades[-1]) * (1 + 1e-12)
-        )
-    curves = [
-        (", ".join(key.text(part.row.iloc[0]) for key in others if key is not along), part)
-        for _, part in found.groupby("curve")
-    ]
+    along = _key_of_scale(points, others)
+    norm = None if along is None else _norm(along, points)
+    curves = []
+    for _, part in points.groupby("curve"):
+        row = part.row.iloc[0]
+        label = ", ".join(key.text(row) for key in others if key is not along)
+        curves.append((label, part))
     kinds = list(dict.fromkeys(label for label, _ in curves))
     figure = new_figure(_HEIGHT)
     axes = figure.subplots()
@@ -110,56 +103,81 @@ def draw_curves(
     for label, part in curves:
         kind = kinds.index(label)
         look = _look(kind, len(kinds), joined=joined)
-        if along:
-            colour = mpl.colormaps[_SCALE_MAP](0.92 * norm(along.values[part.row.iloc[0]]))
-            look |= {"color": colour, "linestyle": _LINES[kind % len(_LINES)] if joined else "none"}
-        handles[label] = Line2D([], [], **(look | ({"color": "black"} if along else {})))
-        few = {} if len(part) <= _MOST_MARKED or not joined else {"marker": None}
-        axes.errorbar(part.x, part["mean"], **_errors(part, "yerr"), elinewidth=0.8, **(look | few))
-        draw_marks(
-            axes,
-            part.x,
-            part["mean"],
-            part["mark"],
-            look["marker"],
-            look["markersize"],
-            look["color"],
-        )
-    places = np.unique(found.x)
+        handles[label] = Line2D([], [], **look)
+        if along is not None and norm is not None:
+            look["color"] = _shade(norm(along.values[part.row.iloc[0]]))
+            look["linestyle"] = _LINES[kind % len(_LINES)] if joined else "none"
+            handles[label] = Line2D([], [], **(look | {"color": "black"}))
+        _draw_curve(axes, part, look, joined=joined)
+    _scale_abscissae(axes, np.unique(points.x), chosen=chosen)
+    _scale_values(axes, points)
+    axes.set(xlabel=x_title, ylabel=y_title)
+    if along is not None and norm is not None:
+        colours = mpl.colors.ListedColormap(_shade(np.linspace(0, 1, 256)))
+        bar = figure.colorbar(mpl.cm.ScalarMappable(norm, colours), ax=axes, pad=0.02)
+        bar.set_label(along.title)
+    if len(kinds) > len(_COLOURS) * len(_LINES) or kinds == [""]:
+        handles = {}
+    for mark, text in marks_of(points["mark"]).items():
+        handles[text] = Line2D([], [], **marked_marker(mark, "o", 4.5, "black"))
+    _legend(figure, handles)
+    return Drawing(figure, _columns(points, others, columns, points.x.to_numpy() * scale))
+
+
+def _key_of_scale(points: DataFrame, others: Sequence[VariedKey]) -> VariedKey | None:
+    """Return the numeric key with most values, for the colour scale of too many curves for a
+    legend; None for few curves, or without a numeric key.
+    """
+    if points.curve.nunique() <= len(_COLOURS):
+        return None
+    numeric = [key for key in others if key.numeric]
+    return max(numeric, key=lambda key: len({key.values[row] for row in points.row}), default=None)
+
+
+def _norm(key: VariedKey, points: DataFrame) -> Normalize:
+    """Return the scale of colours over the values of a key."""
+    values = np.unique([key.values[row] for row in points.row])
+    scale = LogNorm if even_in_log(values) else Normalize
+    return scale(float(values[0]), float(values[-1]) * (1 + 1e-12))
+
+
+def _shade(place: Any) -> Any:
+    """Return the colour at a place from 0 to 1 of the scale, without its palest part."""
+    return mpl.colormaps[_SCALE_MAP](0.92 * place)
+
+
+def _draw_curve(axes: Axes, part: DataFrame, look: dict[str, Any], *, joined: bool) -> None:
+    """Draw a curve with error bars; a joined curve of many points has no markers."""
+    line = dict(look)
+    if joined and len(part) > _MOST_MARKED:
+        line["marker"] = None
+    axes.errorbar(part.x, part["mean"], **_errors(part, "yerr"), elinewidth=0.8, **line)
+    style = (look["marker"], look["markersize"], look["color"])
+    draw_marks(axes, part.x, part["mean"], part["mark"], *style)
+
+
+def _scale_abscissae(axes: Axes, places: NDArray, *, chosen: bool) -> None:
+    """Set the scale of abscissae: logarithmic for a large range, integer ticks for integers."""
     if even_in_log(places) or (not chosen and _is_wide(places)):
         axes.set_xscale("log")
     elif chosen and np.all(places == np.rint(places)):
         axes.xaxis.set_major_locator(MaxNLocator("auto", integer=True))
-    _scale_values(axes, found)
-    axes.set(xlabel=x_title, ylabel=y_title)
-    if along:
-        colours = mpl.colors.ListedColormap(mpl.colormaps[_SCALE_MAP](np.linspace(0, 0.92, 256)))
-        figure.colorbar(mpl.cm.ScalarMappable(norm, colours), ax=axes, pad=0.02).set_label(
-            along.title
-        )
-    shown_kinds = handles if len(kinds) <= len(_COLOURS) * len(_LINES) and kinds != [""] else {}
-    marks = {
-        text: Line2D([], [], **marked_marker(mark, "o", 4.5, "black"))
-        for mark, text in marks_of(found["mark"]).items()
-    }
-    _legend(figure, shown_kinds | marks)
-    return Drawing(figure, _columns(found, others, columns, found.x.to_numpy() * scale))
 
 
 def draw_bars(
-    found: DataFrame,
+    points: DataFrame,
     ticks: Sequence[str],
     x_title: str,
     y_title: str,
     others: Sequence[VariedKey],
     columns: Titles,
 ) -> Drawing:
-    """Draw the bars of each curve by category, one below the other.
+    """Draw bars by category, one below the other, with a bar for each curve.
 
     On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
-    open, pale if a wave returned from one.
+    open, pale if a wave returned from a boundary.
     """
-    n_curves = found.curve.nunique()
+    n_curves = points.curve.nunique()
     names = [textwrap.fill(name, _LINE_OF_NAME) for name in ticks]
     lines = max(max(name.count("\n") + 1 for name in names), 0.8 * n_curves)
     figure = new_figure(0.8 + _LINE * (lines + 0.5) * len(ticks), 1.5 * WIDTH)
@@ -167,11 +185,14 @@ def draw_bars(
     axes.set_yticks(range(len(names)), names)
     axes.tick_params(axis="y", which="both", length=0)
     axes.set(xlabel=y_title, ylabel=x_title, ylim=(len(ticks) - 0.4, -0.6))
-    logarithmic = _is_wide(found["mean"].to_numpy())
+    logarithmic = _is_wide(points["mean"].to_numpy())
     width = 0.8 / n_curves if n_curves > 1 else 0.6
-    axes.set(**({"xscale": "log"} if logarithmic else {"xmargin": 0.08}))
+    if logarithmic:
+        axes.set_xscale("log")
+    else:
+        axes.set_xmargin(0.08)
     handles: dict[str, Any] = {}
-    for m, (_, part) in enumerate(found.groupby("curve")):
+    for m, (_, part) in enumerate(points.groupby("curve")):
         place = part.x + (m - (n_curves - 1) / 2) * width
         errors = _errors(part, "xerr")
         look = _look(m, 1, joined=False) | {"markersize": 5}
@@ -184,20 +205,19 @@ def draw_bars(
             for bar, mark in zip(bars, part["mark"], strict=True):
                 bar.set(**(_marked_fill(Mark(mark), look["color"]) if mark else {}))
         label = ", ".join(key.text(part.row.iloc[0]) for key in others)
-        handles |= (
-            {label: Line2D([], [], **look) if logarithmic else mpl.patches.Patch(**fill)}
-            if label
-            else {}
-        )
-    for mark, text in marks_of(found["mark"]).items():
-        open_marker = Line2D([], [], **marked_marker(mark, "o", 4.5, "black"))
-        handles[text] = (
-            open_marker if logarithmic else mpl.patches.Patch(**_marked_fill(mark, "black"))
-        )
+        if label:
+            handles[label] = _handle(logarithmic, look, fill)
+    for mark, text in marks_of(points["mark"]).items():
+        look = marked_marker(mark, "o", 4.5, "black")
+        handles[text] = _handle(logarithmic, look, _marked_fill(mark, "black"))
     _legend(figure, handles)
-    return Drawing(
-        figure, _columns(found, others, columns, np.array([ticks[int(place)] for place in found.x]))
-    )
+    categories = np.array([ticks[int(place)] for place in points.x])
+    return Drawing(figure, _columns(points, others, columns, categories))
+
+
+def _handle(as_marker: bool, look: dict[str, Any], fill: dict[str, Any]) -> Any:
+    """Return the entry of a legend: a marker, or a filled patch."""
+    return Line2D([], [], **look) if as_marker else mpl.patches.Patch(**fill)
 
 
 def draw_map(
@@ -207,50 +227,57 @@ def draw_map(
     title: str,
     column: str,
 ) -> Drawing:
-    """Draw a value by two keys, in cells of equal size: (n_lines, n_columns); NaN for missing ones."""
+    """Draw values over two keys in cells of equal size.
+
+    Parameters
+    ----------
+    table
+        Values, NaN for missing points: (n_lines, n_columns).
+    values
+        Values of both keys: (n_columns,) and (n_lines,).
+    keys
+        Keys of the columns and of the lines.
+    """
     columns, lines = values
-    of_title = 0.55 + _CHARACTER * len(
-        keys[1].title + not_to_scale(lines)
-    )  # which must not be longer than its axis
-    figure = new_figure(min(max(0.34 * len(lines) + 0.7, of_title, 1.9), 3.4))
+    key_of_columns, key_of_lines = keys
+    x_title = key_of_columns.title + not_to_scale(columns)
+    y_title = key_of_lines.title + not_to_scale(lines)
+    height_of_title = 0.55 + _CHARACTER * len(y_title)
+    figure = new_figure(min(max(0.34 * len(lines) + 0.7, height_of_title, 1.9), 3.4))
     axes = figure.subplots()
     low = float(np.nanmin(table))
     high = float(np.nanmax(table))
-    names = [[shown(number) for number in numbers] for numbers in values]
+    names = [[shown(column) for column in columns], [shown(line) for line in lines]]
     room = int((_AXIS - _BAR) / (_CHARACTER * (max(map(len, names[0])) + 1)))
     axes.set_facecolor(BLANK)
     numbered_map(axes, table, (low, high if high > low else low + 1e-3), title, names, most=room)
-    axes.set(
-        xlabel=keys[0].title + not_to_scale(columns), ylabel=keys[1].title + not_to_scale(lines)
-    )
+    axes.set(xlabel=x_title, ylabel=y_title)
     x, y = np.meshgrid(columns, lines)
-    return Drawing(
-        figure,
-        {
-            keys[0].column: x.ravel() * keys[0].naming.scale,
-            keys[1].column: y.ravel() * keys[1].naming.scale,
-            column: table.ravel(),
-        },
-    )
+    data = {
+        key_of_columns.column: x.ravel() * key_of_columns.naming.scale,
+        key_of_lines.column: y.ravel() * key_of_lines.naming.scale,
+        column: table.ravel(),
+    }
+    return Drawing(figure, data)
 
 
 def even_in_log(values: NDArray[np.float64]) -> bool:
-    """Return True for sorted values over more than a decade that are spaced more evenly in their
-    logarithm.
+    """Return True for sorted values over more than a decade whose logarithms are spaced more evenly
+    than the values.
     """
     if len(values) < 2 or values[0] <= 0 or values[-1] < _DECADE * values[0]:
         return False
     ratios = np.diff(np.log(values))
     steps = np.diff(values)
-    return len(values) == 2 or float(np.std(ratios) / np.mean(ratios)) < float(
-        np.std(steps) / np.mean(steps)
-    )
+    if len(values) == 2:
+        return True
+    return bool(np.std(ratios) / np.mean(ratios) < np.std(steps) / np.mean(steps))
 
 
 def marks_of(marks: Iterable[int]) -> dict[Mark, str]:
     """Return the marks that occur, with their labels."""
-    there = set(marks)
-    return {mark: label for mark, label in LABELS.items() if mark in there}
+    present = set(marks)
+    return {mark: label for mark, label in LABELS.items() if mark in present}
 
 
 def draw_marks(
@@ -287,16 +314,19 @@ def _marked_fill(mark: Mark, colour: str) -> dict[str, Any]:
 
 
 def _look(kind: int, n_kinds: int, *, joined: bool) -> dict[str, Any]:
-    """Return the style of a curve; markers are larger for the first, so that coinciding ones remain
-    visible.
+    """Return the style of a curve; earlier curves have larger markers, so that coinciding points
+    remain visible.
     """
     n = kind % len(_COLOURS)
     turn = kind // len(_COLOURS)
     return {
-        "color": _COLOURS[n], "linestyle": _LINES[(n + turn) % len(_LINES)] if joined else "none",
-        "marker": _MARKERS[n], "markersize": 4.0 if n_kinds == 1 else 6.5 - 2.0 * kind / (n_kinds - 1),
-        "markeredgewidth": 0.3, "markeredgecolor": "white",
-    }  # fmt: skip
+        "color": _COLOURS[n],
+        "linestyle": _LINES[(n + turn) % len(_LINES)] if joined else "none",
+        "marker": _MARKERS[n],
+        "markersize": 4.0 if n_kinds == 1 else 6.5 - 2.0 * kind / (n_kinds - 1),
+        "markeredgewidth": 0.3,
+        "markeredgecolor": "white",
+    }
 
 
 def _errors(part: DataFrame, name: str) -> dict[str, Any]:
@@ -308,14 +338,14 @@ def _is_wide(values: NDArray[np.float64]) -> bool:
     return bool(values.min() > 0 and values.max() > _SPREAD * values.min())
 
 
-def _scale_values(axes: Axes, found: DataFrame) -> None:
-    """Set the scale of values: logarithmic for a large range, else from 0 if near it, never
-    enlarging mere noise.
+def _scale_values(axes: Axes, points: DataFrame) -> None:
+    """Set the scale of values: logarithmic for a large range, from 0 if 0 is close, and without
+    enlarging noise.
     """
-    widths = found.half_width.fillna(0.0)
-    low = float((found["mean"] - widths).min())
-    high = float((found["mean"] + widths).max())
-    if _is_wide(found["mean"].to_numpy()):
+    widths = points.half_width.fillna(0.0)
+    low = float((points["mean"] - widths).min())
+    high = float((points["mean"] + widths).max())
+    if _is_wide(points["mean"].to_numpy()):
         axes.set_yscale("log")
     elif 0 <= low < 0.5 * high:
         axes.set_ylim(0, 1.08 * high)
@@ -325,40 +355,42 @@ def _scale_values(axes: Axes, found: DataFrame) -> None:
 
 
 def _columns(
-    found: DataFrame, others: Sequence[VariedKey], columns: Titles, x: NDArray
+    points: DataFrame, others: Sequence[VariedKey], columns: Titles, x: NDArray
 ) -> dict[str, ArrayLike]:
-    table: dict[str, ArrayLike] = {columns[0]: x}
+    """Return the columns of data: abscissa, other keys, mean with its deviations, and marks."""
+    abscissa, ordinate = columns
+    table: dict[str, ArrayLike] = {abscissa: x}
     for key in others:
-        labels = [key.labels[row] for row in found.row]
-        number = all(
-            isinstance(label, int | float) and not isinstance(label, bool) for label in labels
-        )
-        table[key.column if number else key.name] = np.array(
-            labels if number else [str(label) for label in labels]
-        )
-    table[columns[1]] = found["mean"].to_numpy()
-    if (found["count"] > 1).any():
+        labels = [key.labels[row] for row in points.row]
+        if all(isinstance(label, int | float) and not isinstance(label, bool) for label in labels):
+            table[key.column] = np.array(labels)
+        else:
+            table[key.name] = np.array(list(map(str, labels)))
+    table[ordinate] = points["mean"].to_numpy()
+    if (points["count"] > 1).any():
         names = {"standard_deviation": "deviation", "confidence_95": "half_width", "n": "count"}
-        table |= {name: found[column].to_numpy() for name, column in names.items()}
-    marks = {
-        label.replace(" ", "_"): (found["mark"] == mark).astype(int)
-        for mark, label in marks_of(found["mark"]).items()
-    }
-    return table | {name: column.to_numpy() for name, column in marks.items()}
+        table |= {name: points[column].to_numpy() for name, column in names.items()}
+    for mark, label in marks_of(points["mark"]).items():
+        table[label.replace(" ", "_")] = (points["mark"] == mark).astype(int).to_numpy()
+    return table
 
 
 def _legend(figure: Figure, entries: Mapping[str, Any]) -> None:
-    """Put a legend above, with as many columns as there is room for; the figure grows by its
-    height.
-    """
+    """Put a legend above, with as many columns as fit, at most 4; the figure grows by it."""
     if not entries:
         return
     labels = [textwrap.fill(label, _LINE_OF_LEGEND) for label in entries]
-    widest = _CHARACTER * (
-        max(len(line) for label in labels for line in label.split("\n")) + _HANDLE
-    )
+    longest = max(map(len, "\n".join(labels).split("\n")))
+    width = _CHARACTER * (longest + _HANDLE)  # of a column
+    fitting = int(max(figure.get_figwidth() // width, 1))
     legend = figure.legend(
-        list(entries.values()), labels, loc="outside upper center", columnspacing=1.2, handletextpad=0.5,
-        labelspacing=0.3, borderaxespad=0.2, ncols=min(int(max(figure.get_figwidth() // widest, 1)), len(labels), 4),
-    )  # fmt: skip
+        list(entries.values()),
+        labels,
+        loc="outside upper center",
+        columnspacing=1.2,
+        handletextpad=0.5,
+        labelspacing=0.3,
+        borderaxespad=0.2,
+        ncols=min(fitting, len(labels), 4),
+    )
     figure.set_figheight(figure.get_figheight() + legend.get_window_extent().height / figure.dpi)

@@ -27,7 +27,14 @@ from granwave.analysis.formatting.values import (
 )
 from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
-from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
+from granwave.analysis.scans.table import (
+    CONFIDENCE,
+    COUNT,
+    MEAN,
+    labels_of,
+    physical,
+    scan_statistics,
+)
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
 _NAMES: Mapping[str, Naming] = {
@@ -183,16 +190,16 @@ def _naming_of(name: str) -> Naming | None:
 
 
 def _amplitude(labels: Sequence[Any], unit: str) -> Naming:
-    """Return the naming of the load's amplitude: of a motion in the largest unit in which the
-    largest is 1 or more.
+    """Return the naming of the amplitude of a load.
+
+    A displacement has the largest unit in which the largest amplitude is 1 or more.
     """
     if unit != "m":
         return dataclasses.replace(_AMPLITUDE, unit=unit)
-    largest = max((label for label in labels if is_number(label)), default=0.0)
-    shown_in = next(
-        ((name, scale) for name, scale in _OF_MOTION if largest >= scale), _OF_MOTION[-1]
-    )
-    return dataclasses.replace(_AMPLITUDE, unit=shown_in[0], scale=shown_in[1])
+    largest = max(filter(is_number, labels), default=0.0)
+    fitting = [(name, scale) for name, scale in _OF_MOTION if largest >= scale]
+    name, scale = fitting[0] if fitting else _OF_MOTION[-1]
+    return dataclasses.replace(_AMPLITUDE, unit=name, scale=scale)
 
 
 def _of_entry(name: str) -> Naming | None:
@@ -201,35 +208,37 @@ def _of_entry(name: str) -> Naming | None:
     """
     table, _, rest = name.partition(".")
     number, _, key = rest.partition(".")
-    found = _ENTRIES.get((table, key)) or (
-        _naming_of(key) or _naming_of(f"packing.{key}") if table == "replace" else None
-    )
-    if not number.isdigit() or found is None:
+    if not number.isdigit():
         return None
     if (table, key) in _ENTRIES:
-        return found
-    what = found.label.removeprefix("Sphere ")
-    return dataclasses.replace(found, label=f"{what[:1].upper()}{what[1:]} of replaced spheres")
+        return _ENTRIES[table, key]
+    entry = _NAMES.get(key) or _NAMES.get(f"packing.{key}")
+    if table != "replace" or entry is None:
+        return None
+    what = entry.label.removeprefix("Sphere ")
+    return dataclasses.replace(entry, label=f"{what[:1].upper()}{what[1:]} of replaced spheres")
 
 
 def _along_one_axis(labels: Sequence[Any]) -> tuple[str, tuple[float, ...]] | None:
-    """Return the axis and the components of vectors that are all along it; None of anything else."""
-    vectors = [
-        vector for vector in map(_parsed, labels) if isinstance(vector, list) and len(vector) == 3
-    ]
-    if len(vectors) < len(labels) or not all(
-        is_number(part) for vector in vectors for part in vector
-    ):
+    """Return the common axis of vectors and their components along it; None for other labels."""
+    vectors = [_parsed(label) for label in labels]
+    if not all(map(_is_vector, vectors)):
         return None
-    axes = {axis for vector in vectors for axis in range(3) if vector[axis]}
-    if len(axes) != 1:
+    components = dict(zip("xyz", zip(*vectors, strict=True), strict=False))
+    along = [axis for axis, values in components.items() if any(values)]
+    if len(along) != 1:
         return None
-    (axis,) = axes
-    return "xyz"[axis], tuple(float(vector[axis]) for vector in vectors)
+    (axis,) = along
+    return axis, tuple(map(float, components[axis]))
+
+
+def _is_vector(value: Any) -> bool:
+    """Return True for a list of three numbers."""
+    return isinstance(value, list) and len(value) == 3 and all(map(is_number, value))
 
 
 def _parsed(label: Any) -> Any:
-    """Return the list that a label is the text of; other labels as they are."""
+    """Return the list that a label shows as text; other labels unchanged."""
     try:
         return json.loads(label) if isinstance(label, str) else label
     except ValueError:
@@ -237,38 +246,49 @@ def _parsed(label: Any) -> Any:
 
 
 def _size(sizes: list[tuple[int, ...]]) -> tuple[Naming, tuple[int, ...]]:
-    """Return the count that varies, or the number of spheres if several counts do; in a plane, the
-    counts' product.
+    """Return the count that varies, or the number of spheres if several counts vary; for a plane
+    crystal the product of its counts.
     """
     lengths = {len(size) for size in sizes}
-    names, symbols = (_PLANE_SIZES, _PLANE_SYMBOLS) if lengths == {2} else (_SIZES, _SIZE_SYMBOLS)
-    varying = (
-        [n for n in range(max(lengths)) if len({size[n] for size in sizes}) > 1]
-        if len(lengths) == 1
-        else []
-    )
-    if len(varying) == 1 and max(lengths) > 1:
-        n = varying[0]
-        return Naming(names[n], symbols[n]), tuple(size[n] for size in sizes)
-    if lengths == {2}:  # rows of n and n - 1 in turn have fewer grains than that
-        return Naming(f"{names[0]} times rows", f"{symbols[0]} {symbols[1]}"), tuple(
-            math.prod(size) for size in sizes
-        )
-    return Naming("Spheres in all", r"$N$"), tuple(math.prod(size) for size in sizes)
+    in_plane = lengths == {2}
+    names = _PLANE_SIZES if in_plane else _SIZES
+    symbols = _PLANE_SYMBOLS if in_plane else _SIZE_SYMBOLS
+    products = tuple(math.prod(size) for size in sizes)
+    if len(lengths) == 1:
+        counts = list(zip(*sizes, strict=True))  # counts of each direction
+        varying = [n for n, values in enumerate(counts) if len(set(values)) > 1]
+        if len(varying) == 1 and len(counts) > 1:
+            n = varying[0]
+            return Naming(names[n], symbols[n]), counts[n]
+    if in_plane:  # rows of n and n - 1 in turn have fewer grains than the product
+        return Naming(f"{names[0]} times rows", f"{symbols[0]} {symbols[1]}"), products
+    return Naming("Spheres in all", r"$N$"), products
 
 
 def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
     """Parse labels as lists of counts; empty if any label is not such a list."""
-    found = [counts if isinstance(counts, list) else [counts] for counts in map(_parsed, labels)]
-    whole = all(isinstance(n, int) and not isinstance(n, bool) for counts in found for n in counts)
-    return [tuple(counts) for counts in found] if whole and all(found) else []
+    sizes = []
+    for label in labels:
+        parsed = _parsed(label)
+        counts = parsed if isinstance(parsed, list) else [parsed]
+        if not counts or not all(type(count) is int for count in counts):
+            return []
+        sizes.append(tuple(counts))
+    return sizes
 
 
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
-_MAIN = (  # in this order
-    REDUCTION, "restitution", "transmission", "dissipated_fraction", "peak_force_N", "n_plastic_spheres",
-)  # fmt: skip
+#: Quantities that come first, in this order.
+_MAIN = (
+    REDUCTION,
+    "restitution",
+    "transmission",
+    "dissipated_fraction",
+    "peak_force_N",
+    "max_force_N",
+    "n_plastic_spheres",
+)
 _TRENDS = ("rises", "falls")
 
 
@@ -289,9 +309,10 @@ class Means:
     half_widths
         Half-widths of the 95 % confidence intervals; None without replicates.
     protection
-        True if the scan asks what reaches a target; `granwave.analysis.scans.result.protects`.
+        True if the scan concerns the protection of a target; see
+        `granwave.analysis.scans.result.protects`.
     called
-        What the grains of its runs are called.
+        Word for the grains of its runs.
     """
 
     keys: tuple[VariedKey, ...]
@@ -304,59 +325,61 @@ class Means:
     @property
     def figures(self) -> dict[str, str]:
         """Values that figures show, by the names of figures."""
-        there = {key for key, values in self.values.items() if set(values) - {None}}
-        return scan_figures(there)
+        with_value = {key for key, values in self.values.items() if set(values) - {None}}
+        return scan_figures(with_value)
 
     def quantities(self) -> list[tuple[str, str]]:
-        """Return the quantities that have figures, by names of figure and value: varying quantities
+        """Return the quantities that have figures, as names of figure and value, varying ones
         first.
         """
-        found = []
+        quantities = []
         for number, (name, key) in enumerate(self.figures.items()):
             values = [value for value in self.values.get(key, ()) if value is not None]
             if key == REDUCTION and not self.protection:
                 continue
             if len(values) == len(self.counts) > 1 and max(map(abs, values)) > WORTH:
                 rank = _MAIN.index(key) if key in _MAIN else len(_MAIN) + number
-                found.append((not self.varies(key), rank, name, key))
-        return [(name, key) for *_, name, key in sorted(found)]
+                quantities.append((not self.varies(key), rank, name, key))
+        return [(name, key) for *_, name, key in sorted(quantities)]
 
     def varies(self, name: str) -> bool:
-        """Return True if a quantity takes more than one value, rounding apart."""
+        """Return True if the values of a quantity differ by more than rounding."""
         values = [value for value in self.values[name] if value is not None]
         return max(values) - min(values) > _SAME * max(map(abs, values))
 
     def sentence(self, main: str) -> str:
-        """Say between which values a quantity lies, where, and how it depends on each key."""
-        values = self.values[main]
-        low, high = (
-            choose(range(len(values)), key=lambda row: values[row] or 0.0) for choose in (min, max)
-        )
+        """Return a sentence with the range of a quantity, the points at its ends, and the trends
+        with each key.
+        """
+        values = [value or 0.0 for value in self.values[main]]
+        low = values.index(min(values))
+        high = values.index(max(values))
         label = quantity(main).label
         unit = quantity(main).unit.replace("^", "")
         unit = f" {unit}" if unit else ""
-        least, most = (self.text(main, row) + unit for row in (low, high))
+        least = self.text(main, low) + unit
+        most = self.text(main, high) + unit
         text = f"{label}: {most} at all points."
         if self.varies(main):
             text = f"{label}: from {least} ({self.setting(low)}) to {most} ({self.setting(high)})."
-            said = []
-            for word in _TRENDS:
-                names = [
-                    key.naming.label
-                    for n, key in enumerate(self.keys)
-                    if self._trend(main, n) == word
-                ]
-                said += (
-                    [f"{word} with {' and '.join(name[:1].lower() + name[1:] for name in names)}"]
-                    if names
-                    else []
-                )
-            text += f" It {', '.join(said)}." if said else ""
+            trends = self._trends(main)
+            if trends:
+                text += f" It {', '.join(trends)}."
         return in_grains(text, self.called)
 
+    def _trends(self, main: str) -> list[str]:
+        """Return the trends of a quantity with the keys: ``rises with diameter and velocity``."""
+        keys_of_trend: dict[str, list[str]] = {word: [] for word in _TRENDS}
+        for n, key in enumerate(self.keys):
+            trend = self._trend(main, n)
+            if trend:
+                label = key.naming.label
+                keys_of_trend[trend].append(label[:1].lower() + label[1:])
+        return [f"{word} with {' and '.join(keys)}" for word, keys in keys_of_trend.items() if keys]
+
     def _trend(self, main: str, n: int) -> str:
-        """Return the trend of a quantity with the n-th key, all others equal; empty if it changes
-        in both directions.
+        """Return the trend of a quantity with the n-th key at fixed other keys, ``rises`` or
+        ``falls``; empty if it changes its direction.
         """
         if not self.keys[n].numeric:
             return ""
@@ -366,7 +389,10 @@ class Means:
             largest = max(map(abs, values), default=0.0)
             changes = [b - a for a, b in itertools.pairwise(values)]
             signs |= {change > 0 for change in changes if abs(change) > _SAME * largest}
-        return {frozenset({True}): "rises", frozenset({False}): "falls"}.get(frozenset(signs), "")
+        rises, falls = _TRENDS
+        if signs == {True}:
+            return rises
+        return falls if signs == {False} else ""
 
     def text(self, name: str, row: int) -> str:
         """Return a mean with its interval, where it has one."""
@@ -389,48 +415,57 @@ class Means:
         other keys.
         """
         lines: dict[tuple[object, ...], list[int]] = {}
+        others = [key for m, key in enumerate(self.keys) if m != n]
+        values = [float(value) for value in self.keys[n].values]
         for row in range(len(self.counts)):
-            lines.setdefault(
-                tuple(key.values[row] for m, key in enumerate(self.keys) if m != n), []
-            ).append(row)
-        return [
-            sorted(rows, key=lambda row: float(self.keys[n].values[row])) for rows in lines.values()
-        ]
+            setting = tuple(key.values[row] for key in others)
+            lines.setdefault(setting, []).append(row)
+        return [sorted(rows, key=lambda row: values[row]) for rows in lines.values()]
 
 
 def means_of(scan: ScanResult) -> Means:
     """Average the finished points of a scan over the seeds; without seeds each point is a row."""
     names = [key for key in scan.varied if key != SEED]
+    done = [point for point in scan.points if point.status == "done"]
+    summaries = [point.summary for point in done]
     if SEED in scan.varied:
         table = scan_statistics(scan)
         counts = table.get(COUNT, [])
-        columns = {
-            key.removesuffix(MEAN): column for key, column in table.items() if key.endswith(MEAN)
-        }
-        widths = {key: table[key + CONFIDENCE] for key in columns}
+        means = {key.removesuffix(MEAN): table[key] for key in table if key.endswith(MEAN)}
+        widths = {name: table[name + CONFIDENCE] for name in means}
         labels = {name: table[name] for name in names}
     else:
-        done = [point for point in scan.points if point.status == "done"]
         counts = [1] * len(done)
-        found = dict.fromkeys(key for point in done for key in point.summary)
-        values: dict[str, list[Any]] = {
-            key: [point.summary.get(key) for point in done] for key in found
-        }
-        columns = {
-            key: [float(one) if is_number(one) else None for one in column]
-            for key, column in values.items()
-        }
-        widths = {key: [None] * len(done) for key in found}
-        labels = {name: [point.labels.get(name) for point in done] for name in names}
+        means = _numbers(summaries)
+        widths = dict.fromkeys(means, [None] * len(done))
+        labels = labels_of(done, names)
     kept = [row for row, count in enumerate(counts) if count]
-    summaries = [point.summary for point in scan.points if point.status == "done"]
-    there = physical({name: [labels[name][row] for row in kept] for name in names})
-    keys = [key_of(name, column, scan.units.get(name, "")) for name, column in there.items()]
+    keys = [
+        key_of(name, column, scan.units.get(name, ""))
+        for name, column in physical(_rows_of(labels, kept)).items()
+    ]
     return Means(
         tuple(key for key in keys if len(set(key.values)) > 1),
         tuple(counts[row] for row in kept),
-        {key: [column[row] for row in kept] for key, column in columns.items()},
-        {key: [column[row] for row in kept] for key, column in widths.items()},
+        _rows_of(means, kept),
+        _rows_of(widths, kept),
         protects(scan.varied, summaries),
         grains_called_in(summaries),
     )
+
+
+def _numbers(summaries: Sequence[Mapping[str, Any]]) -> dict[str, list[float | None]]:
+    """Return the numbers of summaries by quantity; None where there is no number."""
+    columns: dict[str, list[float | None]] = {}
+    for name in dict.fromkeys(itertools.chain.from_iterable(summaries)):
+        values: list[Any] = [summary.get(name) for summary in summaries]
+        columns[name] = [float(value) if is_number(value) else None for value in values]
+    return columns
+
+
+def _rows_of(columns: Mapping[str, Sequence[Any]], rows: Sequence[int]) -> dict[str, list[Any]]:
+    """Return some rows of each column."""
+    picked = {}
+    for name, column in columns.items():
+        picked[name] = [column[row] for row in rows]
+    return picked

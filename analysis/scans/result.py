@@ -37,7 +37,7 @@ Status = Literal["done", "failed", "missing"]
 
 @dataclasses.dataclass(frozen=True)
 class PointResult:
-    """Result of one point.
+    """Result of a point.
 
     Attributes
     ----------
@@ -48,7 +48,7 @@ class PointResult:
     labels
         Values of the varied keys, by dotted key; lists and tables as text.
     status, reason
-        Status, and the reason of a failure or the damage; empty otherwise.
+        Status, and the reason of a failure or the damaged file; empty otherwise.
     directory
         Directory of its run; None if it was never started.
     summary
@@ -113,12 +113,12 @@ class ScanResult:
 
     @property
     def units(self) -> dict[str, str]:
-        """SI units of the varied keys that have one."""
-        found = {
+        """SI units of the varied keys that have a unit."""
+        units = {
             key: amplitude_unit(self._load_kinds()) if key == AMPLITUDE else unit_of(key)
             for key in self.varied
         }
-        return {key: unit for key, unit in found.items() if unit}
+        return {key: unit for key, unit in units.items() if unit}
 
     def _load_kinds(self) -> set[str]:
         """Return the kinds of the loads: of all points if they vary, else of the first point that
@@ -127,9 +127,8 @@ class ScanResult:
         if LOAD_KIND in self.varied:
             return {str(point["labels"].get(LOAD_KIND)) for point in self._points}
         for point, folder in itertools.product(self._points, (POINTS, UNFINISHED)):
-            load = (read_tables(self.directory / folder / point["id"] / CASE_FILE) or {}).get(
-                "load"
-            )
+            tables = read_tables(self.directory / folder / point["id"] / CASE_FILE) or {}
+            load = tables.get("load")
             if isinstance(load, dict) and "kind" in load:
                 return {str(load["kind"])}
         return set()
@@ -139,26 +138,37 @@ class ScanResult:
         finished = self.directory / POINTS / name
         unfinished = self.directory / UNFINISHED / name
         status: Status = "missing"
-        if name not in self._summaries:
-            if other := other_point(finished):
-                raise OutputFormatError(other)
-            if found := ResultDirectory(finished).summary():
-                self._summaries[name] = found
-        summary = self._summaries.get(name, {})
-        directory = finished if summary else unfinished if unfinished.is_dir() else None
-        noted = read_point(directory) if directory else {}
+        summary = self._summary(name, finished)
+        directory = None
+        if summary:
+            directory = finished
+        elif unfinished.is_dir():
+            directory = unfinished
+        record = read_point(directory) if directory else {}
         reason = ""
         if summary:
             status = "done"
-        elif noted.get("state") == "failed":
+        elif record.get("state") == "failed":
             status = "failed"
-            reason = noted.get("reason") or ""
+            reason = record.get("reason") or ""
         elif finished.is_dir():
-            reason = f"its {SUMMARY_FILE} is {'damaged' if (finished / SUMMARY_FILE).exists() else 'missing'}"
-        attempts = noted.get("attempts", 0)
+            fault = "damaged" if (finished / SUMMARY_FILE).exists() else "missing"
+            reason = f"its {SUMMARY_FILE} is {fault}"
+        attempts = record.get("attempts", 0)
         return PointResult(
             entry["number"], name, entry["labels"], status, reason, attempts, directory, summary
         )
+
+    def _summary(self, name: str, finished: Path) -> dict[str, Any]:
+        """Return the summary of a point, read once; empty if it is not finished."""
+        if name not in self._summaries:
+            fault = other_point(finished)
+            if fault:
+                raise OutputFormatError(fault)
+            summary = ResultDirectory(finished).summary()
+            if summary:
+                self._summaries[name] = summary
+        return self._summaries.get(name, {})
 
 
 def _checked(entry: dict[str, Any]) -> dict[str, Any]:
@@ -172,18 +182,17 @@ def _checked(entry: dict[str, Any]) -> dict[str, Any]:
 
 
 def other_point(directory: Path) -> str:
-    """Say that the directory of a finished point holds another point or another run; empty if it
-    does not.
+    """Return the message for a directory of a finished point that holds another point or another
+    run; empty if it holds neither.
     """
-    noted = read_point(directory)
-    way = "move it away: resume=True then runs the point again"
-    if (other := noted.get("id", directory.name)) != directory.name:
-        return (
-            f"{directory}: holds the point {other} of the scan; move it to its own place, or {way}"
-        )
-    tables = ResultDirectory(directory).tables_as_run() if "case" in noted else None
-    if tables is not None and case_digest(tables) != noted["case"]:
-        return f"{directory}: holds a run of another case than that of the point; {way}"
+    record = read_point(directory)
+    remedy = "move it away: resume=True then runs the point again"
+    name = record.get("id", directory.name)
+    if name != directory.name:
+        return f"{directory}: holds the point {name} of the scan; move it to its own place, or {remedy}"
+    tables = ResultDirectory(directory).tables_as_run() if "case" in record else None
+    if tables is not None and case_digest(tables) != record["case"]:
+        return f"{directory}: holds a run of another case than that of the point; {remedy}"
     return ""
 
 
@@ -194,13 +203,12 @@ def read_point(directory: Path) -> dict[str, Any]:
 
 REDUCTION = "peak_reduction"
 _TARGET = "boundary.bottom"
-_MOVES = "target_peak_displacement_m"  # of targets that are no rigid wall
-_WORTH = 1e-3  # difference from 1 below which nothing is protected, as by a single sphere
+_MOVES = "target_peak_displacement_m"  # value of targets that move
+_WORTH = 1e-3  # deviation of the reduction from 1 below which a packing does not protect
 
 
 def protects(varied: Sequence[str], summaries: Iterable[Mapping[str, Any]]) -> bool:
-    """Return True for a scan of targets, or of a single target other than a rigid wall, that some
-    packing protects.
+    """Return True for a scan of targets, or on a target that moves, that a packing protects.
 
     Parameters
     ----------
@@ -209,7 +217,11 @@ def protects(varied: Sequence[str], summaries: Iterable[Mapping[str, Any]]) -> b
     summaries
         Summaries of its finished points.
     """
-    found = [summary for summary in summaries if isinstance(summary.get(REDUCTION), int | float)]
-    asked = any(key == _TARGET or key.startswith(f"{_TARGET}.") for key in varied)
-    asked = asked or (bool(found) and all(summary.get(_MOVES) is not None for summary in found))
-    return asked and any(abs(summary[REDUCTION] - 1) > _WORTH for summary in found)
+    protected = [
+        summary for summary in summaries if isinstance(summary.get(REDUCTION), int | float)
+    ]
+    varies_target = any(key == _TARGET or key.startswith(f"{_TARGET}.") for key in varied)
+    targets_move = bool(protected) and all(summary.get(_MOVES) is not None for summary in protected)
+    if not varies_target and not targets_move:
+        return False
+    return any(abs(summary[REDUCTION] - 1) > _WORTH for summary in protected)

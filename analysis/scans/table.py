@@ -13,7 +13,7 @@ import itertools
 import json
 import math
 import os
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +27,7 @@ from granwave.analysis.measures.zone_size import bounds_in_words
 from granwave.analysis.quantities import quantity
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.scans.result import SEED, PointResult, ScanResult
-from granwave.analysis.statistics import estimate
+from granwave.analysis.statistics import Estimate, estimate
 from granwave.analysis.versions import versions_of
 from granwave.lammps_inputs.files import replacing, write_csv_rows
 from granwave.lammps_inputs.run_directory import SCAN_DATA, SCAN_MEANS, SCAN_TABLE
@@ -37,7 +37,7 @@ if TYPE_CHECKING:
     import xarray
 
 MEAN_GROUP = "mean"
-#: Prefixes of keys without physical meaning beside keys that they follow.
+#: Prefixes of keys that have no physical meaning if other keys determine them.
 TIMES = ("run.", "output.")
 MEAN = ".mean"
 DEVIATION = ".std"
@@ -56,13 +56,13 @@ def scan_table(result: ScanResult) -> Columns:
     Returns
     -------
     dict
-        Varied keys; ``status``, ``reason``, ``directory`` (relative to the scan's; empty if there
-        is none), ``attempts``; all values of the summaries, in their order and SI units, versions
-        as ``versions.NAME``, lists as text, ``none`` if empty. A summary value whose name is taken
-        is called ``summary.NAME``.
+        Varied keys; ``status``, ``reason``, ``directory`` (relative to the directory of the scan;
+        empty if there is none), ``attempts``; all values of the summaries, in their order and SI
+        units. Versions are ``versions.NAME``; lists are text, ``none`` if empty. A summary value
+        with the name of another column is ``summary.NAME``.
     """
     points = result.points
-    table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
+    table: Columns = labels_of(points, result.varied)
     table["status"] = [point.status for point in points]
     table["reason"] = [point.reason for point in points]
     places = [point.directory for point in points]
@@ -73,9 +73,17 @@ def scan_table(result: ScanResult) -> Columns:
     return table | _summaries(points, taken=table)
 
 
+def labels_of(points: Sequence[PointResult], keys: Iterable[str]) -> dict[str, list[Any]]:
+    """Return the labels of points by key."""
+    columns = {}
+    for key in keys:
+        columns[key] = [point.labels.get(key) for point in points]
+    return columns
+
+
 def scan_statistics(result: ScanResult) -> Columns:
-    """Return means, deviations and intervals over seeds: a row for each set of points that differ
-    only in the seed.
+    """Return means, standard deviations and confidence intervals over seeds, with a row for each
+    set of points that differ only in the seed.
 
     Returns
     -------
@@ -91,25 +99,29 @@ def scan_statistics(result: ScanResult) -> Columns:
     points = result.points
     groups: dict[tuple[Any, ...], list[int]] = {}
     for row, point in enumerate(points):
-        groups.setdefault(tuple(point.labels.get(key) for key in keys), []).append(row)
-    table: Columns = {key: [labels[n] for labels in groups] for n, key in enumerate(keys)}
-    done = [point.status == "done" for point in points]
-    table[COUNT] = [sum(done[row] for row in rows) for rows in groups.values()]
+        labels = tuple(point.labels.get(key) for key in keys)
+        groups.setdefault(labels, []).append(row)
+    table: Columns = {}
+    for n, key in enumerate(keys):
+        table[key] = [labels[n] for labels in groups]
+    table[COUNT] = []
+    for rows in groups.values():
+        table[COUNT].append(sum(points[row].status == "done" for row in rows))
     for name, column in _summaries(points, taken=()).items():
         if not _is_numeric(column):
             continue
-        found = [
-            [column[row] for row in rows if column[row] is not None] for rows in groups.values()
-        ]
-        estimates = [estimate(values) if values else None for values in found]
-        table[name + MEAN] = [one.mean if one else None for one in estimates]
-        table[name + DEVIATION] = [
-            one.deviation if one and one.n > 1 else None for one in estimates
-        ]
-        table[name + CONFIDENCE] = [
-            one.half_width if one and one.n > 1 else None for one in estimates
-        ]
+        estimates = [_estimate_of(column, rows) for rows in groups.values()]
+        spreads = [mean if mean and mean.n > 1 else None for mean in estimates]
+        table[name + MEAN] = [mean.mean if mean else None for mean in estimates]
+        table[name + DEVIATION] = [mean.deviation if mean else None for mean in spreads]
+        table[name + CONFIDENCE] = [mean.half_width if mean else None for mean in spreads]
     return table
+
+
+def _estimate_of(column: Sequence[Any], rows: Sequence[int]) -> Estimate | None:
+    """Estimate the mean of some rows of a column; None without values."""
+    values = [column[row] for row in rows if column[row] is not None]
+    return estimate(values) if values else None
 
 
 def write_scan_table(scan: str | Path | ScanResult) -> Path:
@@ -150,7 +162,8 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
     else:
         result.results.clear([SCAN_MEANS])
     with new_hdf5(result.directory / SCAN_DATA) as file:
-        file.attrs["name"], file.attrs["case"] = result.name, result.case_name
+        file.attrs["name"] = result.name
+        file.attrs["case"] = result.case_name
         file.attrs["versions"] = json.dumps(versions_of(()))
         _write_group(file, table, result.units)
         if means:
@@ -256,7 +269,7 @@ class ScanData(Mapping[str, NDArray]):
     def to_xarray(self) -> xarray.Dataset:
         """Convert the table to a Dataset with a dimension for each independent key.
 
-        A key that follows from another one is a coordinate along its dimension.
+        A key that another key determines is a coordinate along the dimension of this key.
 
         Raises
         ------
@@ -267,41 +280,37 @@ class ScanData(Mapping[str, NDArray]):
 
         labels = {key: self[key].tolist() for key in self.varied}
         axes = independent_keys(labels)
-        values = {key: list(dict.fromkeys(labels[key])) for key in axes}
-        shape = tuple(len(found) for found in values.values())
-        place = tuple([values[key].index(label) for label in labels[key]] for key in axes)
-        flat = (
-            np.ravel_multi_index(place, shape) if axes else np.zeros(self.n_points, dtype=np.int64)
-        )
+        codes = {}
+        sizes = {}
+        for key in axes:
+            values = list(dict.fromkeys(labels[key]))
+            codes[key] = [values.index(label) for label in labels[key]]
+            sizes[key] = len(values)
+        shape = tuple(sizes.values())
+        flat = np.zeros(self.n_points, dtype=np.int64)  # place of each point in the grid
+        if axes:
+            flat = np.ravel_multi_index(tuple(codes.values()), shape)
         if self.n_points != math.prod(shape) or len(np.unique(flat)) != self.n_points:
             size = " x ".join(map(str, shape)) or "1"
             raise ValueError(
-                f"scan {self.name}: found {self.n_points} points at {len(np.unique(flat))} places of a grid of {size} "
-                f"({', '.join(axes)}), expected one at each; use to_pandas, or take a part of the points"
+                f"scan {self.name}: found {self.n_points} points at {len(np.unique(flat))} places "
+                f"of a grid of {size} ({', '.join(axes)}), expected one at each; use to_pandas, or "
+                "take a part of the points"
             )
         order = np.argsort(flat)
-        variables = {
-            name: (
-                tuple(axes),
-                column[order].reshape(shape),
-                {"units": column_unit(name, self.units)},
-            )
-            for name, column in self.columns.items()
-            if name not in self.varied
-        }
+        variables = {}
+        for name, column in self.columns.items():
+            if name not in self.varied:
+                attributes = {"units": column_unit(name, self.units)}
+                variables[name] = (tuple(axes), column[order].reshape(shape), attributes)
         coordinates = {}
         for key in self.varied:
-            leader = (
-                key
-                if key in axes
-                else next(axis for axis in axes if determines(labels[axis], labels[key]))
-            )
-            follows = dict(zip(labels[leader], labels[key], strict=True))
-            coordinates[key] = (
-                leader,
-                list(follows.values()),
-                {"units": column_unit(key, self.units)},
-            )
+            axis = key
+            if key not in axes:
+                axis = next(name for name in axes if determines(labels[name], labels[key]))
+            value_at = dict(zip(labels[axis], labels[key], strict=True))
+            attributes = {"units": column_unit(key, self.units)}
+            coordinates[key] = (axis, list(value_at.values()), attributes)
         return xarray.Dataset(variables, coordinates, {"name": self.name, "case": self.case_name})
 
 
@@ -326,11 +335,11 @@ def read_scan(directory: str | Path) -> ScanData:
 
 
 def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
-    """Return the independent keys, without constant keys and keys that another one determines
+    """Return the independent keys, without constant keys and keys that another key determines
     (zipped keys).
 
-    If keys determine each other, the first is kept, except that keys of ``run`` and ``output`` are
-    dropped first.
+    Among keys that determine each other the first is kept; keys of ``run`` and ``output`` go
+    first.
     """
     kept = [key for key, column in labels.items() if len(set(column)) > 1]
     for key in sorted(reversed(kept), key=lambda key: not key.startswith(("run.", "output."))):
@@ -358,14 +367,15 @@ def physical(labels: Mapping[str, Sequence[Any]]) -> dict[str, Sequence[Any]]:
 def _summaries(points: Sequence[PointResult], taken: Any) -> Columns:
     """Return the values of the summaries by column, None for points without the value."""
     rows = [_flat(point.summary) for point in points]
-    names = dict.fromkeys(itertools.chain.from_iterable(rows))
-    return {
-        f"summary.{name}" if name in taken else name: [row.get(name) for row in rows]
-        for name in names
-    }
+    columns = {}
+    for name in dict.fromkeys(itertools.chain.from_iterable(rows)):
+        column = f"summary.{name}" if name in taken else name
+        columns[column] = [row.get(name) for row in rows]
+    return columns
 
 
 def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
+    """Return a summary with the values of its tables as ``TABLE.NAME``, and lists as text."""
     flat: dict[str, Any] = {}
     for name, value in summary.items():
         if isinstance(value, Mapping):
@@ -376,8 +386,8 @@ def _flat(summary: Mapping[str, Any]) -> dict[str, Any]:
 
 
 def _is_numeric(column: Sequence[Any]) -> bool:
-    there = [value for value in column if value is not None]
-    return bool(there) and all(map(is_number, there))
+    present = [value for value in column if value is not None]
+    return bool(present) and all(map(is_number, present))
 
 
 def _text(value: Any) -> str:
@@ -400,12 +410,13 @@ def _array(column: Sequence[Any]) -> NDArray:
 
 
 def _write_csv(table: Columns, path: Path) -> None:
-    columns = [
-        [value if is_number(value) else _text(value) for value in column]
-        for column in table.values()
-    ]
+    columns = [map(_csv_cell, column) for column in table.values()]
     with replacing(path) as scratch, open(scratch, "w", encoding="utf-8", newline="") as file:
         write_csv_rows(file, [list(table), *zip(*columns, strict=True)])
+
+
+def _csv_cell(value: Any) -> Any:
+    return value if is_number(value) else _text(value)
 
 
 def _write_group(group: h5py.Group, table: Columns, units: Mapping[str, str]) -> None:

@@ -44,10 +44,11 @@ def title(runs: Sequence[TargetRun]) -> str:
 def text(runs: Sequence[TargetRun]) -> str:
     """Describe the comparison."""
     return (
-        f"The same impact through {_layers(runs)} on each bottom. Reduction: the peak force of the same impact "
-        "directly on the target over that on the target below the packing. Impulse: of the last layer on the target, "
-        "up to the end of the run; a packing spreads it in space and time, it does not take it away, and spheres that "
-        "rebound add to it. Energy: the work that it has done on the target, at most. A rigid wall takes none."
+        f"The same impact through {_layers(runs)} on each bottom. Reduction: the peak force of the "
+        "same impact directly on the target over that on the target below the packing. Impulse: "
+        "of the last layer on the target, up to the end of the run; a packing spreads it in space "
+        "and time, it does not take it away, and spheres that rebound add to it. Energy: the work "
+        "that it has done on the target, at most. A rigid wall takes none."
     )
 
 
@@ -79,8 +80,9 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     legend_outside(figure, 2, fontsize=7)
     through = f"{_layers(runs)}, friction {plain[0].friction:g}"
     caption = (
-        f"Force, impulse and energy that reach the target through {through}, against time. The lower the peak of the "
-        "force, the better the target is protected; the impulse is spread in time, not taken away"
+        f"Force, impulse and energy that reach the target through {through}, against time. The "
+        "lower the peak of the force, the better the target is protected; the impulse is spread "
+        "in time, not taken away"
     )
     yield Picture("", caption, Drawing(figure, columns))
 

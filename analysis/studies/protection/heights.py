@@ -35,9 +35,10 @@ _MARKERS = "os^Dv"  # one for each friction
 _SHOWN = {"peak_reduction": "reduction", "gain_per_kg": "per_kg", "packing_mass_kg": "mass_kg"}
 _LABELS = ("Peak reduction", "(Peak reduction - 1) per mass (1/kg)")
 TEXT = (
-    "The same impact through packings of more and more layers. Reduction: the peak force of the same impact "
-    "directly on the target over that on the target below the packing; also over the mass of the packing and over "
-    "its height. What a kilogram adds: the reduction less 1, which is that of no packing, over the mass."
+    "The same impact through packings of more and more layers. Reduction: the peak force of the "
+    "same impact directly on the target over that on the target below the packing; also over the "
+    "mass of the packing and over its height. What a kilogram adds: the reduction less 1, which is "
+    "that of no packing, over the mass."
 )
 
 
@@ -100,16 +101,16 @@ def pictures(all_series: AllSeries) -> Iterator[Picture]:
         place = frictions.index(runs[0].friction)
         colour = _COLOURS[bottoms.index(runs[0].bottom) % len(_COLOURS)]
         layers = np.array([float(run.layers) for run in runs])
-        values = {
-            column: np.array([run.value(key) for run in runs]) for key, column in _SHOWN.items()
-        }
+        values = {}
+        for key, column in _SHOWN.items():
+            values[column] = np.array([run.value(key) for run in runs])
         for axes, column in zip(row, values, strict=False):
             look = f"{_MARKERS[place % len(_MARKERS)]}{_LINES[place % len(_LINES)]}"
             (line,) = axes.plot(layers, values[column], look, color=colour, label=name)
             line.set(markersize=3.5, markerfacecolor="none" if place else colour)
         columns[f"{column_name(name)}_layers"] = layers
-        for column, reductions in values.items():
-            columns[f"{column_name(name)}_{column}"] = reductions
+        for column, series_values in values.items():
+            columns[f"{column_name(name)}_{column}"] = series_values
     heights = sorted({run.layers for run in chain.from_iterable(all_series)})
     for axes, label in zip(row, _LABELS, strict=True):
         axes.set(xlabel="Layers", ylabel=label, xscale="log")
@@ -118,7 +119,8 @@ def pictures(all_series: AllSeries) -> Iterator[Picture]:
     row[0].yaxis.set(major_formatter=ScalarFormatter(), minor_formatter=ScalarFormatter())
     legend_outside(figure, 3, fontsize=7)
     caption = (
-        "Peak force without the packing over that with it, and what a kilogram adds to it, against the number of "
-        "layers. Above 1 the packing protects; where the right-hand curve is highest, its mass pays most"
+        "Peak force without the packing over that with it, and what a kilogram adds to it, against "
+        "the number of layers. Above 1 the packing protects; where the right-hand curve is "
+        "highest, its mass pays most"
     )
     yield Picture("", caption, Drawing(figure, columns))

@@ -45,10 +45,10 @@ QUANTITIES: dict[str, tuple[str, str, float, str]] = {
 
 
 class TargetRun(FinishedRun):
-    """A finished run of a packing between an impact and a bottom that bears it."""
+    """A finished run of a packing between an impact and a bottom that supports it."""
 
     def value(self, name: str) -> float:
-        """A number of the summary, or one of the further `QUANTITIES`; NaN where it does not apply."""
+        """A number of the summary, or one of the further `QUANTITIES`; NaN where not applicable."""
         if name == "largest_of_one_N":
             with Result(self.directory) as result:
                 at_bottom = result["wall_contacts/wall"] == "bottom"

@@ -20,10 +20,11 @@ from granwave.analysis.studies.study import Picture, Row, span
 from granwave.lammps_inputs.case.boundary import Plate, time_label
 
 TEXT = (
-    "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "
-    "force that the same packing gives a wall of the plate's material, held in place; its limits are those of a "
-    "short impulse, J/(M omega), and of a slow force, F/k. Where a plate gives way, less force reaches it than a wall "
-    "held in place, and its point lies below the line."
+    "How far a plate on a spring moves below the packing, and without it. The line is an "
+    "oscillator under the force that the same packing gives a wall of the plate's material, held "
+    "in place; its limits are those of a short impulse, J/(M omega), and of a slow force, F/k. "
+    "Where a plate gives way, less force reaches it than a wall held in place, and its point lies "
+    "below the line."
 )
 _FEWEST = 4  # smallest number of stiffnesses
 _MICRO = 1e6
@@ -93,7 +94,8 @@ def _held_run(runs: Sequence[TargetRun], plate_run: TargetRun) -> TargetRun | No
 def title(groups: Sequence[Spectrum]) -> str:
     """Title with packing and impact."""
     one_height = len({held_run.layers for held_run, _ in groups}) == 1
-    return f"Protected target, shock spectrum: {impact_title(groups[0][0].assembly, height=one_height)}"
+    impact = impact_title(groups[0][0].assembly, height=one_height)
+    return f"Protected target, shock spectrum: {impact}"
 
 
 def rows(groups: Sequence[Spectrum]) -> Iterator[Row]:
@@ -156,13 +158,22 @@ def pictures(groups: Sequence[Spectrum]) -> Iterator[Picture]:
             ("short_impulse", period, theory.short_impulse, "--", "short impulse, J/(Mω)"),
         ):
             full = "none" if column == "without" else colour
-            axes.plot(_MICRO * x, _MICRO * values, line, color=colour, label=called, markersize=4, linewidth=0.9,
-                      markerfacecolor=full)  # fmt: skip
+            axes.plot(
+                _MICRO * x,
+                _MICRO * values,
+                line,
+                color=colour,
+                label=called,
+                markersize=4,
+                linewidth=0.9,
+                markerfacecolor=full,
+            )
             columns[f"{word}_{column}_m"] = values
     axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in groups))
     legend_outside(figure, 2, fontsize=7)
     caption = (
-        "Largest displacement of the plate against its period, with the packing and without, and of an oscillator "
-        "under the force on a plate held in place. The packing helps where full marks lie below open ones"
+        "Largest displacement of the plate against its period, with the packing and without, and "
+        "of an oscillator under the force on a plate held in place. The packing helps where full "
+        "marks lie below open ones"
     )
     yield Picture("", caption, Drawing(figure, columns))

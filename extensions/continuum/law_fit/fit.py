@@ -18,6 +18,7 @@ import dataclasses
 import logging
 import math
 from collections.abc import Sequence
+from functools import cached_property
 from itertools import pairwise
 
 import numpy as np
@@ -61,23 +62,19 @@ RANGES = (
 )  # ranges of the overlap over that at first yield, for misfits
 
 _LOG = logging.getLogger("granwave")
-# floors of the scale of residuals
-_LEAST_LOADING = 1e-3
-_LEAST_TURN = 0.05
-_NO_FORCE = 1e-3  # over the force at the turn; smaller forces count as zero
-_FEWEST = 5  # fewest rows of loading beyond first yield
-# overlap over that at first yield; smaller turns do not determine the residual overlap
-_SMALL_TURN = 1.5
-# ratio of forces; no material differs so much from the law, so that the unit must be wrong
-_UNIT_ERROR = 30.0
-_YIELD_SPAN = math.log(
-    10.0
-)  # range of the search on either side of the given yield strength, logarithmic
+_LEAST_LOADING = 1e-3  # smallest scale of residuals / largest force
+_LEAST_TURN = 0.05  # smallest scale of residuals / force at the turn
+_NO_FORCE = 1e-3  # force / force at the turn below which it counts as zero
+_FEWEST = 5  # smallest number of rows of loading beyond first yield
+_SMALL_TURN = (
+    1.5  # overlap / first yield below which a turn does not determine the residual overlap
+)
+_UNIT_ERROR = 30.0  # ratio to the law's force that no material reaches: the unit is wrong
+_YIELD_SPAN = math.log(10.0)  # range of the search around a yield strength, logarithmic
 _HUGE = 1e3  # residual of an invalid law
 
-# smallest slope of a_R at first yield, and weight of this condition
-_LEAST_RISE = 0.01
-_STIFF = 100.0
+_LEAST_RISE = 0.01  # smallest slope of a_R at first yield
+_STIFF = 100.0  # weight of this condition
 
 Array = NDArray[np.float64]
 
@@ -147,7 +144,7 @@ def fit_law(
         Constants to fit; by default those that the curve can determine, and a warning names the
         rest.
     fit_yield
-        True to fit the yield strength, too, starting from that of the softer material.
+        True to fit the yield strength too, starting from the value of the softer material.
 
     Raises
     ------
@@ -170,41 +167,25 @@ def fit_law(
         names.append(YIELD)
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
-            f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, "
-            f"expected at least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
+            f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, expected at "
+            f"least {len(names) + _FEWEST} to fit {len(names)} values; hold some with --free"
         )
-    start = first.constants | {YIELD: first.yield_strength}
-
-    def law_of(x: Array, checked: bool = False) -> ContactLaw:
-        constants = {
-            name: float(factor * start[name]) for name, factor in zip(names, x, strict=True)
-        }
-        strength = constants.pop(YIELD, None)
-        return contact_of(
-            _with_yield(materials, strength), radii, constants=constants, checked=checked
-        )
-
-    scale = residual_scale(curve)[rows]
-
-    def residuals(x: Array) -> Array:
-        law = law_of(x)
-        off = (law.force(curve.overlap[rows], curve.peak[rows]) - curve.force[rows]) / scale
-        return np.append(np.nan_to_num(off, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE), _healing(law))
-
-    units = {**start, YIELD: 1.0}  # bounds of the yield strength are relative
-    bounds = np.sort([np.array(BOUNDS[name]) / units[name] for name in names], axis=1)
+    problem = _Problem(curve, rows, materials, radii, first, names)
+    bounds = problem.bounds
     largest = float(curve.peak.max()) / first.yield_overlap
-    search = Search(residuals, bounds, names, np.append(curve.loading[rows], False), largest)
+    is_loading = np.append(curve.loading[rows], False)
+    search = Search(problem.residuals, bounds, names, is_loading, largest)
     x = search.best()
     try:
-        law = law_of(x, checked=True)
+        law = problem.law(x, checked=True)
     except ValueError as error:
         raise InputError(
             f"{curve.source}: the constants that fit best make {error}; hold some with --free"
         ) from None
     at_bound = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
-    rho = _neighbours(residuals(x)[:-1], curve.branch[rows])
+    rho = _neighbours(problem.residuals(x)[:-1], curve.branch[rows])
     spread = uncertainties(search, x, at_bound) * math.sqrt((1 + rho) / (1 - rho))
+    start = problem.start
     of_published = _misfit(curve, published).set_index("part").drop(columns="rows")
     return Fit(
         curve=curve,
@@ -220,6 +201,62 @@ def fit_law(
         correlation=rho,
         misfit=_misfit(curve, law).join(of_published.add_prefix("published_"), on="part"),
     )
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Problem:
+    """Least-squares problem of a fit; its variables are the values relative to their start.
+
+    Attributes
+    ----------
+    rows
+        True for the fitted rows of the curve: (n,).
+    first
+        Law at the start.
+    names
+        Names of the fitted values: constants of the law, and `YIELD`.
+    """
+
+    curve: Curve
+    rows: NDArray[np.bool_]
+    materials: Sequence[Material]
+    radii: Sequence[float]
+    first: ContactLaw
+    names: Sequence[str]
+
+    @cached_property
+    def start(self) -> dict[str, float]:
+        """Values at the start by name."""
+        return self.first.constants | {YIELD: self.first.yield_strength}
+
+    @cached_property
+    def bounds(self) -> Array:
+        """Bounds of the variables: (n_values, 2)."""
+        units = {**self.start, YIELD: 1.0}  # bounds of the yield strength are relative
+        return np.sort([np.array(BOUNDS[name]) / units[name] for name in self.names], axis=1)
+
+    @cached_property
+    def scale(self) -> Array:
+        """Scale of the residuals of the fitted rows, N."""
+        return residual_scale(self.curve)[self.rows]
+
+    def law(self, x: Array, *, checked: bool = False) -> ContactLaw:
+        """Return the law for some variables; with ``checked``, ValueError if it is not passive."""
+        constants = {
+            name: float(factor * self.start[name])
+            for name, factor in zip(self.names, x, strict=True)
+        }
+        materials = _with_yield(self.materials, constants.pop(YIELD, None))
+        return contact_of(materials, self.radii, constants=constants, checked=checked)
+
+    def residuals(self, x: Array) -> Array:
+        """Return the scaled residuals of the fitted rows, and the penalty of `_healing`."""
+        law = self.law(x)
+        curve = self.curve
+        force = law.force(curve.overlap[self.rows], curve.peak[self.rows])
+        residuals = (force - curve.force[self.rows]) / self.scale
+        finite = np.nan_to_num(residuals, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE)
+        return np.append(finite, _healing(law))
 
 
 def residual_scale(curve: Curve) -> Array:
@@ -272,13 +309,14 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
     largest = float(curve.overlap.max(initial=0.0))
     if largest > min(radii):
         raise InputError(
-            f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} m; "
-            "are the overlaps in m, and is --radius right?"
+            f"{curve.source}: overlap_m: found {largest:g} m, more than the radius {min(radii):g} "
+            "m; are the overlaps in m, and is --radius right?"
         )
     if largest <= law.yield_overlap:
         raise InputError(
             f"{curve.source}: overlap_m: the largest, {largest:g} m, does not pass first yield at "
-            f"{law.yield_overlap:.4g} m, below which the constants do nothing; are --material and --radius right?"
+            f"{law.yield_overlap:.4g} m, below which the constants do nothing; are --material and "
+            "--radius right?"
         )
     beyond = loading & (curve.overlap > law.yield_overlap)
     if np.count_nonzero(beyond) < _FEWEST:
@@ -289,8 +327,8 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
     ratio = float(np.median(curve.force[beyond] / law.loading_force(curve.overlap[beyond])))
     if not 1 / _UNIT_ERROR < ratio < _UNIT_ERROR:
         raise InputError(
-            f"{curve.source}: force_N: the forces are {ratio:.3g} times those of the published law; "
-            "are they in N, the overlaps in m, and are --material and --radius right?"
+            f"{curve.source}: force_N: the forces are {ratio:.3g} times those of the published "
+            "law; are they in N, the overlaps in m, and are --material and --radius right?"
         )
 
 
@@ -348,9 +386,9 @@ def _with_yield(materials: Sequence[Material], strength: float | None) -> list[M
 
 def _healing(law: ContactLaw) -> float:
     """Return a penalty against negative residual overlaps: 0 if a_R increases at first yield."""
-    slope, offset, rate = (
-        law.constants[f"residual_{name}"] for name in ("slope", "offset", "rate")
-    )
+    slope = law.constants["residual_slope"]
+    offset = law.constants["residual_offset"]
+    rate = law.constants["residual_rate"]
     return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
 
 

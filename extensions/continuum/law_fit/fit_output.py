@@ -120,18 +120,22 @@ def fit_toml(fit: Fit) -> str:
     }
     diameter = 2 * min(fit.radii)
     lines = [
-        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name} ({fit.curve.force.size} rows).",
-        "# Copy [contact] and [material] into a case of your own and run it: granwave run case.toml",
+        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name} "
+        f"({fit.curve.force.size} rows).",
+        "# Copy [contact] and [material] into a case of your own and run it: granwave run "
+        "case.toml",
         "# This file is a case too, two such spheres: granwave run fit.toml",
         *(
-            f"# off by {part.rms_percent:.3g} % rms, {part.largest_percent:.3g} % at most: {part.part}"
+            f"# off by {part.rms_percent:.3g} % rms, {part.largest_percent:.3g} % at most: "
+            f"{part.part}"
             for part in fit.misfit.itertuples()
             if not part.part.startswith(" ")
         ),
     ]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
         lines.append(
-            "# The curve is of two materials: [material] below is the softer; --pair A B writes the law between both."
+            "# The curve is of two materials: [material] below is the softer; --pair A B writes "
+            "the law between both."
         )
     lines += ["", 'name = "fitted"', "", "[contact]", *_law_lines(fit), "", ""]
     tables = {
@@ -155,8 +159,10 @@ def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
     """
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
     lines = [
-        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a case.",
-        f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the two.",
+        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a "
+        "case.",
+        f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the "
+        "two.",
         "[[pair]]",
         f"materials = {json.dumps(list(materials))}",
         *_law_lines(fit),

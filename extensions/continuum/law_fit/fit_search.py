@@ -19,19 +19,16 @@ Array = NDArray[np.float64]
 Rows = NDArray[np.bool_]
 Residuals = Callable[[Array], Array]
 
-_WIDTHS = 0.05, 1e-3  # residual from which on the loss is linear: initial, and smallest
-_OUTLIER = 3.0  # same in standard deviations
+_WIDTHS = (0.05, 1e-3)  # residual above which the loss is linear: initial and smallest width
+_OUTLIER = 3.0  # this residual in standard deviations
 _STEP = 1e-5  # relative step of derivatives
 _SINGULAR = 1e-10  # relative size of singular values that count as zero
-# tolerances of the search
-_ROUGH = 1e-5
-_FINE = 1e-9
-# smallest area_switch tried; number tried; number refined
-_FIRST_JOINT = 20.0
-_JOINTS = 10
-_RELEASED = 3
-# largest excess cost, in variances, of other fits that contribute to the uncertainties
-_NEAR = 25.0
+_ROUGH = 1e-5  # tolerance of the first search
+_FINE = 1e-9  # tolerance of the last search
+_FIRST_JOINT = 20.0  # smallest area_switch that is tried
+_JOINTS = 10  # number of values of area_switch that are tried
+_RELEASED = 3  # number of them that are refined
+_NEAR = 25.0  # largest excess cost of other fits that affect the uncertainties, variances
 _OF_UNLOADING = ("residual_", "unloading_")
 
 
@@ -74,7 +71,7 @@ class Search:
         self.joints = _joints(names, largest) if self.joint is not None else []
 
     def best(self) -> Array:
-        """Find the best values: first those of loading, then those of unloading, then all together."""
+        """Find the best values: first for loading, then for unloading, then all together."""
         every = np.arange(len(self.names))
         dents = np.array([name.startswith(_OF_UNLOADING) for name in self.names])
         tried = [(0.0, np.ones(every.size))]

@@ -238,22 +238,20 @@ _ON_RAY = (
     8,
     12,
 )  # contacts of a preferred direction, from the struck sphere, that are drawn
-_LAYERS_TOLD = (1, 4, 8, 16)  # below the struck one, whose uniformity is told
-_MOST_FRONTS = 4
-_BANDS = 5  # of depth
+_LAYERS_LISTED = (1, 4, 8, 16)  # layers below the impacted one in the table of uniformity
+_MOST_FRONTS = 4  # largest number of fronts
+_BANDS = 5  # number of ranges of depth
 _MILLI = 1e3
-_WEAK = 1.0  # contacts that stay below at the largest velocity are left out
-_INSIDE = (
-    -1e-6
-)  # diameters, of a coordinate along a preferred direction: within the cone that these span
-_LAYERS = 1e3  # in a diameter, by which depths are told apart
+_WEAK = 1.0  # normalised force at the largest velocity below which contacts are left out
+_INSIDE = -1e-6  # least coordinate along preferred directions inside the cone of these, diameters
+_LAYERS = 1e3  # number of distinguished depths in a diameter
 _IMPULSE = (
-    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every depth, tell that force is "
-    "proportional to impulse"
+    "Granular: peak force against impulse. Points on their line, and exponents of 1 at every "
+    "depth, tell that force is proportional to impulse"
 )
 _FRONT = (
-    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the largest force of its "
-    "layer tells that it gets planar"
+    "Granular: the front by layer. Below F_y the front is elastic; a mean that comes near the "
+    "largest force of its layer tells that it gets planar"
 )
 _UNREADABLE = (GranwaveError, OSError, KeyError)
 
@@ -353,8 +351,9 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
         numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
         columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
         caption = (
-            f"Peak force against impulse: exponent over normalised velocities from {show(float(linearity.velocity[0]))} to "
-            f"{show(float(linearity.velocity[-1]))} (1: proportional)"
+            "Peak force against impulse: exponent over normalised velocities from "
+            f"{show(float(linearity.velocity[0]))} to {show(float(linearity.velocity[-1]))} (1: "
+            "proportional)"
         )
         rows: list[tuple[Any, ...]] = []
         for top, bottom in pairwise(
@@ -367,7 +366,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
         yield table_of(caption, columns, rows)
     if front_tables := fronts(impacts.reference):
         numbers = numeric(
-            ("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS_TOLD)
+            ("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS_LISTED)
         )
         rows = []
         for velocity, front in front_tables.items():
@@ -375,7 +374,7 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable]:
                 front.largest[::-1].cummax()[::-1] <= 1
             ]  # from here on no force is above F_y
             uniformity = [
-                float(front.uniformity.iloc[n]) if n < len(front) else None for n in _LAYERS_TOLD
+                float(front.uniformity.iloc[n]) if n < len(front) else None for n in _LAYERS_LISTED
             ]
             rows.append(
                 (velocity, _MILLI * float(weak.iloc[0]) if len(weak) else None, *uniformity)

@@ -38,7 +38,7 @@ _FEWEST_FITTED = 5
 
 _FAST = 0.1  # of the largest velocity
 _CONSTANTS = ("youngs_modulus", "poisson_ratio", "density", "yield_strength")
-_DIFFERENCES = {  # what tells substances apart: word, size of the unit, and unit
+_DIFFERENCES = {  # properties that distinguish substances: word, size of the unit, and unit
     "diameter": ("diameter", 1e-3, "mm"),
     "youngs_modulus": ("modulus", 1e9, "GPa"),
     "poisson_ratio": ("Poisson's ratio", 1.0, ""),
@@ -90,7 +90,7 @@ class Impacts:
 
     @property
     def like_reference(self) -> DataFrame:
-        """Granular runs on the packing of the reference, of whatever material, diameter and loading
+        """Granular runs on the packing of the reference, with any material, diameter and loading
         area.
         """
         return self.granular[self.granular["shape"].isin(self.reference["shape"])]
@@ -144,7 +144,7 @@ def largest(runs: DataFrame, *keys: str) -> DataFrame:
 
 
 def rising(runs: DataFrame, column: str) -> DataFrame:
-    """Runs in rising order of a column; of those that are meant to be equal in it the first."""
+    """Runs in rising order of a column; the first of several with nominally equal values."""
     runs = runs.sort_values(column, kind="stable")
     values = runs[column].to_numpy()
     return runs[np.append(True, values[1:] > values[:-1] * (1 + SAME))[: len(runs)]]

@@ -1,4 +1,4 @@
-"""Impacts on packings and on blocks in one report: side by side, and each other's scaling."""
+"""Impacts on packings and on blocks in one report: their comparison, and the scaling of both."""
 
 from __future__ import annotations
 
@@ -27,6 +27,7 @@ from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
 from granwave.extensions.continuum.packing_and_block.impacts import (
     Impacts,
+    QuadraticLaw,
     area_table,
     by_area,
     collect,
@@ -50,8 +51,8 @@ SHARE = 0.9  # fraction of the dissipation that takes place in the material call
 _GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
 _GRANULAR_LISTED = 6  # largest number of packings in the table
 _FIT_REMARK = (
-    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the fitted runs. A "
-    "constant whose standard deviation is as large as itself is undetermined."
+    "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the "
+    "fitted runs. A constant whose standard deviation is as large as itself is undetermined."
 )
 _CAPTIONS = {
     "dissipated_fraction": "Dissipated fraction, granular and continuum. At equal input the higher curve dissipates a "
@@ -89,7 +90,7 @@ def remarks(runs: Sequence[AnyRun[Any]]) -> Iterator[Note]:
 
 
 def select(runs: Sequence[AnyRun[Any]]) -> list[Impacts]:
-    """All that can be compared, as one group."""
+    """All comparable impacts, as one group."""
     impacts = collect(runs)
     return [impacts] if len(impacts.granular) or len(impacts.continuum) else []
 
@@ -110,9 +111,10 @@ def text(impacts: Impacts) -> str:
     if len(impacts.continuum_reference):
         first = impacts.continuum_reference.iloc[0]
         parts.append(
-            f"Continuum reference: a punch of {show(1e3 * first.diameter)} mm and {show(first.mass_kg)} kg on "
-            f"{first.material or 'one material'}, {first.run.case['run']['elements']} elements; energies are "
-            f"normalised by sigma_y^2 D^3/E = {show(float(energy_unit(first)))} J."
+            f"Continuum reference: a punch of {show(1e3 * first.diameter)} mm and "
+            f"{show(first.mass_kg)} kg on {first.material or 'one material'}, "
+            f"{first.run.case['run']['elements']} elements; energies are normalised by sigma_y^2 "
+            f"D^3/E = {show(float(energy_unit(first)))} J."
         )
     runs: list[Any] = []
     for table in (impacts.granular, impacts.continuum):
@@ -244,22 +246,9 @@ def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:
 
 def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Quadratic law, collapse of the scaling, and loading area."""
-    if fit := quadratic_fit(impacts):
-        packing_cells = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
-        caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
-        columns = (
-            TableColumn("Constant", key=True),
-            *numeric("Value, with its standard deviation"),
-        )
-        yield table_of(
-            caption, columns, zip(("D0", "D1", "D2"), packing_cells, strict=True), by_row=True
-        )
-        fractions = impacts.fast.dissipated_fraction
-        remark = _FIT_REMARK.format(fractions.min(), fractions.max())
-        yield Note(
-            f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; the largest "
-            f"misfit there is {percent(100 * fit.misfit).lstrip('+')}. {remark}"
-        )
+    fit = quadratic_fit(impacts)
+    if fit:
+        yield from _fit_of_velocities(impacts, fit)
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(variants(impacts).items())[1:]:
         pairs = equal(runs, impacts.reference, "velocity_normalised")
@@ -279,6 +268,21 @@ def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
             rows.append((energy, *cells, float(np.ptp(fractions.dropna()))))
         columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
         yield table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
+
+
+def _fit_of_velocities(impacts: Impacts, fit: QuadraticLaw) -> Iterator[DocumentTable | Note]:
+    """Constants of the quadratic law, and their range of velocities."""
+    caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
+    value = numeric("Value, with its standard deviation")
+    columns = (TableColumn("Constant", key=True), *value)
+    cells = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
+    yield table_of(caption, columns, zip(("D0", "D1", "D2"), cells, strict=True), by_row=True)
+    fractions = impacts.fast.dissipated_fraction
+    remark = _FIT_REMARK.format(fractions.min(), fractions.max())
+    yield Note(
+        f"Fitted from a normalised velocity of {show(fit.lowest)} on, with equal relative weights; "
+        f"the largest misfit there is {percent(100 * fit.misfit).lstrip('+')}. {remark}"
+    )
 
 
 def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:

@@ -1,4 +1,4 @@
-"""Size of the plastic zone against energy, packings and continuum side by side: what holds 50, 90
+"""Size of the plastic zone against energy, of packings and of the continuum: regions with 50, 90
 and 99 %.
 
 Lengths are in diameters, of the spheres and of the punch, volumes in pi D^3/6, energies in
@@ -46,17 +46,17 @@ _MARKERS = "os^"  # of the shares
 _SIZES = {"depth": "Depth $/D$", "radius": "Radius $/D$", "volume": r"Volume $/(\pi D^3/6)$"}
 _LOOKS: Mapping[str, tuple[str, str]] = {"packing": (BLUE, "-"), "continuum": (ORANGE, "--")}
 _CUT_REMARK = (
-    "Where the zone reaches a bound (open marks in the figure), or still grew when the run ended, the outermost yield "
-    "lies farther out than found: ≥."
+    "Where the zone reaches a bound (open marks in the figure), or still grew when the run ended, "
+    "the outermost yield lies farther out than found: ≥."
 )
 _WAVE_REMARK = (
-    "Half open marks: a wave could be back from a bound while the last part of the energy was dissipated, at most "
-    "{:.2g} % of the energy of yielding."
+    "Half open marks: a wave could be back from a bound while the last part of the energy was "
+    "dissipated, at most {:.2g} % of the energy of yielding."
 )
 _COMPARED_REMARK = "Influence of the bounds: {} computed in {} of different sizes. Between the two largest of each, {}."
 _NOT_COMPARED_REMARK = (
-    "Influence of the bounds: no impact was computed in two {} of different sizes, so that these runs do not show how "
-    "much the bounds change what holds 50, 90 and 99 %."
+    "Influence of the bounds: no impact was computed in two {} of different sizes, so that these "
+    "runs do not show how much the bounds change what holds 50, 90 and 99 %."
 )
 
 
@@ -90,14 +90,14 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
     sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
     if sizes and len(sides["packing"]) and len(every) > 1:
         caption = (
-            "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. Straight lines are powers "
-            "of the input; open marks reach a bound"
+            "Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding. "
+            "Straight lines are powers of the input; open marks reach a bound"
         )
         yield Picture("plastic_zone", caption, partial(_zone_sizes, sides, sizes))
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
-    """Sizes of all runs, and remarks on those that a bound or the end of the run decides."""
+    """Sizes of all runs, and remarks on sizes limited by a boundary or by the end of the run."""
     rows: list[dict[str, Any]] = []
     for side in zones(impacts).values():
         rows += side.to_dict("records")

@@ -17,7 +17,7 @@ AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ELEMENTS = 62_500
 TAPER = 0.01  # of the punch's diameter, in the built-in case
 
-# Largest von Mises stress at the edge over the largest mean pressure, of elastic finite elements:
+# Largest von Mises stress at the edge / largest mean pressure in elastic finite elements:
 # 1.54, 2.11 and 3.00 for 4000, 16 000 and 62 500 elements, as the stress grows with the root of
 # the distance to the edge; 2.97 for a punch of 4.45 g in place of 100 g
 _STRESS_AT_EDGE = 3.0  # of `ELEMENTS`
@@ -62,7 +62,8 @@ class PunchRunSettings:
     """``[run]``: end time, mesh, timestep and snapshots."""
 
     end_time: float | Literal["auto"] = positive_or_auto(
-        "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the input to dissipation",
+        "when the run ends; auto: when the punch has left and 10 us add less than 1e-4 of the "
+        "input to dissipation",
         TIME,
     )
     elements: int = count(
@@ -75,7 +76,8 @@ class PunchRunSettings:
         "auto: just below the limit of stability", INTERVAL
     )
     edge_size: float | Literal["auto"] = positive_or_auto(
-        "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 and a punch of 10 mm)",
+        "width of the elements at the punch's edge; auto: follows from elements (32 um for 62500 "
+        "and a punch of 10 mm)",
         Usual("m", 1e-9, 0.1, ("mm", "um")),
     )
     frame_interval: float = number(
@@ -183,8 +185,8 @@ def _check_punch(
         errors.add(
             "punch",
             Mismatch(
-                f"{punch.mass:g} kg at {punch.velocity:g} m/s, an energy of "
-                f"{punch.energy:g} J as a number",
+                f"{punch.mass:g} kg at {punch.velocity:g} m/s, an energy of {punch.energy:g} J as "
+                "a number",
                 remedy="are they in SI units?",
             ),
         )

@@ -81,7 +81,7 @@ def energies(result: ContinuumResult) -> Drawing:
 
 
 def plastic_zone_volume(result: ContinuumResult) -> Drawing:
-    """Draw the volumes at yield and ever yielded over that of a sphere of the punch's diameter."""
+    """Draw the volumes at yield and ever yielded, relative to a sphere of the punch's diameter."""
     time = result["plastic_zone/time"]
     sphere = math.pi / 6 * result.tables["punch"]["diameter"] ** 3
     now = result["plastic_zone/volume"]

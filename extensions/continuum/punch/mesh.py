@@ -53,13 +53,12 @@ from granwave.lammps_inputs.planning.schedule import check_steps
 Line = NDArray[np.float64]
 
 _ELEMENT_STEPS_PER_SECOND = 25e6  # measured on one core
-_START = 1.0  # s, set-up and results
-# stable timestep over the time that a wave takes through the thinnest element
-_STEP_OVER_CROSSING = 0.95
-_DISK_PER_ELEMENT = 400.0  # bytes, with some 20 compressed snapshots
-_DISK_BASE = 1e6  # bytes, including figures
-NEAR = 0.455  # L over the contact radius
-ASPECT = 2.5  # depth over width of the smallest elements
+_START = 1.0  # duration of set-up and results, s
+_STEP_OVER_CROSSING = 0.95  # stable timestep / time of a wave through the thinnest element
+_DISK_PER_ELEMENT = 400.0  # size of results with some 20 compressed snapshots, bytes
+_DISK_BASE = 1e6  # size of results without elements, with figures, bytes
+NEAR = 0.455  # L / contact radius
+ASPECT = 2.5  # depth / width of the smallest elements
 SPREAD = 3.25  # factor of the contact width on the rounded edge, see `contact_end`
 
 
@@ -119,7 +118,7 @@ def block_mesh(
     elements
         Approximate number of elements.
     edge_size
-        Width of the elements at the edge in place of that of the rule, m; too large a width gives
+        Width of the elements at the edge in place of the rule's width, m; too large a width gives
         equal elements.
     """
 

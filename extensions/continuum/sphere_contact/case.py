@@ -27,7 +27,7 @@ _ELASTIC_UNIT = (
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Sphere:
-    """``[sphere]``: the first sphere, of the case's material."""
+    """``[sphere]``: the first sphere, made of the case's material."""
 
     radius: float = number("radius of the sphere", DIAMETER, above=0)
 
@@ -63,8 +63,8 @@ class SphereContactRunSettings:
         "1: as usual; 0.5: half as fast, twice the steps", above=0, at_most=10, default=1.0
     )
     velocity: float = number(
-        "velocity of approach and of separation, m/s, that gives strain rates to a material with rate_sensitivity; "
-        "inertia is left out; 0: slow",
+        "velocity of approach and of separation, m/s, that gives strain rates to a material with "
+        "rate_sensitivity; inertia is left out; 0: slow",
         at_least=0,
         default=0.0,
     )
@@ -161,7 +161,7 @@ class SphereContactCase(ElementCase):
 
 
 def _read_partner(table: Any, parts: Mapping[str, Any], errors: ErrorList) -> Partner | None:
-    """Read the partner; values that it does not give are those of the first sphere."""
+    """Read the partner; missing values are taken from the first sphere."""
     sphere: Sphere | None = parts.get("sphere")
     if isinstance(table, Mapping) and "radius" not in table and sphere is not None:
         table = {**table, "radius": sphere.radius}

@@ -18,9 +18,8 @@ RESOLVED = 0.3  # overlap over alpha_y below which the contact has too few eleme
 #: ranges of the overlap over alpha_y, by name
 RANGES = {"elastic": (RESOLVED, 1.0), "1_to_10": (1.0, 10.0), "10_to_50": (10.0, 50.0), "50_to_178": (50.0, 177.6),
           "beyond_178": (177.6, math.inf)}  # fmt: skip
-# force over the largest one: the last part of unloading, which gives the residual overlap
-_NEAR_ZERO = 0.05
-_FITTED = 0.02  # force over the largest one from which on the exponent is fitted
+_NEAR_ZERO = 0.05  # force / largest force of the part of unloading that gives the residual overlap
+_FITTED = 0.02  # force / largest force above which the exponent is fitted
 COMPARED = ("force", "contact_radius", "mean_pressure")
 #: Quantities of a cycle with their units: its number from 1; overlap and force at the start of unloading; overlap at
 #: which the force vanishes; n of ``F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n``, fitted, and the largest

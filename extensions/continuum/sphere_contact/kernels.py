@@ -112,7 +112,7 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
         qm_z = q_z - 0.5 * w_z
         sum_v = v[n0, 0] + v[n1, 0] + v[n2, 0] + v[n3, 0]
         sum_r = x[n0, 0] + x[n1, 0] + x[n2, 0] + x[n3, 0]
-        # b of nodes 0 and 1; that of nodes 2 and 3 is opposite
+        # b of nodes 0 and 1; nodes 2 and 3 have the opposite b
         inverse = 1.0 / (pm_r * qm_z - qm_r * pm_z)
         g_rr = inverse * (qm_z * u_r - pm_z * w_r)
         g_rz = inverse * (pm_r * w_r - qm_r * u_r)

@@ -34,9 +34,7 @@ Array = NDArray[np.float64]
 LAW = "elastoplastic-fe"
 _DEEPEST = 0.2  # largest overlap of the fit over R*; beyond it the law is a straight line
 _PLACES = np.linspace(0, 1, 40)  # places of an unloading from the residual overlap to the peak
-# overlap over that at first yield, below which the first unloading tells what dissipation begins
-# with
-_FIRST = 6.0
+_FIRST = 6.0  # first unloading / first yield below which it shows the onset of dissipation
 _BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
 _POWERS = (2, 4, 6, 8)  # powers of the errors whose sums are minimised in turn
 _ERROR = 0.02  # relative error that counts as 1 in these sums
@@ -212,33 +210,31 @@ def _errors_on_unloading(contact: Measured, law: ContactLaw) -> list[Array]:
 def errors(
     contacts: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None
 ) -> pd.DataFrame:
-    """Return for each kind of contact the largest error of loading by range of the overlap, of
-    unloading, and of the coefficient of restitution, per cent.
+    """Return the largest errors of loading by range of the overlap, of unloading, and of the
+    coefficient of restitution, for each kind of contact, per cent.
 
-    ``within_3`` and ``within_5``: percentage of the points of loading within 3 %, of unloadings
-    within 5 %.
+    ``within_3`` is the percentage of points of loading within 3 %, ``within_5`` the percentage of
+    unloadings within 5 %.
     """
     rows = []
     for kind in dict.fromkeys(contact.name.partition("_")[0] for contact in contacts):
-        laws = [
-            (contact, contact.law(name, constants))
-            for contact in contacts
-            if contact.name.startswith(kind)
-        ]
-        at = np.concatenate([contact.overlap / contact.start for contact, _ in laws])
-        loading = np.concatenate([contact.loading_errors(law) for contact, law in laws])
-        back = np.concatenate(
-            [np.abs(contact.unloading_errors(law)).max(axis=1) for contact, law in laws]
+        chosen = [contact for contact in contacts if contact.name.startswith(kind)]
+        laws = [contact.law(name, constants) for contact in chosen]
+        pairs = list(zip(chosen, laws, strict=True))
+        scaled = np.concatenate([contact.overlap / contact.start for contact in chosen])
+        loading = np.abs(np.concatenate([c.loading_errors(law) for c, law in pairs]))
+        unloading = np.concatenate(
+            [np.abs(contact.unloading_errors(law)).max(axis=1) for contact, law in pairs]
         )
-        ranges = {
-            f"{low:g}-{high:g}": (at > low) & (at <= high)
-            for low, high in ((1, 10), (10, 100), (100, math.inf))
-        }
-        rebound = np.concatenate([np.abs(contact.restitution_errors(law)) for contact, law in laws])
-        worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
-        rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),
-                     "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean(),
-                     "restitution": 100 * rebound.max()})  # fmt: skip
+        restitution = np.abs(np.concatenate([c.restitution_errors(law) for c, law in pairs]))
+        row: dict[str, Any] = {"contacts": kind}
+        for label, (low, high) in zip(_RANGES, pairwise((*_FROM, math.inf)), strict=True):
+            row[label] = 100 * loading[(scaled > low) & (scaled <= high)].max()
+        row["within_3"] = 100 * (loading <= 0.03).mean()
+        row["unloading"] = 100 * unloading.max()
+        row["within_5"] = 100 * (unloading <= 0.05).mean()
+        row["restitution"] = 100 * restitution.max()
+        rows.append(row)
     return pd.DataFrame(rows).set_index("contacts")
 
 
@@ -306,17 +302,17 @@ def renew(page: Path, contacts: list[Measured], constants: Mapping[str, float] |
     for kind, label in _KINDS.items():
         of_law = own.loc[kind]
         of_other = other.loc[kind]
-        rows.append([
-            f"{label} ({counts[kind]})", *(f"{of_law[name]:.1f}" for name in _RANGES),
-            f"{of_law['within_3']:.0f} %", f"{of_law['unloading']:.1f}", f"{of_law['restitution']:.1f}",
-            *(f"{of_other[name]:.1f}" for name in (*_RANGES, "unloading")),
-        ])  # fmt: skip
+        row = [f"{label} ({counts[kind]})", *(f"{of_law[name]:.1f}" for name in _RANGES)]
+        row.append(f"{of_law['within_3']:.0f} %")
+        row += [f"{of_law['unloading']:.1f}", f"{of_law['restitution']:.1f}"]
+        row += [f"{of_other[name]:.1f}" for name in (*_RANGES, "unloading")]
+        rows.append(row)
     text = page.read_text(encoding="utf-8")
     text = _between_marks(text, "law errors", _markdown(heads, rows))
     rows = []
-    for _, row in bars(contacts, constants).iterrows():
-        percentages = [f"{100 * row[name]:.1f} %" for name in ("force", "unloading", "restitution")]
-        rows.append([row["contacts"], f"from {row['from']:g}", *percentages])
+    for _, bar in bars(contacts, constants).iterrows():
+        percentages = [f"{100 * bar[name]:.1f} %" for name in ("force", "unloading", "restitution")]
+        rows.append([bar["contacts"], f"from {bar['from']:g}", *percentages])
     heads = ["contacts", "peak", "force", "unloading", "restitution"]
     page.write_text(_between_marks(text, "law bars", _markdown(heads, rows)), encoding="utf-8")
 

@@ -13,6 +13,7 @@ from __future__ import annotations
 
 import argparse
 import math
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -25,23 +26,21 @@ from granwave.extensions.continuum.sphere_contact.deviations import LOADING, UNL
 from granwave.extensions.continuum.sphere_contact.run import ContactRun
 from granwave.lammps_inputs.files import replacing
 
-# Pa, m: of the first sphere; results do not depend on them
-_MODULUS = 1e11
-_RADIUS = 0.01
+_MODULUS = 1e11  # of the first sphere, Pa; results do not depend on it
+_RADIUS = 0.01  # of the first sphere, m; results do not depend on it
 TABLE = Path(__file__).with_name("law_table.csv")
 CONTACTS = Path(__file__).with_name("law_contacts.csv")
-_DEEPEST = 0.22  # over R*
-_ELEMENTS = 2000  # of each body
-# overlap of the first unloading over that at first yield; number of unloadings
-_FIRST_PEAK = 2.0
-_PEAKS = 6
-_POINTS = 32  # of loading in the table
+_DEEPEST = 0.22  # largest overlap / R*
+_ELEMENTS = 2000  # elements of each body
+_FIRST_PEAK = 2.0  # overlap of the first unloading / overlap at first yield
+_PEAKS = 6  # number of unloadings
+_POINTS = 32  # points of loading in the table
 _SMOOTHED = 0.12  # width of their smoothing, in the logarithm of the overlap
-_FEWEST = 20  # entries of an unloading
+_FEWEST = 20  # smallest number of entries of an unloading
 
 
 def contacts() -> dict[str, dict[str, float]]:
-    """Return the contacts by name, of ``law_contacts.csv``.
+    """Return the contacts of ``law_contacts.csv`` by name.
 
     ``nu, ratio, hardening`` of the first sphere (ratio: Young's modulus over yield strength), and
     of the second its ``radius, modulus, strength`` over those of the first, and ``nu2``; equal ones
@@ -145,43 +144,53 @@ def reduce(directory: Path) -> pd.DataFrame:
         history = pd.read_csv(directory / f"{name}.csv")
         first = case_of(name, values).contact_law("elastoplastic-fe")
         start = first.yield_overlap / first.effective_radius
-        loading = history[
-            (history["branch"] == LOADING)
-            & (history["overlap"] > 0.3 * start)
-            & (history["force"] > 0)
-        ]
-        x = np.log(loading["overlap"].to_numpy())
-        y = np.log((loading["force"] / loading["overlap"]).to_numpy())
-        for at in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
-            weight = np.exp(-0.25 * ((x - math.log(at)) / _SMOOTHED) ** 2)
-            near = weight > 0.03
-            level = np.polyfit(x[near] - math.log(at), y[near], 2, w=weight[near])[-1]
-            rows.append((name, "loading", at, at * math.exp(level), "", "", ""))
-        for _, down in history[history["branch"] == UNLOADING].groupby("cycle"):
-            part = down.iloc[int(down["overlap"].to_numpy().argmax()) :]
-            part = part[part["force"] > 0]
-            overlap = part["overlap"].to_numpy()
-            share = part["force"].to_numpy() / part["force"].iloc[0]
-            if len(part) < _FEWEST:
-                continue
-
-            def misfit(
-                constants: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share
-            ) -> np.ndarray:
-                residual, exponent = constants
-                scaled = (overlap / overlap[0] - residual) / (1 - residual)
-                return np.asarray(np.clip(scaled, 1e-9, None) ** exponent - share)
-
-            fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
-            rows.append((name, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
-                         np.abs(fitted.fun).max()))  # fmt: skip
+        for overlap, force in _smoothed_loading(history, start):
+            rows.append((name, "loading", overlap, force, "", "", ""))
+        for _, cycle in history[history["branch"] == UNLOADING].groupby("cycle"):
+            down = cycle.iloc[int(cycle["overlap"].to_numpy().argmax()) :]
+            down = down[down["force"] > 0]
+            if len(down) >= _FEWEST:
+                rows.append((name, "unloading", *_fitted_unloading(down)))
     return pd.DataFrame(
         rows, columns=["contact", "branch", "overlap", "force", "residual", "exponent", "misfit"]
     )
 
 
+def _smoothed_loading(history: pd.DataFrame, start: float) -> Iterator[tuple[float, float]]:
+    """Give overlaps and smoothed forces on loading, given the overlap at first yield over R*."""
+    is_loading = history["branch"] == LOADING
+    loading = history[is_loading & (history["overlap"] > 0.3 * start) & (history["force"] > 0)]
+    x = np.log(loading["overlap"].to_numpy())
+    y = np.log((loading["force"] / loading["overlap"]).to_numpy())
+    for overlap in np.geomspace(0.7 * start, 0.95 * loading["overlap"].max(), _POINTS):
+        distance = x - math.log(overlap)
+        weight = np.exp(-0.25 * (distance / _SMOOTHED) ** 2)
+        near = weight > 0.03
+        level = np.polyfit(distance[near], y[near], 2, w=weight[near])[-1]
+        yield overlap, overlap * math.exp(level)
+
+
+def _fitted_unloading(down: pd.DataFrame) -> tuple[float, float, float, float, float]:
+    """Return overlap and force at the peak of an unloading, residual overlap, exponent, and the
+    largest deviation from the fitted curve over the peak force.
+    """
+    relative = down["overlap"].to_numpy() / down["overlap"].iloc[0]
+    share = down["force"].to_numpy() / down["force"].iloc[0]
+
+    def misfit(constants: np.ndarray) -> np.ndarray:
+        residual, exponent = constants
+        scaled = (relative - residual) / (1 - residual)
+        return np.asarray(np.clip(scaled, 1e-9, None) ** exponent - share)
+
+    fitted = least_squares(misfit, [relative[-1], 1.35])
+    residual, exponent = fitted.x
+    peak = down["overlap"].iloc[0]
+    largest = np.abs(fitted.fun).max()
+    return peak, down["force"].iloc[0], residual * peak, exponent, largest
+
+
 def main() -> None:
-    """Run the contacts whose files are not there."""
+    """Run the contacts without a file."""
     parser = argparse.ArgumentParser(
         description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
     )
@@ -207,7 +216,7 @@ def main() -> None:
 
 
 def write(fresh: pd.DataFrame) -> None:
-    """Write the table: rows of these contacts, and those of the others as they were."""
+    """Write the table with new rows of these contacts, and unchanged rows of the others."""
     text = fresh.map(lambda value: f"{value:.5g}" if isinstance(value, float) else str(value))
     before = pd.read_csv(TABLE, dtype=str, keep_default_na=False)
     table = pd.concat([before[~before["contact"].isin(set(text["contact"]))], text])

@@ -42,10 +42,10 @@ MEMORY = 20
 _CORE = 3.0  # size of the mesh's finest part over the contact radius at first yield
 START = 0.3  # overlap over alpha_y below which the loading rate is about constant
 _ELEMENT_STEPS_PER_SECOND = 18e6  # measured on one core
-_BEGINNING = 2.0  # s, set-up, results and figures
-_TURNS = 5.2  # steps of the changes of rate in a cycle over `SMOOTHING`
-_DISK_PER_ELEMENT = 100.0  # bytes
-_DISK_BASE = 4e6  # bytes, history and figures
+_BEGINNING = 2.0  # duration of set-up, results and figures, s
+_TURNS = 5.2  # steps of the changes of rate in a cycle / `SMOOTHING`
+_DISK_PER_ELEMENT = 100.0  # size of results, bytes
+_DISK_BASE = 4e6  # size of history and figures, bytes
 _QUARTER = math.pi / 2
 _CLOSING = (1 - _QUARTER) / _QUARTER**2  # k above
 _ROUNDING = math.log(4.0)  # rings turn from squares to circles within a factor of 4 of the distance
@@ -179,8 +179,8 @@ def plan(case: SphereContactCase) -> ElementPlan:
     n_steps = n / case.run.speed * (loading + case.run.unloadings * cycle)
     if not n_steps <= MOST_STEPS:
         raise InputError(
-            f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, expected at most "
-            f"{MOST_STEPS:g}; make it faster"
+            f"{case.name}: run.speed: found {case.run.speed:g}, which takes {n_steps:.3g} steps, "
+            f"expected at most {MOST_STEPS:g}; make it faster"
         )
     return ElementPlan(
         name=case.name,

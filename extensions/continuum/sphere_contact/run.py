@@ -325,15 +325,15 @@ class ContactRun(ElementRun):
         if (summary["kinetic_share_max"] or 0.0) <= _MOST_KINETIC:
             return ""
         return (
-            f"not quasi-static: the kinetic energy reaches {summary['kinetic_share_max']:.2g} of the internal energy, "
-            f"expected at most {_MOST_KINETIC:g}; take a smaller run.speed"
+            f"not quasi-static: the kinetic energy reaches {summary['kinetic_share_max']:.2g} of "
+            f"the internal energy, expected at most {_MOST_KINETIC:g}; take a smaller run.speed"
         )
 
     def refusal(self) -> tuple[str, str]:
         last = self.rows[-1]
         return (
-            f"{100 * abs(last['balance'] / last['work']):.3g} % of the work of the faces at an overlap of "
-            f"{last['overlap']:.4g} m, at most {100 * TOLERANCE:g} %",
+            f"{100 * abs(last['balance'] / last['work']):.3g} % of the work of the faces at an "
+            f"overlap of {last['overlap']:.4g} m, at most {100 * TOLERANCE:g} %",
             "Take a smaller run.speed or run.max_overlap, or more run.elements",
         )
 

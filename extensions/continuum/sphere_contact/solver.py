@@ -39,7 +39,7 @@ from granwave.extensions.continuum.material import (
 from granwave.extensions.continuum.sphere_contact import kernels
 from granwave.extensions.continuum.sphere_contact.mesh import HalfSphere
 
-PENALTY = 20.0  # stiffness of the contact over that of the elements at it
+PENALTY = 20.0  # stiffness of the contact / stiffness of the elements at it
 _REFRESH = 500  # steps between updates of the masses
 _STEEPEST = 1.2  # rad; the surface beyond this angle from the contact point never touches
 

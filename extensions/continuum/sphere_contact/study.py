@@ -25,9 +25,9 @@ from granwave.lammps_inputs.run_directory import RESULT_FILE
 TITLE = "Contact law against finite elements"
 RUN_TYPE = SphereContactRun
 TEXT = (
-    "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over "
-    "the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by "
-    "element, so single values have steps."
+    "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are "
+    "finite elements over the contact law, less 1, at equal overlap; alpha_y is the overlap at "
+    "first yield. The contact grows element by element, so single values have steps."
 )
 _SPOTS = (3.0, 10.0)  # alpha_y: where the law is farthest off, and where its plateau begins
 _SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot is averaged
@@ -35,7 +35,7 @@ _SMOOTH = 0.02  # half-width, in the logarithm of the overlap, over which a spot
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class SphereLoading:
-    """Loading of two finite-element spheres beside the law.
+    """Loading of two finite-element spheres compared with the law.
 
     Attributes
     ----------
@@ -46,7 +46,7 @@ class SphereLoading:
     scaled
         Overlap over that at first yield: (n_entries,).
     over_law
-        Force of finite elements over that of the law, less 1: (n_entries,).
+        Force of finite elements divided by the force of the law, minus 1: (n_entries,).
     softer
         Share of the energy of yielding that the sphere of the smaller yield strength takes; None of
         equal strengths.
@@ -131,8 +131,8 @@ def pictures(loadings: Sequence[SphereLoading]) -> Iterator[Picture]:
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
     axes.legend(fontsize=6)
     caption = (
-        "Force of finite elements over that of the contact law, less 1, against overlap, on loading. At zero they "
-        "agree; above it the contact is stiffer than the law, below it softer"
+        "Force of finite elements over that of the contact law, less 1, against overlap, on "
+        "loading. At zero they agree; above it the contact is stiffer than the law, below it softer"
     )
     yield Picture("", caption, Drawing(figure, data))
 

@@ -55,7 +55,7 @@ from granwave.workflows.solvers import GRANULAR, solver_of
 _LOG = logging.getLogger("granwave")
 
 _SLOW = 5.0  # expected duration of a run of the base above which a coarse search saves time, s
-_COARSE = 3e-5  # run.energy_tolerance of a coarse search: forces within 1e-3 of those with 3e-6
+_COARSE = 3e-5  # run.energy_tolerance of a coarse search: forces differ by 1e-3 from 3e-6
 LAYERS = "layers"  # table of [variables]: materials and diameters of each layer or bead
 _OF_LAYERS = ("materials", "diameters")  # keys of this table, which may also have ``tied``
 # short names of keys in [uncertainty]
@@ -441,11 +441,11 @@ def _objectives(
     without_target = "bar" not in base and not is_target(bottom)
     for objective in objectives:
         of_target = any(fnmatchcase(objective.name, pattern) for pattern in _OF_TARGET)
-        errors.check((
-            without_target and of_target, "objective",
-            f"{objective.name}: is null without a target: found boundary.bottom = {show(bottom)} in the base, "
-            'expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}',
-        ))  # fmt: skip
+        fault = (
+            f"{objective.name}: is null without a target: found boundary.bottom = {show(bottom)} "
+            'in the base, expected "wall", {plate = ...}, {half_space = ...} or {bar = ...}'
+        )
+        errors.check((without_target and of_target, "objective", fault))
     return tuple(objectives)
 
 

@@ -1,4 +1,4 @@
-"""One search from its file to the best designs, checks and report; interrupted ones go on."""
+"""Search from its file to the best designs, checks and report; interrupted searches resume."""
 
 from __future__ import annotations
 
@@ -49,8 +49,8 @@ from granwave.workflows.run.progress import Progress
 logger = logging.getLogger(__name__)
 
 _REFUSED_AT_ONCE = 10  # designs that are refused until the model is made anew
-_MOST_STOPPED = 3  # times that a run may be stopped by somebody else
-_MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
+_MOST_STOPPED = 3  # number of stops from elsewhere after which a run has failed
+_MOST_LONGER = 3  # number of times that the duration of a run is doubled
 # ratio to the best design beyond which a design is not run further, by the statistic of its runs
 _LOST = {"worst": 1.2}
 _LOST_IN_THE_MEAN = 1.5  # for the mean and quantiles
@@ -75,11 +75,11 @@ def run_design(
     directory
         Directory of the results.
     jobs
-        Number of simultaneous runs; by default the cores of this machine over the ranks.
+        Number of simultaneous runs; by default the cores of this machine divided by the ranks.
     ranks
         MPI ranks of each run.
     resume
-        Go on with an earlier start of the same search.
+        Resume an earlier start of the same search.
     force
         Move existing results into NAME.old.
     progress
@@ -308,7 +308,8 @@ class _Search:
         """Enter the values of a run that objectives and limits need; the design fails without."""
         problem = self.problem
         values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
-        names_of_values = [entry.name for entry in (*problem.objectives, *problem.limits)]
+        names_of_values = [objective.name for objective in problem.objectives]
+        names_of_values += [limit.name for limit in problem.limits]
         missing = [name for name in names_of_values if not is_number(values.get(name))]
         if missing:
             shown = ", ".join(

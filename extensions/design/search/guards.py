@@ -173,7 +173,7 @@ def further_runs(
 ) -> Iterator[tuple[str, str, Tables]]:
     """Give the further runs of a design that make a case: name, what is changed, and the tables.
 
-    ``longer``: how many times as late as in the design file its run has ended.
+    ``longer``: duration of its run divided by that of the design file.
     """
     case = problem.case(problem.tables_of(best.values, problem.samples[0], longer=longer))
     tables = case.to_dict()
@@ -206,7 +206,7 @@ def finding_of(
     before: Mapping[str, Any],
     after: Mapping[str, Any],
 ) -> GuardOutcome:
-    """Compare the objectives of a further run with those of the run of the best design."""
+    """Compare the objectives of a further run with the run of the best design."""
     changes, text = _compared(problem, before, after)
     if not changes:
         return GuardOutcome(name, what, f"{what}: gives no value", warning=True)
@@ -277,8 +277,8 @@ def findings_without_runs(
         end = variable.edge(value)
         if end:
             text = (
-                f"{variable.key} = {show(value)} is at the {end} end of its range: "
-                "a wider range may hold better"
+                f"{variable.key} = {show(value)} is at the {end} end of its range: a wider range "
+                "may hold better"
             )
             yield GuardOutcome("edge", variable.key, text, warning=True)
     beyond = summary.get("contacts_beyond_law")
@@ -311,8 +311,8 @@ def _kinetic_energy_at_end(
     comes_to_rest = case.contact.yields and not case.packing.rule.is_chain
     fraction = kinetic / energy_input
     text = (
-        f"{100 * fraction:.0f} % of the energy is kinetic at the end: "
-        "beads that rattle or fly off, or a target that moves"
+        f"{100 * fraction:.0f} % of the energy is kinetic at the end: beads that rattle or fly "
+        "off, or a target that moves"
     )
     warning = fraction > _MOVING and comes_to_rest
     yield GuardOutcome("flight", "energy in free flight", text, warning=warning)

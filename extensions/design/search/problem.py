@@ -1,4 +1,4 @@
-"""Problem of a search: keys of a design file, a base case with what may vary, and the cases of its
+"""Problem of a search: keys of a design file, a base case with its variables, and the cases of its
 designs.
 """
 
@@ -106,7 +106,7 @@ _NAMES = schema.ListType(
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class ObjectiveTable:
-    """``[objective]``: what the best design has; two values in all make a Pareto front."""
+    """``[objective]``: values to minimise and maximise; two values in all make a Pareto front."""
 
     minimise: tuple[str, ...] = schema.typed("values that are to be small", _NAMES, default=())
     maximise: tuple[str, ...] = schema.typed("values that are to be large", _NAMES, default=())
@@ -142,7 +142,7 @@ class UncertaintyTable:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class SearchTable:
-    """``[search]``: how long and how."""
+    """``[search]``: extent and method of the search."""
 
     evaluations: int = schema.count(
         "designs that are run; refused ones do not count", default=60, at_most=100_000
@@ -208,7 +208,7 @@ class DesignLimit:
         return max(margins, default=0.0)
 
     def fault(self, value: float) -> str:
-        """Say how a value is beyond its bounds; empty if it is within."""
+        """Return a value beyond its bounds in words, with the bound; empty within the bounds."""
         if self.high is not None and value > self.high:
             return f"{self.name} {value:.4g}, at most {self.high:g}"
         if self.low is not None and value < self.low:
@@ -415,8 +415,8 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
     if isinstance(table, list):
         if not ids_of(name, single=True) or int(name) >= len(table):
             raise ValidationError(
-                f"found a list of {len(table)} in the case, "
-                f"expected a place from 0 to {len(table) - 1}"
+                f"found a list of {len(table)} in the case, expected a place from 0 to "
+                f"{len(table) - 1}"
             )
         place = int(name)
     elif not isinstance(table, dict):
@@ -456,9 +456,9 @@ def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[di
         with contextlib.suppress(ValidationError):
             covering |= dict.fromkeys(covering.keys() & INDEX.read(entry.get("index", [])), place)
     entries_of_grains = []
-    for place in dict.fromkeys(covering.values()):
-        ids = [grain for grain, entry_place in covering.items() if entry_place == place]
-        entry = {} if place is None else entries[place]
+    for last in dict.fromkeys(covering.values()):
+        ids = [grain for grain, place_of_grain in covering.items() if place_of_grain == last]
+        entry = {} if last is None else entries[last]
         if not entry or sorted(INDEX.read(entry["index"])) != sorted(ids):
             entry = {**copy.deepcopy(entry), "index": _index_of(ids)}
             entries.append(entry)

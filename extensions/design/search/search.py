@@ -243,7 +243,7 @@ def _threads() -> Any:
 
 
 def _scaled(losses: Array) -> Array:
-    """Return the logarithms of losses of one sign, in the order of the losses; others unchanged."""
+    """Return the logarithms of losses of the same sign, in their order; others unchanged."""
     if (losses > 0).all():
         return np.log(losses)
     if (losses < 0).all():
@@ -269,7 +269,7 @@ def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> di
     """Return the fraction of the variance of the first objective due to each variable alone
     (first-order Sobol index).
 
-    The variance is that of the fitted model over the whole space; the rest to 1 is due to joint
+    The variance is taken over the whole space by the fitted model; the rest to 1 is due to joint
     effects of several variables.
     """
     complete = _complete(designs)
@@ -315,7 +315,7 @@ def front(losses: Sequence[Sequence[float]]) -> list[int]:
 def expected_random(
     space: Space, designs: Sequence[TriedDesign], counts: Sequence[int]
 ) -> list[float]:
-    """Return the mean of the smallest first loss of so many random designs, by the fitted model.
+    """Return the expected smallest first loss among each number of random designs, by the model.
 
     Only designs within the limits of the model count. Empty if too few designs are complete.
     """

@@ -60,7 +60,7 @@ class Design:
     Attributes
     ----------
     number
-        From 1, in the order of their choice.
+        Number from 1, in the order of choice.
     state
         `RUNNING`, `COMPLETE`, `PRUNED`, `REFUSED` or `FAILED`.
     reason
@@ -184,17 +184,34 @@ class DesignStudy:
     def _table(self) -> str:
         """Return the text of designs.csv."""
         problem = self.problem
-        known: dict[str, None] = {}  # values of the packing, in the order of their appearance
+        packing_values: dict[
+            str, None
+        ] = {}  # values of the packing, in the order of their appearance
         for design in self.designs:
-            known.update(dict.fromkeys(design.known))
-        objectives = [entry.name for entry in problem.objectives if entry.name not in known]
-        limits = [entry.name for entry in problem.limits if entry.name not in (*known, *objectives)]
+            packing_values.update(dict.fromkeys(design.known))
+        objectives = [
+            entry.name for entry in problem.objectives if entry.name not in packing_values
+        ]
+        limits = [
+            entry.name
+            for entry in problem.limits
+            if entry.name not in (*packing_values, *objectives)
+        ]
         spreads = []
         if len(problem.samples) > 1:
             for objective in problem.objectives:
                 spreads += [f"{objective.name}_low", f"{objective.name}_high"]
         keys = [variable.key for variable in problem.space.variables]
-        columns = ["number", "state", "reason", "directory", *keys, *known, *objectives, *spreads]
+        columns = [
+            "number",
+            "state",
+            "reason",
+            "directory",
+            *keys,
+            *packing_values,
+            *objectives,
+            *spreads,
+        ]
         stream = io.StringIO()
         table = csv.DictWriter(stream, [*columns, *limits], restval="", lineterminator="\n")
         table.writeheader()
@@ -291,8 +308,8 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
         exhausted = int(content.get("exhausted", 0))
     except (ValueError, KeyError, TypeError, AttributeError):
         raise InputError(
-            f"{path}: is damaged, so that the search cannot go on; force=True begins it again, "
-            "or put the file back"
+            f"{path}: is damaged, so that the search cannot go on; force=True begins it again, or "
+            "put the file back"
         ) from None
     differences = [
         f"{name} was {_shown(before)}, is {_shown(now)}"
@@ -300,8 +317,8 @@ def read_study(problem: DesignProblem, directory: Path) -> DesignStudy:
     ]
     if differences:
         raise InputError(
-            f"{directory}: holds another search: {'; '.join(differences[:5])}; "
-            f"give the same file to resume=True, {ResultDirectory(directory).by_force}"
+            f"{directory}: holds another search: {'; '.join(differences[:5])}; give the same file "
+            f"to resume=True, {ResultDirectory(directory).by_force}"
         )
     return DesignStudy(problem, directory, designs, exhausted)
 
@@ -346,7 +363,7 @@ def _outcome(study: DesignStudy, findings: Iterable[Any]) -> dict[str, Any]:
     space = problem.space
     tried = study.tried()
     first, *others = problem.objectives
-    at_random: list[float] = []  # smallest objective of so many random designs, by the model
+    at_random: list[float] = []  # expected best objective against the number of random designs
     if not others:
         counts = range(1, sum(design.ran for design in study.designs) + 1)
         at_random = expected_random(space, tried, counts)

@@ -16,8 +16,8 @@ from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, finit
 
 Values = dict[str, Any]  # values of a design by key
 _EXPECTED = (
-    "a list of choices, or a range {low = 0.004, high = 0.012}, with log = true, integer = true "
-    "or step = ..."
+    "a list of choices, or a range {low = 0.004, high = 0.012}, with log = true, integer = true or "
+    "step = ..."
 )
 _RANGE_KEYS = ("low", "high", "log", "integer", "step")
 _DIGITS = 6  # significant digits of values in a range
@@ -27,7 +27,7 @@ _ROUNDING = 1e-9  # part of a step by which the last value may be beyond the ran
 _TO_NEIGHBOUR = 0.05  # distance of neighbours in a continuous range, divided by the range
 _LOW_END = 0.01  # places below which a value is at the low end of its range ...
 _HIGH_END = 0.99  # ... and above which at the high end
-_CHANGED = 1.5  # mean number of variables that a change concerns, besides a certain one
+_CHANGED = 1.5  # mean number of changed variables, in addition to a variable that always changes
 
 
 @dataclasses.dataclass(frozen=True)
@@ -93,8 +93,8 @@ class Variable:
                 step = -step
             place = self.choices.index(value) + step
             return self.choices[min(max(place, 0), len(self.choices) - 1)]
-        place = self.share(value) + size * rng.standard_normal()
-        return self.value(min(max(place, 0.0), 1.0))
+        share = self.share(value) + size * rng.standard_normal()
+        return self.value(min(max(share, 0.0), 1.0))
 
     def neighbours(self, value: Any) -> list[Any]:
         """Return the next value on either side; all other values of words."""
@@ -220,7 +220,7 @@ class Space:
         return np.array([self._features_of(design) for design in designs])
 
     def _features_of(self, design: Values) -> list[float]:
-        """Return the coordinates of a design: those of each variable in turn."""
+        """Return the coordinates of a design, variable by variable."""
         coordinates: list[float] = []
         for variable in self.variables:
             coordinates += variable.features(design[variable.key])

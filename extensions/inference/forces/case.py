@@ -76,7 +76,7 @@ Place = (
 
 @dataclasses.dataclass(frozen=True)
 class WallsType(ValueType):
-    """Type of the table of walls, by names of which some say where a wall is."""
+    """Type of the table of walls by name; some names imply the position of a wall."""
 
     kind: ClassVar[str] = "object"
     expected: str = _WALL_FORM
@@ -94,8 +94,8 @@ class WallsType(ValueType):
         refuse_if(set(value) != {"point", "normal"}, self.expected)
         if not _WALL_NAME.fullmatch(name):
             raise ValidationError(
-                f"names of walls of letters, digits, _ and -, the first a letter (found {show(name)}): in tables of "
-                "forces a number is the id of a grain"
+                "names of walls of letters, digits, _ and -, the first a letter (found "
+                f"{show(name)}): in tables of forces a number is the id of a grain"
             )
         point = _VECTOR.read(value["point"])
         normal = _VECTOR.read(value["normal"])
@@ -181,11 +181,11 @@ class GrainMaterial:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class Infer:
-    """``[infer]``: how the grains were measured, and what is to be found."""
+    """``[infer]``: measurement of the grains, and unknowns of the inference."""
 
     state: Literal["plane-stress", "plane-strain", "space"] = choice(
-        "how strains give stresses: of cylinders whose faces are free (plane-stress) or held (plane-strain), or of "
-        "spheres (space)",
+        "how strains give stresses: of cylinders whose faces are free (plane-stress) or held "
+        "(plane-strain), or of spheres (space)",
         STATES,
         default="plane-stress",
     )
@@ -206,7 +206,8 @@ class Infer:
         "length of the cylinders; 1: forces are per metre of length", LENGTH, above=0, default=1.0
     )
     contact_tolerance: float = number(
-        "gap over the sum of the radii up to which two grains may touch: the error of measured places",
+        "gap over the sum of the radii up to which two grains may touch: the error of measured "
+        "places",
         at_least=0,
         at_most=0.5,
         default=1e-3,
@@ -221,8 +222,9 @@ class Infer:
         "standard deviations of what was measured", NoiseType(), default=None
     )
     weights: Weights | None = choice(  # noqa: RUF009
-        "weights of the equations: equal, each by its own standard deviation (white), or with the correlation of the "
-        "stress components that strains give (correlated); by default white if noise is given, else equal",
+        "weights of the equations: equal, each by its own standard deviation (white), or with the "
+        "correlation of the stress components that strains give (correlated); by default white if "
+        "noise is given, else equal",
         WEIGHTS,
         default=None,
     )
@@ -259,7 +261,7 @@ class Infer:
 
     @property
     def deviations(self) -> Noise:
-        """Standard deviations of what was measured."""
+        """Standard deviations of the measured quantities."""
         return self.noise or Noise()
 
     @property

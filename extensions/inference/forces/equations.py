@@ -8,8 +8,8 @@ For each grain, with r from its centre to a contact and f the force there,
 
 The last two are divided by R, and shear components are multiplied by sqrt(2): all rows are in
 newtons, and the sum of their squares does not depend on the axes. Their weights follow from the
-standard deviations of what was measured; forces that they leave undetermined are refused, or made
-small by a ridge.
+standard deviations of the measured quantities. Undetermined forces are an error, or are kept small
+by a ridge.
 """
 
 from __future__ import annotations
@@ -144,19 +144,19 @@ def unknown_columns(friction: Array, dimension: int) -> NDArray[np.int64]:
 
 @dataclasses.dataclass(frozen=True)
 class Noise:
-    """Standard deviations of each component of what was measured; None where they are not known.
+    """Standard deviations of each component of the measured quantities; None if not known.
 
     Attributes
     ----------
     strain
-        Of strains.
+        Standard deviation of strains.
     stress
-        Of stresses, Pa.
+        Standard deviation of stresses, Pa.
     acceleration
         m/s^2.
     angular_acceleration
-        rad/s^2; by default twice that of the acceleration over the radius, so that both count
-        alike.
+        rad/s^2; by default twice the standard deviation of the acceleration divided by the radius,
+        so that both have equal weight.
     """
 
     strain: float | None = None
@@ -173,7 +173,7 @@ class Noise:
         return not self.missing(grains)
 
     def missing(self, grains: MeasuredGrains) -> tuple[str, ...]:
-        """Return the names of the standard deviations that are not known of what was measured."""
+        """Return the names of measured quantities whose standard deviations are not known."""
         tensor = "stress" if grains.compliance is None else "strain"
         needed = {tensor: self.of_tensor(grains)} if grains.has_stress.any() else {}
         needed |= {"acceleration": self.acceleration} if grains.has_motion.any() else {}

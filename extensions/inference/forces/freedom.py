@@ -1,15 +1,15 @@
 """Expected chi^2 of inferred forces under the noise of the measurement.
 
-A contact that slides keeps its direction in its cone of friction, and one that is not loaded keeps
-none: near the solution forces f + T c are free, with a column of T for each free component. In the
-plane a contact that slides has one of two, in space two of three; of these the one that turns
-the tangential force about the normal is held by the curvature of the cone. With the weighted
-equations A f = d, whose noise has the covariance C, and the stiffness S of what holds c (curvature
-and ridge), the residuals are those of the noise outside of A T:
+A sliding contact keeps its direction within its cone of friction, and an unloaded contact stays
+unloaded: near the solution the forces f + T c are free, with a column of T for each free component.
+A sliding contact has one free component of two in the plane, and two of three in space. In space
+the component that turns the tangential force about the normal is resisted by the curvature of the
+cone. With the weighted equations A f = d, the covariance C of their noise, and the stiffness S
+against c (curvature and ridge), the residuals are the noise outside of A T:
 
     <chi^2> = |(1 - H) C^(1/2)|^2,   H = A T (T^T A^T A T + S)^(-1) T^T A^T
 
-With weights that whiten the noise it is the number of equations minus that of columns of T.
+With weights that whiten the noise, it is the number of equations minus the number of columns of T.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ import numpy as np
 from scipy import linalg, sparse
 
 from granwave.extensions.inference.forces.equations import Covariance
-from granwave.extensions.inference.forces.grains import Array
+from granwave.extensions.inference.forces.grains import NORMAL, TANGENTIAL, Array
 from granwave.extensions.inference.forces.solve import DENSE_UNKNOWNS
 
 _LOADED = 1e-8  # of the largest force; smaller ones are errors of the solver
@@ -58,9 +58,9 @@ def freedom(force: Array, friction: Array, gradient: Array) -> Freedom:
     """
     dimension = force.shape[1]
     largest = float(np.abs(force).max(initial=0.0))
-    size = np.linalg.norm(force[:, 1:], axis=1)
-    loaded = force[:, 0] > _LOADED * largest
-    limit = friction * force[:, 0]
+    size = np.linalg.norm(force[:, TANGENTIAL], axis=1)
+    loaded = force[:, NORMAL] > _LOADED * largest
+    limit = friction * force[:, NORMAL]
     sliding = loaded & (friction > 0) & (size >= (1 - _SLIDING) * limit) & (size > _SMALL * largest)
     rows = list[int]()
     columns = list[int]()
@@ -92,7 +92,7 @@ def freedom(force: Array, friction: Array, gradient: Array) -> Freedom:
 def expected_misfit(
     matrix: sparse.csr_array, free: Freedom, noise: sparse.csr_array, ridge: float
 ) -> float:
-    """Return the mean of chi^2 over noise; of very many forces that of white noise.
+    """Return the mean of chi^2 over noise; for very many forces the mean over white noise.
 
     Parameters
     ----------

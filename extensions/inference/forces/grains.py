@@ -1,11 +1,11 @@
-"""Grains at one instant as they are measured (places, motion, average strain or stress), and their
-possible contacts.
+"""Measured grains at an instant (positions, motion, average strain or stress), and their possible
+contacts.
 
 In the plane (cylinders) vectors have two components, in space (spheres) three. Symmetric tensors
 are rows of their components: xx, yy, xy in the plane; xx, yy, zz, yz, xz, xy in space. Strains are
-those of the tensor, so that exy is half the shear angle; stretching and tension are positive, as
-displacement fields of a camera give them. Rotations about z have one component in the plane.
-Possible contacts are pairs, and grains at walls, within a tolerance.
+components of the tensor, so that exy is half the shear angle. Stretching and tension are positive,
+as in displacement fields of a camera. In the plane rotations have one component, about z. Possible
+contacts are pairs, and grains at walls, within a tolerance.
 """
 
 from __future__ import annotations
@@ -39,7 +39,8 @@ SCALES = {
 }
 #: Number of components of rotations, by dimension.
 TURNS = {2: 1, 3: 3}
-NORMAL = 0  # column of the normal component of a force; the others are tangential
+NORMAL = 0  # component of a force along the normal of its contact
+TANGENTIAL = slice(1, None)  # tangential components
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -199,7 +200,7 @@ class StraightWall:
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class CandidateContacts:
-    """Possible contacts, those of pairs first.
+    """Possible contacts, pairs of grains first.
 
     Attributes
     ----------

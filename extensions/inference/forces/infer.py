@@ -19,6 +19,8 @@ from granwave.extensions.inference.forces.case import Infer
 from granwave.extensions.inference.forces.equations import Equations, Noise, Weights
 from granwave.extensions.inference.forces.freedom import expected_misfit, freedom, root_of
 from granwave.extensions.inference.forces.grains import (
+    NORMAL,
+    TANGENTIAL,
     Array,
     CandidateContacts,
     MeasuredGrains,
@@ -83,7 +85,7 @@ class Inference:
 
     @property
     def relative_residual(self) -> float:
-        """Root of the sum of squares of the residuals over that of the right-hand sides."""
+        """Norm of the residuals divided by the norm of the right-hand sides."""
         size = float(np.linalg.norm(self.equations.data(self.factor)))
         return float(np.linalg.norm(self.residual)) / size if size > 0 else 0.0
 
@@ -93,12 +95,14 @@ class Inference:
         each, N.
         """
         assert self.spread is not None
-        shear = np.linalg.norm(self.spread[:, 1:], axis=1) / math.sqrt(self.spread.shape[1] - 1)
-        return self.spread[:, 0], np.asarray(shear)
+        shear = np.linalg.norm(self.spread[:, TANGENTIAL], axis=1) / math.sqrt(
+            self.spread.shape[1] - 1
+        )
+        return self.spread[:, NORMAL], np.asarray(shear)
 
     @cached_property
     def n_free(self) -> float:
-        """Mean of chi^2 over noise: the number of equations minus that of free components of
+        """Mean of chi^2 over noise: the number of equations minus the number of free components of
         forces, with weights that whiten the noise; see `freedom`. A modulus that is found is one
         more.
         """
@@ -282,7 +286,7 @@ def relative_noise(grains: MeasuredGrains, share: float) -> Noise:
     turning = size(grains.angular_acceleration)
     motion = size(grains.acceleration)
     if turning and motion and turning * float(grains.radius.mean()) < _ROUNDING * motion:
-        turning = None  # grains that do not turn: what is left is rounding
+        turning = None  # grains do not turn, values are rounding
     if grains.compliance is None:
         return Noise(None, size(grains.stress), motion, turning)
     return Noise(size(grains.strain), None, motion, turning)

@@ -63,7 +63,7 @@ def groups(dimension: int) -> dict[str, tuple[str, ...]]:
 def aliases(dimension: int) -> dict[str, str]:
     """Return the names of columns by their aliases: without units, stresses also with units."""
     names_by_group = groups(dimension)
-    name_of_alias = {}
+    name_of_alias: dict[str, str] = {}
     for names in names_by_group.values():
         name_of_alias |= {_UNIT.sub("", name): name for name in names}
     name_of_alias |= {f"{name}_Pa": name for name in names_by_group["stress"]}
@@ -120,10 +120,10 @@ def _faults_of_names(
 ) -> Iterator[str]:
     """Give the faults of the headings of a table, and of the names that they stand for."""
     names_by_group = groups(dimension)
-    known = list(itertools.chain.from_iterable(names_by_group.values()))
+    allowed = list(itertools.chain.from_iterable(names_by_group.values()))
     for name, heading in zip(names, headings, strict=True):
-        if name not in known:
-            yield f"found a column {show(heading)}, expected names among {', '.join(known)}"
+        if name not in allowed:
+            yield f"found a column {show(heading)}, expected names among {', '.join(allowed)}"
     for name, count in Counter(names).items():
         if count > 1:
             yield f"found the column {name} {count} times, expected it once"
@@ -143,15 +143,15 @@ def _faults_of_names(
 def _faults_of_deformation(
     names: Sequence[str], names_by_group: dict[str, tuple[str, ...]]
 ) -> Iterator[str]:
-    """Give the faults of the columns of strains and stresses, of which a table has one."""
+    """Give the faults of the columns of strains and stresses; a table has either of them."""
     strains = {*names_by_group["strain"]} & {*names}
     stresses = {*names_by_group["stress"]} & {*names}
     if len(strains) == len(stresses) == len(names_by_group["strain"]):
         yield "found strains and stresses, expected one of them"
     if not strains | stresses:
         yield (
-            f"lacks strains or stresses; expected {', '.join(names_by_group['strain'])}, "
-            f"or {', '.join(names_by_group['stress'])} (Pa)"
+            f"lacks strains or stresses; expected {', '.join(names_by_group['strain'])}, or "
+            f"{', '.join(names_by_group['stress'])} (Pa)"
         )
 
 
@@ -187,7 +187,7 @@ def read_measurement(
     Raises
     ------
     InputError
-        The table cannot be read or is wrong (with the lines), or the case lacks what it needs.
+        The table cannot be read or is invalid (with the lines), or the case lacks a key for it.
     """
     table = _Table(path, case)
     is_series = len(table.rows) > 1 and not table.has("acceleration")
@@ -205,8 +205,8 @@ def read_measurement(
         mean = grains.stress[grains.has_stress, : case.dimension].sum(axis=1) / case.dimension
         if len(mean) and (mean > 0).all():
             raise InputError(
-                f"{path}: found {what} that stretch each of the {len(mean)} grains{_at(time)}: {words}; if it "
-                "is positive in your table, change the sign of all components"
+                f"{path}: found {what} that stretch each of the {len(mean)} grains{_at(time)}: "
+                f"{words}; if it is positive in your table, change the sign of all components"
             )
         if mean.sum() > 0:
             table.notes.append(
@@ -327,7 +327,8 @@ class _Table:
             for name in self.columns.columns.intersection(names):
                 values = self.each(name)
                 errors += [
-                    f"{self.path}: line {lines[row]}: {name}: found {values[row]:g}, expected {expected}"
+                    f"{self.path}: line {lines[row]}: {name}: found {values[row]:g}, expected "
+                    f"{expected}"
                     for row in np.flatnonzero(~right(values))
                 ]
         for group in filter(self.has, UNMEASURED):
@@ -354,8 +355,8 @@ class _Table:
             if moving:
                 reason = 'or infer.modulus = "find", which finds it from the accelerations'
             raise InputError(
-                f"{case.source}: material.youngs_modulus: missing; strains give forces only with a modulus: give it, "
-                f"{reason}"
+                f"{case.source}: material.youngs_modulus: missing; strains give forces only with a "
+                f"modulus: give it, {reason}"
             )
 
     def measured_motion(self) -> dict[float, tuple[Array, ...]]:
@@ -393,12 +394,14 @@ class _Table:
         worst = int(np.abs(steps - step).argmax())
         if abs(steps[worst] - step) > _EVEN * step:
             raise InputError(
-                f"{path}: found {steps[worst]:.4g} s from {times[worst]:.6g} s to the next, elsewhere {step:.4g} s; "
-                "accelerations by differences need all frames, evenly spaced"
+                f"{path}: found {steps[worst]:.4g} s from {times[worst]:.6g} s to the next, "
+                f"elsewhere {step:.4g} s; accelerations by differences need all frames, evenly "
+                "spaced"
             )
         if len(times) < window:
             raise InputError(
-                f"{path}: found {len(times)} frames, expected at least {window} (infer.window) to differentiate"
+                f"{path}: found {len(times)} frames, expected at least {window} (infer.window) to "
+                "differentiate"
             )
         ids = [self.each("id")[rows].tolist() for rows in self.rows.values()]
         for time, ids_of_frame in zip(times, ids, strict=True):

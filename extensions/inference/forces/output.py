@@ -37,7 +37,7 @@ from granwave.extensions.inference.files import (
     MADE_CASE,
     MADE_MEASUREMENT,
 )
-from granwave.extensions.inference.forces.grains import NORMAL, Array
+from granwave.extensions.inference.forces.grains import NORMAL, TANGENTIAL, Array
 from granwave.extensions.inference.forces.infer import Inference
 from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.own_files import AnyPath, figure_files
@@ -180,7 +180,11 @@ class Inferred:
 
 def _tangential(force: Array) -> Array:
     """Tangential forces of components (m, d): with a sign in the plane, sizes in space."""
-    return force[:, 1] if force.shape[1] == 2 else np.asarray(np.linalg.norm(force[:, 1:], axis=1))
+    return (
+        force[:, 1]
+        if force.shape[1] == 2
+        else np.asarray(np.linalg.norm(force[:, TANGENTIAL], axis=1))
+    )
 
 
 def network(inference: Inference) -> Drawing:
@@ -219,7 +223,7 @@ def residuals(inference: Inference) -> Drawing:
     motion, stress = inference.residual_of_grains()
     total = np.sqrt(np.nan_to_num(motion) ** 2 + np.nan_to_num(stress) ** 2)
     total[np.isnan(motion) & np.isnan(stress)] = np.nan
-    scale = float(np.sqrt(np.mean(inference.force[:, 0] ** 2))) or 1.0
+    scale = float(np.sqrt(np.mean(inference.force[:, NORMAL] ** 2))) or 1.0
     figure, axes, _, discs = _map(inference, cmap="cividis", array=total / scale)
     figure.colorbar(discs, ax=axes, label="Residual / rms normal force", shrink=0.8, pad=0.02)
     return Drawing(

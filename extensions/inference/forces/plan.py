@@ -46,14 +46,14 @@ def plan_experiment(
     seed: int = 1,
     progress: bool = False,
 ) -> Inferred:
-    """Make measurements of a run, infer the forces, and compare them with those of the run.
+    """Simulate measurements of a run, infer the forces, and compare them with the run.
 
     Parameters
     ----------
     source
         Directory of a run whose snapshots hold contact forces.
     case
-        Case of the inference; None: those of the run (friction, material).
+        Case of the inference; None: friction and material of the run.
     noise
         Errors of strains (and of accelerations, where these are not from frames) over their root
         mean squares.
@@ -281,7 +281,7 @@ def _case(
 
 
 def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
-    """Return state and settings: those of the case, or of the run."""
+    """Return the state and the settings of the case, or of the run without a case."""
     if case is None:
         state: State = "space" if run.dimension == 3 else "plane-stress"
         return state, Infer(friction=run.friction[0], wall_friction=run.friction[1])
@@ -292,7 +292,8 @@ def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
         if case.infer.state != Infer(friction=0.0).state:
             raise InputError(
                 f"{case.source}: infer.state: found {case.infer.state}, expected "
-                f"{'space' if run.dimension == 3 else 'plane-stress or plane-strain'} for {run.directory}"
+                f"{'space' if run.dimension == 3 else 'plane-stress or plane-strain'} for "
+                f"{run.directory}"
             )
         return "space", settings
     return case.infer.state, settings

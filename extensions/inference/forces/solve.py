@@ -1,14 +1,15 @@
-"""Forces that push, within the cone of friction, and fit the equations best; Young's modulus from
+"""Compressive forces within the cone of friction that fit the equations best; Young's modulus from
 the motion.
 
-Strains tell forces up to a factor, accelerations tell them without.
+Strains determine the forces up to a factor; accelerations determine the factor.
 
-The right-hand side of the stress is proportional to the moduli, that of the motion is not. The
-factor of the moduli is the minimum of chi^2, the sum of squares of the errors of strains and
-accelerations over their standard deviations, with the forces that are best for each factor. These
-forces are not held within the cone of friction here: noise could push those on its border inwards
-only, which biases the modulus upwards by as much as its standard error. An additional column of the
-least squares, in place of the search, would be biased low: it takes the strains as free of errors.
+The right-hand side of the stress is proportional to the moduli, the right-hand side of the motion
+does not depend on them. The factor of the moduli is at the minimum of chi^2, the sum of squares of
+the errors of strains and accelerations over their standard deviations, with the best forces for
+each factor. These forces are not confined to the cone of friction: noise could push forces on the
+cone inwards only, and bias the modulus upwards by as much as its standard error. An additional
+column of the least squares in place of the search would bias the modulus downwards, since it takes
+the strains as free of errors.
 """
 
 from __future__ import annotations
@@ -21,24 +22,24 @@ import numpy as np
 from scipy import linalg, optimize, sparse
 
 from granwave.extensions.inference.forces.equations import Equations, unknown_columns
-from granwave.extensions.inference.forces.grains import NORMAL, Array, MeasuredGrains
+from granwave.extensions.inference.forces.grains import NORMAL, TANGENTIAL, Array, MeasuredGrains
 from granwave.lammps_inputs.errors import InputError, RunError
 
-#: Number of unknowns beyond which problems in the plane are solved by the conic solver, which uses sparse matrices.
+#: Number of unknowns above which problems in the plane use the conic solver with sparse matrices.
 DENSE_UNKNOWNS = 1500
-_ROUNDING = 1e-11  # of the largest force: what lies outside the cone by less is on it
+_ROUNDING = 1e-11  # distance outside the cone / largest force that is rounding
 _SINGULAR = 1e-12  # ratio of diagonal elements below which forces are not unique
-_ACCURACY = 1e-12  # of the conic solver, relative
+_ACCURACY = 1e-12  # relative accuracy of the conic solver
 _SOLVED = (
     "Solved",
     "AlmostSolved",
     "InsufficientProgress",
 )  # the last: as near as rounding lets it
-_WIDTH = math.log(30.0)  # of the first scan about the first guess, each way
-_SCANNED = 9
-_WIDENED = 4  # times that a scan is moved if the minimum lies at its end
+_WIDTH = math.log(30.0)  # half-width of the first scan, logarithm of the factor
+_SCANNED = 9  # factors in a scan
+_WIDENED = 4  # largest number of scans, each around the end of the last
 _OF_FACTOR = 1e-5  # accuracy of the logarithm of the factor
-_STEP = 0.02  # of the logarithm, for the curvature
+_STEP = 0.02  # step of the logarithm for the curvature
 
 
 def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
@@ -82,8 +83,10 @@ def solve_conic(matrix: sparse.csr_array, data: Array, friction: Array, dimensio
     force = _free(matrix, data, friction, dimension)
     if force is not None:
         slack = _ROUNDING * float(np.abs(force).max(initial=0.0))
-        size = np.linalg.norm(force[:, 1:], axis=1)
-        if (force[:, 0] >= -slack).all() and (size <= friction * force[:, 0] + 4 * slack).all():
+        size = np.linalg.norm(force[:, TANGENTIAL], axis=1)
+        if (force[:, NORMAL] >= -slack).all() and (
+            size <= friction * force[:, NORMAL] + 4 * slack
+        ).all():
             return _onto(force, friction)
     return _by_cones(matrix, data, friction, dimension)
 
@@ -122,12 +125,12 @@ def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
 
 def _onto(force: Array, friction: Array) -> Array:
     """Move forces that rounding put outside their cones onto them."""
-    normal = np.maximum(force[:, 0], 0.0)
-    size = np.linalg.norm(force[:, 1:], axis=1)
+    normal = np.maximum(force[:, NORMAL], 0.0)
+    size = np.linalg.norm(force[:, TANGENTIAL], axis=1)
     shrink = np.minimum(
         1.0, np.divide(friction * normal, size, out=np.ones_like(size), where=size > 0)
     )
-    return np.concatenate([normal[:, None], shrink[:, None] * force[:, 1:]], axis=1)
+    return np.concatenate([normal[:, None], shrink[:, None] * force[:, TANGENTIAL]], axis=1)
 
 
 def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int) -> Array:
@@ -216,15 +219,17 @@ def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
 
 
 def refuse_unknowable(grains: MeasuredGrains, equations: Equations) -> None:
-    """Raise InputError if stresses were measured, or no acceleration or weight tells the modulus."""
+    """Raise InputError if the modulus cannot be found: for measured stresses, or without motion."""
     if grains.compliance is None:
         raise InputError(
-            'infer.modulus: found "find" with measured stresses, which need no modulus; expected strains'
+            'infer.modulus: found "find" with measured stresses, which need no modulus; expected '
+            "strains"
         )
     if not np.any(equations.motion_data):
         raise InputError(
-            'infer.modulus: found "find", but nothing to find it from: strains tell forces up to a factor; expected '
-            "accelerations other than zero (or a weight, infer.gravity), or material.youngs_modulus"
+            'infer.modulus: found "find", but nothing to find it from: strains tell forces up to '
+            "a factor; expected accelerations other than zero (or a weight, infer.gravity), or "
+            "material.youngs_modulus"
         )
 
 
@@ -236,8 +241,8 @@ def find_modulus(
     Parameters
     ----------
     n_more
-        Number of equations minus that of unknowns, the factor among them, by which the least chi^2 tells a noise that is
-        not known; None if it is.
+        Number of equations minus number of unknowns, including the factor, which gives an unknown
+        noise from the least chi^2; None for a known noise.
 
     Raises
     ------
@@ -262,8 +267,9 @@ def find_modulus(
         centre += float(grid[best])
     else:
         raise InputError(
-            'infer.modulus: found "find", but chi^2 falls to the end of the search: motion and strains do not belong '
-            "together; check the units of strains, accelerations and density, or give material.youngs_modulus"
+            'infer.modulus: found "find", but chi^2 falls to the end of the search: motion and '
+            "strains do not belong together; check the units of strains, accelerations and "
+            "density, or give material.youngs_modulus"
         )
     low = centre + float(grid[best - 1])
     high = centre + float(grid[best + 1])

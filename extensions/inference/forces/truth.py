@@ -1,6 +1,4 @@
-"""States of a finished run with the forces at all contacts, from snapshots that were recorded with
-them.
-"""
+"""States of a finished run with the forces at all contacts, from snapshots with contact forces."""
 
 from __future__ import annotations
 
@@ -16,8 +14,10 @@ from granwave.analysis.lammps_output.frame import Frame
 from granwave.analysis.result.reader import Result
 from granwave.extensions.inference.forces.equations import make_equations
 from granwave.extensions.inference.forces.grains import (
+    NORMAL,
     PAIRS,
     SCALES,
+    TANGENTIAL,
     TURNS,
     Array,
     CandidateContacts,
@@ -38,8 +38,7 @@ _TURNS = {
     "y": np.array([[1.0, 0.0, 0.0], [0.0, 0.0, -1.0]]),
     "z": np.array([[1.0, 0.0, 0.0], [0.0, 1.0, 0.0]]),
 }
-# of the largest contact force: a force beside those of contacts that is smaller is rounding
-_REST = 1e-6
+_REST = 1e-6  # other force / largest contact force below which it is rounding
 
 
 class Snapshots:
@@ -55,7 +54,7 @@ class Snapshots:
     ids, radius
         (n,), m.
     density, youngs_modulus, poisson_ratio
-        Of each grain: (n,).
+        Properties of each grain: (n,).
     times
         (n_frames,), s.
     position, velocity
@@ -157,8 +156,9 @@ class Snapshots:
         inside = (self.times >= self.times[0] + spare) & (self.times <= self.times[-1] - spare)
         if not inside.any():
             raise InputError(
-                f"{self.directory}: ends after {self.times[-1]:.3g} s, expected at least {2 * spare:.3g} s for three "
-                "frames; take a faster camera, or a longer run.end_time"
+                f"{self.directory}: ends after {self.times[-1]:.3g} s, expected at least "
+                f"{2 * spare:.3g} s for three frames; take a faster camera, or a longer "
+                "run.end_time"
             )
         totals = np.array([float(frame["force"].sum()) for frame in self.forces])
         return int(np.argmax(np.where(inside, totals, -1.0)))
@@ -192,7 +192,7 @@ class Snapshots:
         of_pairs = (equations.motion @ true.ravel()).reshape(n, -1)[:, d:] * self.radius[:, None]
         torque = self.angular_acceleration[number] * grains.inertia[:, None] - of_pairs
         wall_force = self._walls(grains, contacts, frame, rest, torque, true)
-        # what is held in place has unknown forces upon it, and is left out of the measurement
+        # forces on held grains are unknown: these grains are left out of the measurement
         size = float(np.abs(true).max(initial=0.0))
         at_rest = (np.linalg.norm(total, axis=1) == 0) & (
             np.linalg.norm(wall_force, axis=1) > _REST * size
@@ -235,7 +235,8 @@ class Snapshots:
         columns = candidates.get_indexer(pd.MultiIndex.from_arrays([i, j]))
         if (columns < 0).any():
             raise InputError(
-                f"{self.directory}: a pair that bears a force lies beyond infer.contact_tolerance; raise it"
+                f"{self.directory}: a pair that bears a force lies beyond infer.contact_tolerance; "
+                "raise it"
             )
         true[columns] = np.einsum("mij,mi->mj", contacts.basis[columns], vectors)
         sums = np.zeros_like(grains.position)
@@ -265,7 +266,7 @@ class Snapshots:
         at_walls = np.flatnonzero(contacts.second < 0)
         own = contacts.first[at_walls]
         pushes = np.reshape(recorded, (-1, len(grains)))[contacts.wall[at_walls], own]
-        true[at_walls, 0] = pushes
+        true[at_walls, NORMAL] = pushes
         left = rest.copy()
         np.subtract.at(left, own, pushes[:, None] * contacts.normal[at_walls])
         if not self.friction[1] or not len(at_walls):
@@ -273,7 +274,9 @@ class Snapshots:
         loaded = at_walls[pushes > 0]
         for grain in np.unique(contacts.first[loaded]).tolist():
             own = loaded[contacts.first[loaded] == grain]
-            tangents = np.concatenate([contacts.basis[m][:, 1:] for m in own.tolist()], axis=1)
+            tangents = np.concatenate(
+                [contacts.basis[m][:, TANGENTIAL] for m in own.tolist()], axis=1
+            )
             levers = contacts.arm[own].repeat(self.dimension - 1, axis=0).T
             scale = grains.radius[grain]
             if self.dimension == 3:  # levers end half-way into the overlap
@@ -287,10 +290,11 @@ class Snapshots:
             )
             if rank < matrix.shape[1]:
                 raise InputError(
-                    f"{self.directory}: grain {self.ids[grain]} rubs at {len(own)} walls, whose forces its motion does "
-                    "not tell apart; choose another --time, or a packing without friction of its walls"
+                    f"{self.directory}: grain {self.ids[grain]} rubs at {len(own)} walls, whose "
+                    "forces its motion does not tell apart; choose another --time, or a packing "
+                    "without friction of its walls"
                 )
-            true[own, 1:] = solution.reshape(len(own), -1)
+            true[own, TANGENTIAL] = solution.reshape(len(own), -1)
             left[grain] -= tangents @ solution
         return left
 
@@ -362,14 +366,15 @@ def seen_by_camera(
     if apart > (1 + 1e-9) * interval:
         needed = int(np.ceil((run.times[-1] - run.times[0]) * rate)) + 2
         raise InputError(
-            f"--frame-rate {rate:g}: {run.directory} has snapshots up to {apart:.3g} s apart, expected at most "
-            f"{interval:.3g} s, one for each frame; run it again with run.frames = {needed} or more"
+            f"--frame-rate {rate:g}: {run.directory} has snapshots up to {apart:.3g} s apart, "
+            f"expected at most {interval:.3g} s, one for each frame; run it again with run.frames "
+            f"= {needed} or more"
         )
     at = time + interval * np.array([-1.0, 0.0, 1.0])
     if at[0] < run.times[0] or at[-1] > run.times[-1]:
         raise InputError(
-            f"--time {time:g}: found no frame {interval:.3g} s before or after it, expected an instant from "
-            f"{run.times[0] + interval:.3g} to {run.times[-1] - interval:.3g} s"
+            f"--time {time:g}: found no frame {interval:.3g} s before or after it, expected an "
+            f"instant from {run.times[0] + interval:.3g} to {run.times[-1] - interval:.3g} s"
         )
     places = CubicHermiteSpline(run.times, run.position, run.velocity)(at)
     angles = CubicHermiteSpline(run.times, run.spin, run.angular_acceleration).antiderivative()(at)

@@ -9,6 +9,7 @@ from pathlib import Path as FilePath
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.extensions.waves.spectra.bands import (
     ROLLING,
@@ -28,16 +29,15 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
-_LONG = 1e-3  # |k| times the largest period: long waves, whose dispersion is 1e-7
-_ANGLES = 180
-_GRID = 61
-_MOST_FREEDOMS = 48  # of a cell whose whole spectrum is found at all points of the grid
-_RIGID = 1e-9  # (c k)^2 over the largest omega^2 times (k a)^2
-_MOST_POINTS = 100_000
-_FREQUENCIES = 401  # for attenuation
-_BEYOND = 1.25  # of the highest frequency: how far attenuation is followed
-# of the depth of a slab: grains whose part of the energy tells waves of its surface
-NEAR_TOP = 0.25
+_LONG = 1e-3  # |k| times the largest period of long waves, whose dispersion is 1e-7
+_ANGLES = 180  # directions of slowness in a plane
+_GRID = 61  # points of a plane of wave vectors along each axis
+_MOST_FREEDOMS = 48  # degrees of freedom of a cell whose spectrum is found at all of these points
+_RIGID = 1e-9  # (c k)^2 / (largest omega^2 times (k a)^2) below which nothing resists
+_MOST_POINTS = 100_000  # largest number of wave vectors in a stretch of a path
+_FREQUENCIES = 401  # number of frequencies for attenuation
+_BEYOND = 1.25  # largest of them / highest frequency of the bands
+NEAR_TOP = 0.25  # part of a slab's depth in which the energy of surface waves is concentrated
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -78,15 +78,15 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     There is a wave for each direction in which all grains can be displaced together.
     """
     network = stiffness.network
-    is_free = np.zeros(3, dtype=bool)
+    is_held: NDArray[np.bool_] = np.ones(3, dtype=bool)
     if network.n_grains:
-        is_free = network.moves[:, :3].all(axis=0)
+        is_held = np.asarray(~network.moves[:, :3].all(axis=0), dtype=bool)
     if len(network.supports):
-        is_normal = np.abs(network.supports.normal).max(axis=0) > 0
-        is_free = is_free & ~(is_normal | (network.supports.tangential.max() > 0))
+        is_held |= np.any(network.supports.normal != 0, axis=0)
+        is_held |= bool(network.supports.tangential.max() > 0)
     size = float(np.linalg.norm(network.periods, axis=1).max())
     wave_number = _LONG / size
-    square, _ = stiffness.spectrum(directions * wave_number, int(is_free.sum()))
+    square, _ = stiffness.spectrum(directions * wave_number, int((~is_held).sum()))
     propagates = square > _RIGID * stiffness.largest * _LONG**2
     return np.where(propagates, np.sqrt(np.where(propagates, square, 0.0)) / wave_number, np.nan)
 
@@ -240,9 +240,9 @@ def band_structure(
     points
         Wave vectors of each stretch.
     n_bands
-        How many bands; None: all of a small cell, 30 of a large one.
+        Number of bands; None: all bands of a small cell, 30 of a large cell.
     directions
-        Directions in which the grains move, of "xyz"; empty for those of the packing.
+        Directions in which the grains move, from "xyz"; empty for the directions of the packing.
     plane
         Plane of slowness and equal-frequency curves: xy, xz or yz; empty for the one of the
         packing.
@@ -254,7 +254,7 @@ def band_structure(
     Raises
     ------
     InputError
-        The packing does not repeat or bears no load, the path is wrong, or motions meet no
+        The packing does not repeat or carries no load, the path is invalid, or motions meet no
         resistance.
     """
     if set(directions) - set("xyz"):

@@ -1,9 +1,9 @@
-"""Bands of an endless packing along a path of wave vectors, gaps between them, and modes of a
+"""Bands of a periodic packing along a path of wave vectors, gaps between them, and modes of a
 finite packing.
 
-Participation ratio of a mode with the energies e_i of its grains: (sum e)^2/(n sum e^2); 1: all
-grains move alike, 1/n: one moves. The density of states of a large packing is that of its lowest
-modes; for the whole range, its moments over Chebyshev polynomials are found with random vectors
+The participation ratio of a mode is (sum e_i)^2/(n sum e_i^2), where e_i are the energies of the n
+grains: 1 if all grains move equally, 1/n if only one grain moves. The density of states of a large
+packing is found over its whole range from moments over Chebyshev polynomials with random vectors
 (kernel polynomial method, doi:10.1103/RevModPhys.78.275).
 """
 
@@ -21,15 +21,15 @@ from granwave.extensions.waves.spectra.network import FREEDOMS, Array, Network
 from granwave.extensions.waves.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.extensions.waves.spectra.wave_vectors import Path
 
-_ZERO = 1e-10  # omega^2 over the largest: no stiffness
-_LONG = 1e-6  # |k| times the period: a uniform displacement
-_TURNING = 0.99  # of the energy in rotations: grains that roll
+_ZERO = 1e-10  # omega^2 / largest omega^2 without stiffness
+_LONG = 1e-6  # |k| times the period of a uniform displacement
+_TURNING = 0.99  # fraction of the energy in rotations above which grains roll
 ROLLING = "like gears: they roll on each other, which friction does not resist"
-_LEAST = 1e-6  # of the highest frequency: bands that only touch leave no gap
-ALL_UP_TO = 1500  # degrees of freedom: all modes of smaller packings are found
-_BINS = 120
-_MOMENTS = 240
-_VECTORS = 12
+_LEAST = 1e-6  # smallest gap / highest frequency: bands that only touch leave no gap
+ALL_UP_TO = 1500  # degrees of freedom up to which all modes are found
+_BINS = 120  # largest number of bins of the density of states of a small packing
+_MOMENTS = 240  # Chebyshev moments of the density of states of a large packing
+_VECTORS = 12  # random vectors for these moments
 _SEED = 1
 _WORDS = {
     place: f"along {name}" if place < 3 else f"turning about {name[1]}"
@@ -123,7 +123,7 @@ def solve_bands(
     Parameters
     ----------
     n_bands
-        How many; None: all of a small cell, 30 of a large one.
+        Number of bands; None: all bands of a small cell, 30 of a large cell.
     chosen
         Degrees of freedom whose part of the energy is sought: (n_freedoms,).
     """
@@ -156,7 +156,7 @@ def solve_bands(
 
 
 def describe_floppy(bands: Bands) -> str:
-    """Describe the modes without resistance: how many, where, which grains move how; empty if there
+    """Describe the modes without resistance: their number, wave vector and motion; empty if there
     are none.
     """
     counts = bands.floppy.sum(axis=1)
@@ -169,9 +169,10 @@ def describe_floppy(bands: Bands) -> str:
         _, vectors = bands.stiffness.spectrum(bands.path.k[row : row + 1], bands.floppy.shape[1])
     loose = np.abs(vectors[0][:, bands.floppy[row]]) ** 2
     return (
-        f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no resistance at "
-        f"{bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors there are some)"
-        f"{growing(bands.square, bands.largest)}; {who_moves(bands.network, loose.sum(axis=1))}"
+        f"the static state is not rigid: {counts[row]} of {bands.network.n_freedoms} modes meet no "
+        f"resistance at {bands.path.nearest(row)} (at {at} of {len(bands.path.k)} wave vectors "
+        f"there are some){growing(bands.square, bands.largest)}; "
+        f"{who_moves(bands.network, loose.sum(axis=1))}"
     )
 
 
@@ -188,8 +189,8 @@ def growing(square: Array, largest: float) -> str:
 
 
 def who_moves(network: Network, share: Array) -> str:
-    """Describe which grains move in which directions, given the energies of the degrees of freedom
-    (n_freedoms,).
+    """Describe the directions and the grains of a motion, given the energies of the degrees of
+    freedom: (n_freedoms,).
     """
     grain, direction = network.freedoms
     total = share.sum()
@@ -227,13 +228,13 @@ class Gap:
 
     @property
     def relative_width(self) -> float:
-        """Width over the middle."""
+        """Width divided by the middle frequency."""
         return (self.high - self.low) / self.middle if np.isfinite(self.high) else np.inf
 
 
 def band_edges(bands: Bands) -> Array:
     """Return the lowest and highest frequency of each band along the path: (n_bands, 2), Hz; NaN
-    without any.
+    for bands without a frequency.
     """
     frequency = bands.frequency
     low = np.where(np.isnan(frequency), np.inf, frequency).min(axis=0)
@@ -243,10 +244,9 @@ def band_edges(bands: Bands) -> Array:
 
 
 def gaps(bands: Bands) -> list[Gap]:
-    """Return the gaps between the bands of a path, and those below the first and above the last, by
-    rising frequency.
+    """Return the gaps between, below and above the bands of a path, by rising frequency.
 
-    Of a large cell the last one is left out where only the lowest bands were sought.
+    The gap above the last band is left out if only the lowest bands of a large cell were sought.
     """
     edges = band_edges(bands)
     intervals: list[Gap] = []
@@ -292,7 +292,7 @@ class Modes:
 
     @property
     def n_floppy(self) -> int:
-        """Number of modes that meet no resistance, among those that were found."""
+        """Number of modes without resistance among the modes of this object."""
         return int(np.count_nonzero(self.square <= _ZERO * self.largest))
 
     @property
@@ -302,11 +302,11 @@ class Modes:
 
     @property
     def complete(self) -> bool:
-        """True if these are all modes."""
+        """True if these are all modes of the packing."""
         return len(self.square) == self.network.n_freedoms
 
     def describe_floppy(self) -> str:
-        """Describe the modes without resistance: how many, and which grains move how."""
+        """Describe the modes without resistance: their number and motion."""
         loose = self.square <= _ZERO * self.largest
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
         suffix = "" if self.complete or not loose.all() else " or more"
@@ -315,12 +315,12 @@ class Modes:
 
 
 def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
-    """Find the modes of a finite packing: all of a small one, the lowest of a large one.
+    """Find the modes of a finite packing: all modes of a small packing, the lowest of a large one.
 
     Parameters
     ----------
     n_modes
-        How many; None: all of a small packing, 60 of a large one.
+        Number of modes; None: all modes of a small packing, 60 of a large packing.
     """
     network = stiffness.network
     n = network.n_freedoms

@@ -1,5 +1,5 @@
-"""Grains of a unit cell or of a finite packing at places of their own, with walls and loads, and
-the contacts there.
+"""Grains of a unit cell or of a finite packing at their positions, with walls and loads, and their
+contacts.
 """
 
 from __future__ import annotations
@@ -19,12 +19,10 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
 
-# moments of inertia over m R^2, the second about the axis
-_OF_SPHERE = 0.4
-_OF_CYLINDER = 0.5
-_NEGLIGIBLE = 1e-12  # of the mean diameter: overlaps by rounding
-# of the largest force: contacts that bear nothing but what the search for balance left
-_UNLOADED = 1e-7
+_OF_SPHERE = 0.4  # moment of inertia / (m R^2)
+_OF_CYLINDER = 0.5  # moment of inertia about the axis / (m R^2)
+_NEGLIGIBLE = 1e-12  # overlap / mean diameter due to rounding
+_UNLOADED = 1e-7  # force / largest force of contacts that carry only the residual of the balance
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -116,7 +114,7 @@ class Bodies:
 
     @property
     def inertia(self) -> Array:
-        """Moments of inertia, of cylinders about their axis: (n,), kg m^2."""
+        """Moments of inertia, for cylinders about their axis: (n,), kg m^2."""
         factor = np.array(
             [_OF_SPHERE if shape is None else _OF_CYLINDER for shape in self.laws.shapes]
         )[self.kind]
@@ -223,17 +221,16 @@ class Bodies:
     def near(
         self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
     ) -> NeighbourPairs:
-        """Find the grains at most ``gap`` apart, m, and nearer to a wall than that, or than
-        ``wall_gap``.
+        """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap`` to
+        walls, by default the same.
         """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
-        half = np.array([0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes])[
-            self.kind
-        ]
-        around = np.where(
-            half > 0, np.hypot(self.radius, half), self.radius
-        )  # radii of spheres around the grains
+        half_lengths = np.array(
+            [0.0 if shape is None else shape.length / 2 for shape in self.laws.shapes]
+        )
+        half = half_lengths[self.kind]
+        around = np.where(half > 0, np.hypot(self.radius, half), self.radius)  # enclosing spheres
         reach = 2 * float(around.max()) + gap
         tree = KDTree(position)
         pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
@@ -269,7 +266,7 @@ class Bodies:
     def network(
         self, position: Array, periods: Array, peak: Callable[[NeighbourPairs], Array] | None = None
     ) -> Network:
-        """Return the springs of the contacts that bear force in a state.
+        """Return the springs of the loaded contacts in a state.
 
         Parameters
         ----------
@@ -328,7 +325,7 @@ class Bodies:
 
 
 def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:
-    """Whole numbers of periods to cells that may hold neighbours, of each pair of opposite ones
+    """Whole numbers of periods to cells that may hold neighbours; of each pair of opposite cells
     only the first.
     """
     if not len(periods):

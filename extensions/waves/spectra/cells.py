@@ -47,7 +47,7 @@ def primitive_vectors(kind: PackingKind) -> tuple[Array, int]:
     """Return the primitive vectors of a lattice, in diameters, and the number of spheres of the
     cell.
 
-    Along the axes that it has; the spheres are those of the first sites of successive layers. Where
+    They lie along its axes; the spheres are on the first sites of successive layers. Where
     the supports of a sphere are three lattice vectors, they are taken: the standard names of
     directions then fit the load along z.
     """
@@ -64,7 +64,7 @@ def vectors_of_layer(kind: PackingKind) -> Array:
 
 def _repeats(kind: PackingKind) -> tuple[list[Array], int]:
     """Return the shortest vectors along a row, to an equal row and to an equal layer, and the
-    number of layers before the latter.
+    number of layers up to this layer.
     """
 
     def site(i: int, j: int, k: int) -> Array:
@@ -201,7 +201,7 @@ def cell_bodies(assembly: Assembly) -> Bodies:
     Raises
     ------
     InputError
-        The packing does not repeat, or its load is not the same everywhere, or there is none.
+        The packing does not repeat, or it has no load, or a load that differs within it.
     """
     case = assembly.case
     cell = unit_cell(assembly)
@@ -380,7 +380,7 @@ def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
 
 
 def _fault_of_load(assembly: Assembly, stage: Precompression, cell: UnitCell) -> str:
-    """Return the key of a load that the cell cannot carry, and what is expected; empty without."""
+    """Return the key and the expected value of an unsuitable load; empty for a suitable load."""
     is_row = len(cell.periods) == 1
     ends_along_z = not cell.periods[:, 2].any()
     force = stage.force

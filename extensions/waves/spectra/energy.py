@@ -1,9 +1,9 @@
-"""Energy of grains under static loads: unknowns, their energy with its derivatives, and a step of
+"""Energy of grains under static loads: unknowns, energy with its derivatives, and a step of
 Newton's method.
 
-Unknown are the displacements of the grains, the strains of the cell that are free, and the
-distances of walls that move in to a force. The energy of the contacts and of the loads is smallest
-in the static state; contacts are loaded for the first time, without friction.
+The unknowns are the displacements of the grains, the free strains of the cell, and the distances of
+walls that move in up to a force. The energy of contacts and loads has a minimum in the static
+state. Contacts are loaded for the first time, without friction.
 """
 
 from __future__ import annotations
@@ -21,19 +21,17 @@ from granwave.extensions.waves.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.lattices import TOUCHING
 
-MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
-# unknowns, factorised; more by conjugate gradients, except in slender packings
-DIRECT_UP_TO = 1500
-SOFT = 1e-10  # of the mean stiffness, added to all: free motions, and grains without contacts
-# entries by unknown in a row of grains; bandwidth: some 6 x 6 grains across
-_OF_A_ROW = 6
-_SLENDER = 120
-_ROUNDING = 16  # net force by rounding over stiffness times the rounding error of a coordinate
+MARGIN = 0.02  # largest gap of pairs that may close in a step, mean diameters
+DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except slender packings
+SOFT = 1e-10  # stiffness added to all unknowns / mean stiffness, for motions without resistance
+_OF_A_ROW = 6  # entries per unknown of a row of grains
+_SLENDER = 120  # bandwidth of a slender packing, of some 6 x 6 grains across
+_ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Evaluation:
-    """State with its energy and gradient, and what the second derivatives are made of."""
+    """State with its energy and gradient, and the terms of the second derivatives."""
 
     energy: float
     gradient: Array
@@ -60,9 +58,7 @@ class EnergyProblem:
         self.with_turning = with_turning
         self.free = bodies.moves[:, :3] if bodies.settles is None else bodies.settles
         number = np.where(self.free, np.cumsum(self.free.ravel()).reshape(self.free.shape) - 1, -1)
-        self.number = np.append(
-            number, np.full((1, 3), -1), axis=0
-        )  # the last row is that of walls
+        self.number = np.append(number, np.full((1, 3), -1), axis=0)  # the last row is the walls
         self.strains = list(bodies.stress)
         self.n_motions = int(self.free.sum())
         self.n_of_grains = self.n_motions + len(self.strains)
@@ -91,7 +87,7 @@ class EnergyProblem:
         return matrix
 
     def uniform(self, strain: float) -> Array:
-        """Unknowns of an even compression along the free strains that bear a load."""
+        """Unknowns of a uniform compression along the loaded free strains."""
         x = np.zeros(self.n)
         x[self.n_motions : self.n_of_grains] = [-strain if a == b else 0.0 for a, b in self.strains]
         deformed = self.bodies.position @ self.deformation(x).T
@@ -187,32 +183,37 @@ class EnergyProblem:
 def newton_step(
     hessian: sparse.csr_array, gradient: Array, *, pivots: bool = False, holding: float = 0.0
 ) -> Array:
-    """Newton's step; with pivots, for a matrix that is not definite, also towards balances that are
-    no minimum.
+    """Return Newton's step.
 
     Parameters
     ----------
+    pivots
+        True for an indefinite matrix; the step then also leads to balances that are no minimum.
     holding
-        Stiffness of springs that hold all grains in place, N/m; by default so soft that only free
-        motions feel it.
+        Stiffness of springs that hold all grains in place, N/m; by default so soft that it affects
+        free motions only.
     """
     diagonal = hessian.diagonal()
     soft = SOFT * float(diagonal.mean()) if len(diagonal) else 1.0
     matrix = (hessian + (holding or soft or 1.0) * sparse.eye_array(len(diagonal))).tocsc()
     if pivots:
         return np.asarray(splu(matrix).solve(-gradient))
-    # in a long row or a slender packing factors are small, and conjugate gradients need its length
-    direct = len(diagonal) <= DIRECT_UP_TO or matrix.nnz <= _OF_A_ROW * matrix.shape[0]
-    if not direct:
-        place = np.empty(matrix.shape[0], dtype=np.int64)
-        place[reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)] = np.arange(
-            len(place)
-        )
-        rows, columns = matrix.nonzero()
-        direct = bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
-    if direct:
+    if len(diagonal) <= DIRECT_UP_TO or _is_slender(matrix):
         return np.asarray(factorised(matrix).solve(-gradient))
-    step, _ = cg(
-        matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal())
-    )
+    preconditioner = sparse.diags_array(1 / matrix.diagonal())
+    step, _ = cg(matrix, -gradient, rtol=1e-5, maxiter=4000, M=preconditioner)
     return np.asarray(step)
+
+
+def _is_slender(matrix: sparse.csc_array) -> bool:
+    """Return True for the matrix of a long row or a slender packing.
+
+    Its factors are small, and conjugate gradients would take as many steps as it is long.
+    """
+    if matrix.nnz <= _OF_A_ROW * matrix.shape[0]:
+        return True
+    order = reverse_cuthill_mckee(sparse.csr_matrix(matrix), symmetric_mode=True)
+    place = np.empty(matrix.shape[0], dtype=np.int64)
+    place[order] = np.arange(len(place))
+    rows, columns = matrix.nonzero()
+    return bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)

@@ -1,4 +1,4 @@
-"""Grains of a finite packing with its static loads, and states that are no static states of it."""
+"""Grains of a finite packing with its static loads, and checks of their static states."""
 
 from __future__ import annotations
 
@@ -21,7 +21,7 @@ _PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
 
 
 def whole(assembly: Assembly) -> Bodies:
-    """Return all grains of a finite packing with their dead loads; those of a held layer do not
+    """Return all grains of a finite packing with their dead loads; grains of a held layer do not
     move.
     """
     case = assembly.case
@@ -51,16 +51,18 @@ def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     support = case.boundary.bottom_support
     if assembly.bars:
         raise InputError(
-            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and walls alone"
+            f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and "
+            "walls alone"
         )
     if support is not None and not (damped and support.absorbs):
         raise InputError(
-            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom that stays, or "
-            "--end matched; granwave transmission takes a damper too"
+            f"{case.name}: boundary.bottom: found a {support.kind} that moves; expected a bottom "
+            "that stays, or --end matched; granwave transmission takes a damper too"
         )
     if case.boundary.bottom_rule.repeats:
         raise InputError(
-            f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or "free"); '
+            f'{case.name}: boundary.bottom: found "periodic", expected an end ("wall", "fixed" or '
+            '"free"); '
             "granwave bands without --slab takes endless packings"
         )
     _refuse_loads(assembly)
@@ -118,8 +120,8 @@ def refuse_pushed(assembly: Assembly, network: Network, position: Array) -> None
     if on_plate.any():
         force = float(network.supports.force[on_plate].sum())
         raise InputError(
-            f"{case.name}: load.kind: found a plate on which the packing presses with {force:.3g} N "
-            "before the impact, and which nothing holds; give another load"
+            f"{case.name}: load.kind: found a plate on which the packing presses with {force:.3g} "
+            "N before the impact, and which nothing holds; give another load"
         )
     column = len(position) < np.count_nonzero(assembly.sites.present)
     if column or not assembly.strikers:

@@ -1,9 +1,9 @@
 """Forces, stiffnesses and energies of many contacts at once, by the laws of the plugin.
 
-A law of a contact in a point at an effective radius R* follows from that at R* = 1 m: overlaps grow
-with R*, forces with R*^2, stiffnesses with R*, energies with R*^3. Contacts along a line, and
-powers of the overlap, have no such scale: each size has a law of its own, which stands in the same
-formulas at a scale of 1 m.
+The law of a point contact with the effective radius R* follows from the law for R* = 1 m: overlaps
+are proportional to R*, forces to R*^2, stiffnesses to R*, energies to R*^3. Line contacts and
+powers of the overlap do not scale: each size has a law of its own, which is used in the same
+formulas with a scale of 1 m.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ class Touches:
     dents
         Largest earlier overlaps, alike everywhere; None without.
     scaled
-        True if the law grows with R*, False if it is that of one size.
+        True if the law scales with R*, False if it holds for one size.
     rolling, twisting
         Resistances; None without.
     """
@@ -114,9 +114,8 @@ class Touches:
         follows = scale * self.law.tangential_stiffness(a, most)  # the contact circle
         if self.rolling is not None:
             arm = scale * self.law.effective_radius
-            rolling = (
-                follows if self.rolling.stiffness is None else self.rolling.stiffness
-            ) * arm**2
+            fixed = self.rolling.stiffness
+            rolling = (follows if fixed is None else fixed) * arm**2
         if isinstance(self.twisting, Resistance) and self.twisting.stiffness is not None:
             twisting = none + self.twisting.stiffness
         elif self.twisting is not None:
@@ -177,8 +176,8 @@ class PairLaws:
             isinstance(overlap, tuple) and any(limit.low or limit.high for limit in overlap)
         ):
             raise InputError(
-                f"{self.case.name}: contact.initial_overlap: found dents that differ from place to place; "
-                "run the case, and give the directory of the run"
+                f"{self.case.name}: contact.initial_overlap: found dents that differ from place to "
+                "place; run the case, and give the directory of the run"
             )
 
     @property
@@ -192,7 +191,7 @@ class PairLaws:
         return any(self.shapes)
 
     def pairs(self, kind: Ints, other_kind: Ints, radii: Array) -> list[Part]:
-        """Return the laws of pairs of kinds (n,), each with its rows and their scales.
+        """Return the laws of pairs of kinds of grains (n,), each with its rows and their scales.
 
         Parameters
         ----------
@@ -205,22 +204,14 @@ class PairLaws:
         radii = np.where(swap[:, None], radii[:, ::-1], radii)
         parts: list[Part] = []
         code = low * len(self.bodies) + high
-        for each in np.unique(code).tolist():
-            rows = np.flatnonzero(code == each)
-            bodies = [self.bodies[n] for n in divmod(each, len(self.bodies))]
-            (first, shape), (second, partner) = bodies
-            geometry = cylinder_pair(shape, partner) if shape or partner else None
-            contact = self.case.contact_between(first, second)
-            own = radii[rows]
+        for number in np.unique(code).tolist():
+            rows = np.flatnonzero(code == number)
+            first, second = (self.bodies[n] for n in divmod(number, len(self.bodies)))
+            contact = self.case.contact_between(first[0], second[0])
             scale = None
-            if not contact.entry.is_power and geometry is None:
-                scale = own.prod(axis=1) / own.sum(axis=1)
-            elif not contact.entry.is_power and geometry is not None and not geometry.parallel:
-                sizes, which = np.unique(own, axis=0, return_inverse=True)
-                scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[
-                    which.ravel()
-                ]
-            parts += self._parts(bodies[0], bodies[1], contact.friction, rows, own, scale)
+            if not contact.entry.is_power:
+                scale = _effective_radii(first[1], second[1], radii[rows])
+            parts += self._parts(first, second, contact.friction, rows, radii[rows], scale)
         return parts
 
     def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
@@ -228,19 +219,18 @@ class PairLaws:
         and their scales.
         """
         parts: list[Part] = []
+        flat: Partner = (wall.material, None)
         for n, (material, shape) in enumerate(self.bodies):
-            if len(rows := np.flatnonzero(kind == n)):
-                by_size = (
-                    shape is not None
-                    or self.case.contact_between(material, wall.material).entry.is_power
-                )
-                radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
+            rows = np.flatnonzero(kind == n)
+            if not len(rows):
+                continue
+            contact = self.case.contact_between(material, wall.material)
+            scale = None
+            if shape is None and not contact.entry.is_power:
                 scale = wall.effective_radii(radius[rows])
-                friction = wall_friction(self.case, wall, material)
-                flat = (wall.material, None)
-                parts += self._parts(
-                    self.bodies[n], flat, friction, rows, radii, None if by_size else scale
-                )
+            radii = np.stack([radius[rows], np.full(len(rows), math.inf)], axis=1)
+            friction = wall_friction(self.case, wall, material)
+            parts += self._parts(self.bodies[n], flat, friction, rows, radii, scale)
         return parts
 
     def _parts(
@@ -302,3 +292,18 @@ def _acting(resistance: Resistance | str | None) -> Any:
     """Return a resistance, or None if its coefficient is zero."""
     none = isinstance(resistance, Resistance) and not resistance.coefficient
     return None if none else resistance
+
+
+def _effective_radii(shape: Shape, partner: Shape, radii: Array) -> Array | None:
+    """Return the effective radii of pairs of shapes with some radii (n, 2), m: (n,).
+
+    None for parallel cylinders, whose law does not scale.
+    """
+    if not shape and not partner:
+        return np.asarray(radii.prod(axis=1) / radii.sum(axis=1))
+    geometry = cylinder_pair(shape, partner)
+    if geometry.parallel:
+        return None
+    sizes, which = np.unique(radii, axis=0, return_inverse=True)
+    effective = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])
+    return effective[which.ravel()]

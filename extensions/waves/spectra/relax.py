@@ -1,10 +1,12 @@
 """Static state of grains under load, by Newton's method on their `EnergyProblem`.
 
-As in the static stage of a run, walls move in to their force with elastic contacts, and stay there.
+As in the static stage of a run, walls move in up to their force with elastic contacts, and stay
+there.
 
-A packing that buckles has no static state near the places that it is given. Newton's method with
-the turning of forces then finds the one in which all forces balance and from which it buckles: some
-motions lower its energy. Grains that are loose at first are followed until they touch others.
+A packing that buckles has no stable static state near its given positions. Newton's method with the
+turning of forces then finds the state in which all forces balance and from which the packing
+buckles: some motions lower its energy. Grains that are loose at first are followed until they touch
+others.
 """
 
 from __future__ import annotations
@@ -31,30 +33,25 @@ from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE
 from granwave.lammps_inputs.errors import InputError, RunError
 
-_ROUNDS = 200
-# steps of grains that fall until they touch others; springs that hold them in a step: first and
-# largest stiffness over that of a contact, and factors by which it grows and falls
-_ROUNDS_OF_FALL = 1000
-_HOLDING = 1e-3
-_RIGID = 1e9
-_STIFFER = 4.0
-_SOFTER = 3.0
-# net force over the largest contact force; of many grains
-_BALANCED = 1e-11
-_BALANCED_OF_MANY = 1e-9
-_TOLERATED = 1e-6  # the same where rounding leaves more
-# steps without progress, and how much more net force is then allowed
-_NO_PROGRESS = 3
-_STALLED = 6
-_OF_STALLED = 100.0
-_SMALLEST_STEP = 2.0**-10
-_FARTHEST = 1e3  # mean diameters: steps beyond it are those of motions that nothing resists
-# unknowns: whose balance is sought with the turning of forces, by factors with pivots
-_BUCKLED_UP_TO = 6000
-_FALLEN_UP_TO = 200_000  # unknowns: whose loose grains are followed
-_FIRST_STRAIN = 1e-7
-_LARGEST_STRAIN = 0.05
-_HALVINGS = 5  # of the interval in which the first strain is sought
+_ROUNDS = 200  # largest number of steps of Newton's method
+_ROUNDS_OF_FALL = 1000  # largest number of steps of grains that fall until they touch others
+_HOLDING = 1e-3  # first stiffness that holds them in a step / stiffness of a contact
+_RIGID = 1e9  # largest such stiffness / stiffness of a contact
+_STIFFER = 4.0  # factor of its growth
+_SOFTER = 3.0  # factor of its decay
+_BALANCED = 1e-11  # net force / largest contact force in balance ...
+_BALANCED_OF_MANY = 1e-9  # ... of many grains ...
+_TOLERATED = 1e-6  # ... and where rounding leaves more
+_NO_PROGRESS = 3  # steps without progress after which a net force by rounding is accepted
+_STALLED = 6  # steps without progress after which a larger net force is accepted ...
+_OF_STALLED = 100.0  # ... by this factor
+_SMALLEST_STEP = 2.0**-10  # smallest part of a step
+_FARTHEST = 1e3  # longest step, mean diameters; longer steps are motions without resistance
+_BUCKLED_UP_TO = 6000  # number of unknowns up to which the turning of forces is included
+_FALLEN_UP_TO = 200_000  # number of unknowns up to which loose grains are followed
+_FIRST_STRAIN = 1e-7  # smallest trial of the first strain
+_LARGEST_STRAIN = 0.05  # largest strain of the cell
+_HALVINGS = 5  # halvings of the interval of the first strain
 
 
 _Way: TypeAlias = "Callable[[EnergyProblem, Array], tuple[Array, Evaluation]]"
@@ -69,7 +66,7 @@ class StaticState:
     bodies
         The grains, between walls that have moved in to their forces.
     position, periods
-        Of the grains and of the cell: (n, 3) and (n_periods, 3), m.
+        Positions of the grains, and periods of the cell: (n, 3) and (n_periods, 3), m.
     residual
         Largest net force on a grain over the largest force of a contact.
     """
@@ -81,7 +78,7 @@ class StaticState:
 
     @property
     def network(self) -> Network:
-        """Springs of the contacts that bear force."""
+        """Springs of the loaded contacts."""
         return self.bodies.network(self.position, self.periods)
 
 
@@ -108,12 +105,12 @@ def relax(bodies: Bodies) -> StaticState:
 
 
 def _check_presses(bodies: Bodies, state: StaticState, distances: Array) -> None:
-    """Check that walls bear the forces to which they have moved in, and have not moved out.
+    """Check that walls have moved in, and carry their prescribed forces.
 
     Parameters
     ----------
     distances
-        By which the walls have moved in: (n_presses,), m.
+        Distances by which the walls have moved in: (n_presses,), m.
 
     Raises
     ------
@@ -167,7 +164,7 @@ def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[Static
 
 
 def _other_ways(problem: EnergyProblem) -> Iterator[tuple[EnergyProblem, _Way]]:
-    """Give the problems and the searches that find a balance where Newton's method does not."""
+    """Give the problems and searches that find a balance if Newton's method does not."""
     if problem.n <= _BUCKLED_UP_TO:
         yield EnergyProblem(problem.bodies, with_turning=True), _search
     if problem.n <= _FALLEN_UP_TO:
@@ -197,7 +194,7 @@ def _search(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
 
 
 class _Progress:
-    """Progress of a search, which tells when it is over."""
+    """Progress of a search, with its end."""
 
     def __init__(self, problem: EnergyProblem) -> None:
         self.problem = problem
@@ -206,7 +203,7 @@ class _Progress:
         self.since = 0
 
     def ends(self, now: Evaluation) -> bool:
-        """Return True if a state is balanced, as far as rounding lets it."""
+        """Return True if a state is balanced up to rounding."""
         net = _net(self.problem, now)
         self.since = 0 if net < 0.5 * self.best else self.since + 1
         self.best = min(self.best, net)
@@ -214,17 +211,17 @@ class _Progress:
         if net <= enough + 1e-300 or self.problem.n == 0:
             return True
         if self.since > _STALLED and net <= _OF_STALLED * enough:
-            return True  # rounding, of more contacts than one
+            return True  # rounding, with several contacts
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
 
 def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
-    """Return the same as `_search`, by the method of Levenberg and Marquardt, which follows grains
-    that nothing resists until something does.
+    """Return the result of `_search` by the method of Levenberg and Marquardt, which follows loose
+    grains until they touch others.
 
-    It starts before the load where the start is far away, since no contact resists there. Springs
-    hold all grains in place during a step: they soften after each step that lowers the energy, and
-    stiffen where one would not.
+    If the start is far from the unloaded state, the search begins in the unloaded state, since no
+    contact resists at the start. Springs hold all grains in place during a step. They soften after
+    each step that lowers the energy, and stiffen if a step would not lower it.
     """
     reach = MARGIN / 2 * problem.bodies.spacing
     if np.abs(x[: problem.n_motions]).max(initial=0.0) > reach:
@@ -254,7 +251,7 @@ def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
 def _downhill(
     problem: EnergyProblem, x: Array, now: Evaluation, move: Array
 ) -> tuple[Array, Evaluation] | None:
-    """Return the unknowns after so much of a step that energy or net force falls; None if neither
+    """Return the unknowns after the part of a step that lowers energy or net force; None if no part
     does.
     """
     net = _net(problem, now)
@@ -273,7 +270,7 @@ def _downhill(
 
 
 def _net(problem: EnergyProblem, now: Evaluation) -> float:
-    """Largest net force on a grain, or that on the cell over the mean of its periods, N."""
+    """Return the largest net force on a grain, a wall, or the cell (over its mean period), N."""
     motions = float(np.abs(now.gradient[: problem.n_motions]).max(initial=0.0))
     lengths = np.linalg.norm(problem.bodies.periods, axis=1)
     cell = float(np.abs(now.gradient[problem.n_motions : problem.n_of_grains]).max(initial=0.0))
@@ -282,7 +279,7 @@ def _net(problem: EnergyProblem, now: Evaluation) -> float:
 
 
 def _start(problem: EnergyProblem) -> Array:
-    """Unknowns at which the even strain of the cell bears the load: contacts are closed there."""
+    """Unknowns at which a uniform strain balances the load, so that contacts are closed."""
     diagonal = [
         place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b
     ]
@@ -302,7 +299,8 @@ def _start(problem: EnergyProblem) -> Array:
         if high > _LARGEST_STRAIN:
             raise InputError(
                 f"{problem.bodies.case.name}: precompression: would shorten the cell by more than "
-                f"{100 * _LARGEST_STRAIN:g} %; give a smaller load, or a cell across which the grains touch"
+                f"{100 * _LARGEST_STRAIN:g} %; give a smaller load, or a cell across which the "
+                "grains touch"
             )
     low = high / 4 if high > _FIRST_STRAIN else 0.0
     for _ in range(_HALVINGS):

@@ -1,5 +1,5 @@
-"""States in which the static stages of runs left their packings: whole, and the mean one of the
-unit cells inside.
+"""Static states at the end of the static stages of runs: of the whole packing, and averaged over
+its unit cells.
 """
 
 from __future__ import annotations
@@ -70,7 +70,7 @@ def as_left(result: Result) -> AsLeft:
 
 
 def _peaks(result: Result, ids: Ints) -> Callable[[NeighbourPairs | Springs], Array]:
-    """Return a function that gives the largest overlaps of contacts before the impact, given rows
+    """Return a function for the largest overlaps of contacts before the impact, given rows
     of these ids.
     """
     initial_overlaps = pd.Series(dtype=float)
@@ -164,9 +164,9 @@ def mean_cell(result: Result) -> MeanCell:
     )
     if spread > _ALIKE:
         raise InputError(
-            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % inside the run, "
-            f"expected the same in every cell ({100 * _ALIKE:g} %); granwave modes and granwave transmission take such "
-            "a packing"
+            f"{case.name}: found overlaps of equal contacts that differ by {100 * spread:.2g} % "
+            f"inside the run, expected the same in every cell ({100 * _ALIKE:g} %); granwave modes "
+            "and granwave transmission take such a packing"
         )
     grains = packing_bodies(assembly).part(cell.rows, cell.periods)
     moves = grains.moves & moving(assembly.lattice.rule.axes or "xyz", case)

@@ -1,5 +1,5 @@
-"""Static states for small waves: of a case, by Newton's method, or of a finished run, as its static
-stage left it.
+"""Static states for waves of small amplitude: of a case, by Newton's method, or of a finished run,
+at the end of its static stage.
 """
 
 from __future__ import annotations
@@ -75,7 +75,7 @@ def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
     Raises
     ------
     InputError
-        The packing does not repeat, bears no load, or the state of the run is not the same
+        The packing does not repeat, carries no load, or the state of the run is not the same
         everywhere.
     """
     if slab:
@@ -90,7 +90,7 @@ def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
 
 
 def packing_state(source: Assembly | Path, *, damped: bool = False) -> State:
-    """Return the state of a whole packing, or that of a finished run.
+    """Return the state of a whole packing of a case, or of a finished run.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ def packing_state(source: Assembly | Path, *, damped: bool = False) -> State:
     Raises
     ------
     InputError
-        It bears no load, or has parts that are no springs between grains.
+        It carries no load, or has parts that are no springs between grains.
     """
     if isinstance(source, Assembly):
         refuse_parts(source, damped=damped)
@@ -120,17 +120,17 @@ def _state(
     periods: Array,
     spread: float = 0.0,
 ) -> State:
-    """Return a state; raise InputError if no contact bears a force."""
+    """Return a state; raise InputError if no contact carries a force."""
     case = assembly.case
     if not len(network.contacts):
         raise InputError(
-            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without load has no "
-            "stiffness; give a static load that closes the contacts"
+            f"{case.name}: precompression: no contact bears a force, and a Hertz contact without "
+            "load has no stiffness; give a static load that closes the contacts"
         )
     if not network.n_freedoms and len(network.left_out):
         raise InputError(
-            f"{case.name}: precompression: no grain that can move bears a force; give a static load "
-            "that closes their contacts"
+            f"{case.name}: precompression: no grain that can move bears a force; give a static "
+            "load that closes their contacts"
         )
     return State(case.name, assembly, network, source, residual, periods, spread)
 
@@ -140,7 +140,8 @@ def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
     case = assembly.case
     if case.precompression is None:
         raise InputError(
-            f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
+            f"{case.name}: precompression: missing; contacts that only touch have no stiffness: "
+            "give a static load"
         )
     relaxed = relax(bodies)
     network = relaxed.network
@@ -160,7 +161,8 @@ def _slab_state(source: Assembly | Path) -> State:
     bodies = whole(assembly)
     if not len(bodies.periods):
         raise InputError(
-            f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
+            f"{case.name}: --slab: found a packing that does not repeat sideways, expected "
+            'boundary.sides = "periodic" '
             "(of a lattice with layers, or of grains with packing.cell)"
         )
     if isinstance(state, State):

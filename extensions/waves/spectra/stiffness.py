@@ -1,12 +1,13 @@
 """Stiffness and dynamical matrices of a network of springs.
 
-The stiffness between the cells at 0 and at the vector R of periods is K_R; with the phase k.R
-between them
+The stiffness between the cells at 0 and at the vector R of periods is K_R. With the phase k.R
+between these cells
 
-    K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R)),   D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
+    K(k) = K_0 + sum_R (K_R exp(i k.R) + K_R^H exp(-i k.R))
+    D(k) = M^(-1/2) K(k) M^(-1/2),   D a = omega^2 a
 
-where the sum has each pair of opposite R once. dD/dk gives the group velocities (Hellmann,
-Feynman).
+where the sum contains one vector R of each opposite pair. dD/dk gives the group velocities
+(Hellmann, Feynman).
 """
 
 from __future__ import annotations
@@ -24,19 +25,17 @@ from granwave.extensions.waves.spectra.network import Array, Network, across
 from granwave.lammps_inputs.errors import InputError, RunError
 
 Complex = NDArray[np.complex128]
-# degrees of freedom: whole spectra of smaller matrices are faster than a few values of sparse ones
-DENSE_UP_TO = 600
-# degrees of freedom; factors of larger matrices fill the memory, Lanczos' method needs none
-_FACTORISED_UP_TO = 3000
-_PRECISION = 1e-9
-_MOST_RESTARTS = 20_000
+DENSE_UP_TO = 600  # degrees of freedom up to which whole spectra are faster than a few values
+_FACTORISED_UP_TO = 3000  # degrees of freedom up to which factors fit the memory
+_PRECISION = 1e-9  # relative precision of Lanczos' method, which needs no factors
+_MOST_RESTARTS = 20_000  # largest number of its restarts
 _BATCH = 2**24  # numbers in the matrices that are solved at once
-_BELOW = 1e-7  # of the largest omega^2, where values are sought from
+_BELOW = 1e-7  # shift below zero at which values are sought / largest omega^2
 
 
 def factorised(matrix: sparse.sparray) -> Any:
-    """Factorise a matrix whose pattern is symmetric; SuperLU's default for others fills in ten
-    times as much.
+    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
+    much.
     """
     options = {"SymmetricMode": True}
     return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
@@ -70,7 +69,7 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
 
 
 def _block(first: list[Array], second: list[Array], weights: list[Array]) -> Array:
-    """Sum of the products of strains, the first ones, with their stiffnesses: (n, 6, 6)."""
+    """Return the sum of products of strains and their stiffnesses: (n, 6, 6)."""
     parts = zip(first[: len(weights)], second[: len(weights)], weights, strict=True)
     return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in parts], axis=0)
 
@@ -120,7 +119,7 @@ class Stiffness:
 
     @property
     def total(self) -> sparse.csr_array:
-        """K(0), of all cells that move alike: (n_freedoms, n_freedoms), N/m."""
+        """K(0), for identical motions of all cells: (n_freedoms, n_freedoms), N/m."""
         return sparse.csr_array(sum((block + block.T for block in self.others), start=self.own))
 
     def _phases(self, k: Array, axis: int | None) -> Complex:
@@ -139,7 +138,7 @@ class Stiffness:
         return np.asarray((own if axis is None else 0.0) + half + half.conj().transpose(0, 2, 1))
 
     def matrix(self, k: Array, axis: int | None = None) -> sparse.csr_array:
-        """Return D(k), or dD/dk along an axis, of one wave vector (3,), rad/m, as a sparse matrix."""
+        """Return D(k), or dD/dk along an axis, for a wave vector (3,), rad/m: a sparse matrix."""
         own, others = self._scaled
         matrix = sparse.csr_array(own.shape, dtype=np.complex128)
         if axis is None:

@@ -72,7 +72,7 @@ class Transmission:
     drive, sensors
         Ids.
     axis
-        Direction of drive and sensors, of "xyz".
+        Direction of drive and sensors: x, y or z.
     frequency
         (n_frequencies,), Hz.
     ratio
@@ -118,7 +118,7 @@ def transmission(
     together: Sequence[int] = (),
     bottom: float | None = None,
 ) -> Transmission:
-    """Find the steady response to a prescribed motion of one grain, or of several alike.
+    """Find the steady response to the prescribed motion of a grain, or of several grains together.
 
     Parameters
     ----------
@@ -129,16 +129,15 @@ def transmission(
     end
         Far end: ``reflecting``, ``matched`` or ``layer:N``.
     dampers
-        Force over velocity, moment over angular velocity of each grain: (n_grains, 6), N s/m, N m
-        s; none by default.
+        Force / velocity and moment / angular velocity of each grain: (n_grains, 6), N s/m and
+        N m s; none by default.
     losses
-        The network with the damping constants of its contacts for stiffnesses, N s/m; none by
-        default.
+        Network with damping constants in place of stiffnesses, N s/m; none by default.
     together
-        Ids of grains that are moved as the drive is.
+        Ids of grains that move with the drive.
     bottom
-        Constant of the damper under the bottom, whose plate has no mass, N s/m; None for a bottom
-        that stays.
+        Constant of the damper under the bottom, a plate without mass, N s/m; None for a bottom at
+        rest.
 
     Raises
     ------
@@ -268,7 +267,7 @@ def _row(network: Network, grain: int, option: str) -> int:
 def _far(
     network: Network, drive: int, direction: int, n_layer: float
 ) -> tuple[NDArray[np.int64], Array]:
-    """Rows of the grains at the end that is farther from the drive, and their places in the layer
+    """Return the rows of the grains at the end far from the drive, and their places in the layer
     from 0 to 1.
     """
     place = network.position[:, direction]
@@ -281,7 +280,8 @@ def _far(
     last = np.flatnonzero(away <= depth)
     if np.isin(_row(network, drive, "--drive"), last):
         raise InputError(
-            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner layer"
+            f"--end: the end reaches the drive, grain {drive}; give a longer packing or a thinner "
+            "layer"
         )
     return last, 1 - away[last] / max(depth, 1e-300)
 
@@ -329,8 +329,8 @@ def _blocks(springs: Springs) -> Array:
 
 
 def dampers_of(assembly: Assembly, network: Network) -> Array:
-    """Return force over velocity, and moment over angular velocity, of each grain: (n_grains, 6), N
-    s/m and N m s.
+    """Return the dampers of each grain, force / velocity and moment / angular velocity:
+    (n_grains, 6), N s/m and N m s.
     """
     rates = np.zeros((network.n_grains, 6))
     for entry in assembly.case.absorb:
@@ -348,11 +348,10 @@ def dampers_of(assembly: Assembly, network: Network) -> Array:
 
 
 def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
-    """Return the effective masses of contacts along their normals, of grains that move in some
-    directions only, (n_grains, 3): (n_contacts,), kg.
+    """Return the effective masses of contacts along their normals: (n_contacts,), kg.
 
-    Where nothing moves along the normal, those of the same grains without what holds them, as in
-    the pair style.
+    Grains move in the directions ``moves``, (n_grains, 3). If no grain of a contact moves along
+    the normal, both count as free, as in the pair style.
     """
     contacts = network.contacts
     square = contacts.normal**2
@@ -369,15 +368,15 @@ def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
 def losses_of(
     assembly: Assembly, network: Network, driven: Sequence[int] = (), axis: str = ""
 ) -> Network | None:
-    """Return the network with the damping constants of contacts (N s/m) for stiffnesses; None if
-    they lose nothing.
+    """Return the network with damping constants of contacts (N s/m) in place of stiffnesses; None
+    without damping.
 
     Parameters
     ----------
     driven
         Ids of grains whose motion is prescribed.
     axis
-        Direction in which it is.
+        Direction of this motion.
     """
     case = assembly.case
     _refuse_damped_resistance(case)

@@ -1,31 +1,31 @@
-"""Wave vectors: paths of real ones, and complex ones inside gaps.
+"""Wave vectors: real ones along paths, and complex ones inside gaps.
 
 Paths are given in rad/m, or by the standard names of points of the Brillouin zone.
 
-    0,0,0; 0,0,314.2; 100,0,0      wave vectors in rad/m, straight between them
+    0,0,0; 0,0,314.2; 100,0,0      wave vectors in rad/m, straight lines between them
     G-X-M-G,  GXMG,  G-X|R-M       names of points; | begins a new stretch
 
-Names and places of the points are those of ASE (Setyawan, Curtarolo,
-doi:10.1016/j.commatsci.2010.05.010) for the cell before the load; a row has G and X.
+The names and positions of the points are taken from ASE (Setyawan, Curtarolo,
+doi:10.1016/j.commatsci.2010.05.010) for the cell before the load; a chain has G and X.
 
 Complex wave vectors give the attenuation of waves inside gaps. Along a direction in which planes of
-the lattice lie h apart, all phases are powers of lambda = exp(i s h), and
+the lattice have the distance h, all phases are powers of lambda = exp(i s h), and
 
     sum_m K_m lambda^m u = omega^2 M u
 
-is an eigenvalue problem in lambda at a given frequency. |lambda| = 1 are waves; |lambda| < 1 falls
-by -ln |lambda| from plane to plane. The whole spectrum of a small cell is found from the dense
-matrix of all its unknowns.
+is an eigenvalue problem for lambda at a given frequency. Waves have |lambda| = 1; a field with
+|lambda| < 1 decays by -ln |lambda| from plane to plane. The whole spectrum of a small cell is found
+from the dense matrix of all its unknowns.
 
-A larger cell is first condensed to its faces. Of the unknowns only those in A touch the next cell,
-and only those in B the one before, by the stiffness C between them; with G the inverse of K_0 -
-omega^2 M, and p = u_A, q = lambda u_B,
+A larger cell is first condensed to its faces. Only the unknowns A touch the next cell, and only the
+unknowns B touch the cell before, by the stiffness C between them. With the inverse G of
+K_0 - omega^2 M, and p = u_A, q = lambda u_B,
 
     lambda [[1, G_AA C], [0, G_BA C]] (p, q) = -[[G_AB C^H, 0], [G_BB C^H, 1]] (p, q)
 
-which is as exact, and has as many unknowns as the faces. Where planes lie closer than cells reach,
-as many cells are taken as one that it reaches the next alone; the phase is then known up to whole
-parts of 2 pi, and left out.
+This is exact too, and has as many unknowns as the faces. If contacts reach beyond the next plane,
+several cells are joined until they reach only the next joint cell. The phase is then known only up
+to multiples of 2 pi, and is left out.
 """
 
 from __future__ import annotations
@@ -47,20 +47,17 @@ from granwave.lammps_inputs.files import read_number
 
 _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'
-_EPSILON = 1e-3  # of a cell, for recognising its symmetry
-MOST_UNKNOWNS = 80  # of the linear problem, which is solved at some hundred frequencies
-# unknowns of a condensed problem, and of the cells that are condensed
-MOST_ON_FACES = 400
-_MOST_CONDENSED = 6000
-# cubes of unknowns times frequencies, to which their number is reduced; fewest of them
-_FLOPS = 5e8
-_FEWEST = 16
+_EPSILON = 1e-3  # relative tolerance of the symmetry of a cell
+MOST_UNKNOWNS = 80  # unknowns of the linear problem, which is solved at some hundred frequencies
+MOST_ON_FACES = 400  # largest number of unknowns of a condensed problem
+_MOST_CONDENSED = 6000  # largest number of unknowns of a cell that is condensed
+_FLOPS = 5e8  # largest product of frequencies and cubes of unknowns of condensed problems
+_FEWEST = 16  # smallest number of frequencies
 _OUTSIDE = 1e-9  # relative part of a wave vector outside the span of the periods that is rounding
 _WHOLE = 1e-6  # deviation of plane positions from multiples of their spacing, relative to periods
-_WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
-# of |lambda|; beyond are the infinite ones of a singular pencil
-_SMALLEST = 1e-12
-_LARGEST = 1e12
+_WAVE = 1e-6  # ln |lambda| below which a wave does not decay
+_SMALLEST = 1e-12  # smallest |lambda|
+_LARGEST = 1e12  # largest |lambda|; larger values are infinite ones of a singular pencil
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -197,8 +194,8 @@ def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
             )
         if unknown := [name for name in names if name not in special_points]:
             raise InputError(
-                f"--path: found the point {unknown[0]}, expected one of {', '.join(special_points)}, those of this cell; "
-                f"or {_FORM}"
+                f"--path: found the point {unknown[0]}, expected one of "
+                f"{', '.join(special_points)}, those of this cell; or {_FORM}"
             )
         stretches.append([(name, special_points[name]) for name in names])
     return stretches
