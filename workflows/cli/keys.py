@@ -280,8 +280,11 @@ def _examples() -> dict[str, dict[str, dict[str, Any]]]:
     examples: dict[str, dict[str, dict[str, Any]]] = {}
     for folder in reversed(folders):
         file = folder / _EXAMPLES
-        if file.is_file():
-            examples |= tomllib.loads(file.read_text(encoding="utf-8"))
+        found = tomllib.loads(file.read_text(encoding="utf-8")) if file.is_file() else {}
+        for kind, tables_of_kind in found.items():
+            known = examples.setdefault(kind, {})
+            for table, keys in tables_of_kind.items():
+                known[table] = known.get(table, {}) | keys
     return examples
 
 
