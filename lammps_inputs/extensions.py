@@ -51,6 +51,9 @@ class Extension:
         Folder with built-in cases in ``cases/`` and scans in ``scans/``.
     lattices
         Reference: mapping of names to `granwave.lammps_inputs.lattices.PackingKind`.
+    packings
+        Reference: sequence of `granwave.lammps_inputs.case.made_packing.PackingMaker`: kinds of
+        packings whose grains are made before the case is read.
     loads
         Reference: sequence of subclasses of `granwave.lammps_inputs.case.loads.load.Load`.
     result_kinds
@@ -95,6 +98,7 @@ class Extension:
     extra: str = ""
     folder: Path | None = None
     lattices: str = ""
+    packings: str = ""
     loads: str = ""
     result_kinds: str = ""
     quantities: str = ""

@@ -317,6 +317,7 @@ def with_added_grains(
         grains=grains,
         period=period,
         cell=packing.cell,
+        enclosure=packing.enclosure,
     )
 
 

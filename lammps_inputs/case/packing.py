@@ -9,10 +9,12 @@ from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
+from granwave.lammps_inputs.case.made_packing import NOT_MADE
 from granwave.lammps_inputs.case.material import (
     Shape,
     Vector,
@@ -50,7 +52,8 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = ("file", "grains", "period")
+_OF_FILE = ("file", "grains", "period", "enclosure")
+_KEPT = ("kind", "diameter", "grains", "period", "cell", "enclosure")  # in the case of a run
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -61,6 +64,9 @@ _SIZE_FORM = (
 )
 _VACANCIES_FORM = "a share of the spheres, 0 or more and below 1, or a list of ids"
 _GAPS_FORM = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
+_RANGE_FORM = "[from, to] in m, the second one larger"
+_RANGE = schema.vector_type(2, _RANGE_FORM, lambda low, high: low < high)
+_ENCLOSURE_FORM = "{x = [0.0, 0.1], y = [0.0, 0.1], bottom = 0.05}, each of which may be left out"
 _CELL_FORM = "one, two or three vectors [x, y, z] in m that point in different directions"
 _GRAINS_FORM = "a table of grains as text, as it stands in packing.file"
 
@@ -143,6 +149,35 @@ class GrainsType(schema.ValueType):
         return {"type": "string"}
 
 
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Enclosure:
+    """Planes of the walls around grains of a file."""
+
+    x: tuple[float, float] | None = schema.typed(
+        "planes of the walls across x", _RANGE, unit="m", default=None
+    )
+    y: tuple[float, float] | None = schema.typed(
+        "planes of the walls across y", _RANGE, unit="m", default=None
+    )
+    bottom: float | None = schema.number("depth of the bottom plane", "m", default=None)
+
+    def around(self, faces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the planes, those of the outermost grains where none is given: (2, 3), m.
+
+        Parameters
+        ----------
+        faces
+            Lowest and highest coordinates of surfaces of grains: (2, 3), m.
+        """
+        planes = faces.copy()
+        for axis, ends in enumerate((self.x, self.y)):
+            if ends is not None:
+                planes[:, axis] = ends
+        if self.bottom is not None:
+            planes[1, 2] = self.bottom
+        return planes
+
+
 _SIZE = schema.ListType(
     item=schema.CountType(form=_SIZE_FORM),
     expected=_SIZE_FORM,
@@ -221,6 +256,11 @@ class PackingSection:
         unit="m",
         default=None,
     )
+    enclosure: Enclosure | None = schema.typed(
+        "planes of the walls around grains of a file; by default they touch the outermost grains",
+        schema.TableType(section=Enclosure, expected=_ENCLOSURE_FORM),
+        default=None,
+    )
     diameter_scatter: float = schema.number(
         "tolerance: the diameters lie between this much less and the nominal one",
         Usual("m", 1e-12, 0.1, ("mm", "um")),
@@ -282,13 +322,13 @@ class PackingSection:
             field.name: getattr(self, field.name) for field in dataclasses.fields(self)
         }
         if self.grains is not None:
-            own = {name: keys[name] for name in ("kind", "diameter", "grains", "period", "cell")}
+            own = {name: keys[name] for name in _KEPT}
             return {
                 name: value
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
+        unused = {"cell": True, "enclosure": True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
                   "shape": self.shape == "sphere"}  # fmt: skip
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
@@ -302,6 +342,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     The grains of ``packing.file`` become ``packing.grains``, so that the case is complete without
     the file.
     """
+    if table is NOT_MADE:
+        return None
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     before = len(errors.items)

@@ -8,6 +8,10 @@ exceeds yield get their dents there. FIRE overshoots, which leaves no dents: eve
 with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of a
 load that grows steadily. Then time and energies are reset to zero.
 
+Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
+halves are one stage of motion with drag, friction and losses, from the places of the case on; the
+tangential springs that it leaves stay. It costs some thousand steps for grains that were settled.
+
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
 the stage (`inertia_relief`).
@@ -87,6 +91,9 @@ _TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found 
 _FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
+_STEP_OF_MOTION = 0.1  # timestep of damped motion over sqrt(mass/stiffness)
+_BETWEEN_LOOKS = 100  # steps of damped motion between looks at the net forces
+_TOLERANCE_OF_MOTION = 5e-7  # net force on a sphere after damped motion over the largest force
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
@@ -156,17 +163,18 @@ def largest_move(assembly: Assembly) -> float:
 
 
 def first_half(assembly: Assembly) -> list[str]:
-    """Return the commands that bring the packing to equilibrium under Hertz's law."""
+    """Return the commands that bring the packing to equilibrium under Hertz's law.
+
+    A stage that is damped has no such half: it begins with the laws of the case.
+    """
     case = assembly.case
+    if case.precompression is not None and case.precompression.damped:
+        words = "# To balance under the dead loads: what is watched on the way."
+        return [_STAGE_MARKER, words, *_watched(assembly), "thermo          1000", _STAGE_END]
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
     )  # of a contact; walls move by it at first
-    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
-    waiting = [
-        f"group           {_STRIKERS} id {strikers}",
-        f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0",
-    ]
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts; what they leave is cleared.",
@@ -176,16 +184,8 @@ def first_half(assembly: Assembly) -> list[str]:
             for name in pressed_walls(assembly)
         ),
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
-        f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
-        *_relief(case),
-        *(waiting if case.striker else []),
-        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
-        "variable        static_moved equal c_static_moved",
-        f"variable        static_most equal {num(largest_move(assembly))}",
-        "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
+        *_watched(assembly),
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
-        "compute         static_sphere all gran/hysteretic/atom",
-        "compute         static_largest all reduce max c_static_sphere[1]",
         "thermo          1000",
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
@@ -197,6 +197,54 @@ def first_half(assembly: Assembly) -> list[str]:
         "gran/dents      clear",
         *pair_coefficients(assembly),
         _STAGE_END,
+    ]
+
+
+def _watched(assembly: Assembly) -> list[str]:
+    """Return the commands of the groups of the stage, and of displacements and contact forces."""
+    case = assembly.case
+    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
+    waiting = [
+        f"group           {_STRIKERS} id {strikers}",
+        f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0",
+    ]
+    return [
+        f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
+        *_relief(case),
+        *(waiting if case.striker else []),
+        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
+        "variable        static_moved equal c_static_moved",
+        f"variable        static_most equal {num(largest_move(assembly))}",
+        "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
+        "compute         static_sphere all gran/hysteretic/atom",
+        "compute         static_largest all reduce max c_static_sphere[1]",
+    ]
+
+
+def _damped_motion(assembly: Assembly) -> list[str]:
+    """Return the commands of motion with drag, until the net forces on all spheres are small.
+
+    The drag is twice the critical one of the slowest wave through the layers.
+    """
+    low, high = assembly.lattice_bounds()
+    layers = math.ceil(float((high - low).max()) / assembly.lattice.diameter) + 1
+    mass = float(assembly.sphere_masses().mean())
+    lightest = float(assembly.sphere_masses().min())
+    stiffness = static_stiffness(assembly)
+    slowest = math.pi / 2 / layers * math.sqrt(stiffness / mass)
+    turning = assembly.case.has_rotation
+    return [
+        f"timestep        {num(_STEP_OF_MOTION * math.sqrt(lightest / stiffness))}",
+        f"fix             static_motion {_SPHERES} {'nve/sphere' if turning else 'nve'}",
+        f"fix             static_drag {_SPHERES} viscous {num(2 * mass * slowest)}",
+        "variable        static_rest equal c_static_net/(c_static_largest+(c_static_largest==0))",
+        f"fix             static_rest all halt {_BETWEEN_LOOKS} v_static_rest < "
+        f"{num(_TOLERANCE_OF_MOTION)} error continue message no",
+        f"run             {_MOST_ITERATIONS} post no",
+        "unfix           static_rest",
+        "unfix           static_drag",
+        "unfix           static_motion",
+        *(["set             group all omega 0.0 0.0 0.0"] if turning else []),
     ]
 
 
@@ -214,6 +262,8 @@ def second_half(assembly: Assembly) -> list[str]:
     ]
     record = dict(RECORD)
     support = moving_fix(assembly)
+    damped = case.precompression is not None and case.precompression.damped
+    balanced = _damped_motion(assembly) if damped else [_minimize(assembly)]
     for name, pressed in pressed_walls(assembly).items():
         mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
@@ -231,7 +281,7 @@ def second_half(assembly: Assembly) -> list[str]:
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
-        _minimize(assembly),
+        *balanced,
         "variable        static_iterations equal $(step)",
         "variable        static_yielded equal $(c_static[2]:%.0f)",
         "gran/dents      begin",
