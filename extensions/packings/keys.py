@@ -34,6 +34,12 @@ class PouredSection:
         "[contact]",
         **_FRICTION,
     )
+    rolling: float = schema.number(
+        "coefficient of rolling resistance while they settle, over the radius; it ends slow rolling",
+        at_least=0,
+        at_most=1,
+        default=0.01,
+    )
     restitution: float = schema.number(
         "coefficient of restitution while they settle", above=0, at_most=1, default=0.5
     )

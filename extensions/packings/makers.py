@@ -78,7 +78,11 @@ class Recipe:
     def law(self) -> SettlingLaw:
         """Contacts while grains settle."""
         return SettlingLaw(
-            self.material, self.friction, self.keys.restitution, self.acceleration
+            self.material,
+            self.friction,
+            self.keys.rolling,
+            self.keys.restitution,
+            self.acceleration,
         )
 
     def plain(self) -> dict[str, Any]:

@@ -92,8 +92,13 @@ _FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
 _STEP_OF_MOTION = 0.1  # timestep of damped motion over sqrt(mass/stiffness)
+_MOST_STEPS_OF_MOTION = 50_000
 _BETWEEN_LOOKS = 100  # steps of damped motion between looks at the net forces
-_TOLERANCE_OF_MOTION = 5e-7  # net force on a sphere after damped motion over the largest force
+_TOLERANCE_OF_MOTION = 1e-4  # net force on a sphere after damped motion over the largest force
+# energies stored by springs: number in compute gran/hysteretic/energy, and in the fix of a wall
+_TANGENTIAL = (6, 8)
+_ROLLING = (9, 17)
+_TWISTING = (11, 19)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
@@ -221,6 +226,20 @@ def _watched(assembly: Assembly) -> list[str]:
     ]
 
 
+def _springs(assembly: Assembly) -> list[str]:
+    """Return the energies stored in the springs of friction, rolling and twisting, which damped
+    motion leaves.
+    """
+    case = assembly.case
+    parts = [_TANGENTIAL] if case.has_friction else []
+    parts += [_ROLLING, _TWISTING] if case.has_resistance else []
+    return [
+        word
+        for of_pairs, of_wall in parts
+        for word in (f"c_static[{of_pairs}]", *(f"f_{n}[{of_wall}]" for n in plane_fixes(assembly)))
+    ]
+
+
 def _damped_motion(assembly: Assembly) -> list[str]:
     """Return the commands of motion with drag, until the net forces on all spheres are small.
 
@@ -240,7 +259,7 @@ def _damped_motion(assembly: Assembly) -> list[str]:
         "variable        static_rest equal c_static_net/(c_static_largest+(c_static_largest==0))",
         f"fix             static_rest all halt {_BETWEEN_LOOKS} v_static_rest < "
         f"{num(_TOLERANCE_OF_MOTION)} error continue message no",
-        f"run             {_MOST_ITERATIONS} post no",
+        f"run             {_MOST_STEPS_OF_MOTION} post no",
         "unfix           static_rest",
         "unfix           static_drag",
         "unfix           static_motion",
@@ -270,6 +289,8 @@ def second_half(assembly: Assembly) -> list[str]:
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
     stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
     stored += [f"f_{support}[12]"] if support else []
+    if damped:
+        stored += _springs(assembly)
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     return [
         _STAGE_MARKER,
