@@ -71,6 +71,12 @@ class Bed:
         return apart / np.linalg.norm(apart, axis=1)[:, None]
 
 
+    @cached_property
+    def depth(self) -> NDArray[np.float64]:
+        """Depths of the contacts: (n_contacts,), m."""
+        return np.asarray(self.grains.position[self.contacts, 2].mean(axis=1))
+
+
 def digest_of(kind: str, made_of: Mapping[str, Any]) -> str:
     """Return the digest of what a bed is made of: plain values by name."""
     text = json.dumps([_FORMAT, kind, made_of], sort_keys=True)

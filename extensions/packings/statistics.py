@@ -34,6 +34,7 @@ LEAST_CONTACTS = 2  # of a grain that carries load, with friction
 LEAST_WITHOUT_FRICTION = 4
 TAIL_FROM = 1.0  # force over the mean from which on the tail is fitted
 _BINS = 30
+_CONTACTS_OF_LAYER = 60
 
 
 def solid_fraction(
@@ -158,6 +159,25 @@ def anisotropy(tensor: Floats) -> float:
     """
     deviator = tensor - np.trace(tensor) / 3 * np.eye(3)
     return float(math.sqrt(1.5) * np.linalg.norm(deviator))
+
+
+def force_over_mean_at_depth(force: Floats, depth: Floats) -> Floats:
+    """Return contact forces over the mean force at their depth, which grows with the weight above.
+
+    The mean is that of the contacts in the same layer, layers of equal numbers of contacts.
+
+    Parameters
+    ----------
+    force
+        Forces of contacts that carry load: (n_contacts,), N.
+    depth
+        Depths of the contacts: (n_contacts,), m.
+    """
+    relative = np.empty_like(force)
+    n_layers = max(1, len(force) // _CONTACTS_OF_LAYER)
+    for rows in np.array_split(np.argsort(depth, kind="stable"), n_layers):
+        relative[rows] = force[rows] / force[rows].mean()
+    return relative
 
 
 def force_distribution(force: Floats) -> tuple[Floats, Floats]:

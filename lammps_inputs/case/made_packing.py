@@ -130,10 +130,19 @@ def with_made_grains(
     maker = packing_makers().get(kind) if isinstance(kind, str) else None
     if maker is None:
         return tables
-    faults = ErrorList(errors.source)  # of the material, which its own reader shows
-    material = read_material(tables.get("material"), faults)
-    if material is None:
-        return tables
-    given = MakerInput(tables, material, Path(source), _MAKES.get())
-    made = maker.tables(given, errors)
+    # faults of the material are shown by its own reader
+    given = maker_input(tables, source, ErrorList(errors.source))
+    made = maker.tables(given, errors) if given is not None else None
     return {**tables, _PACKING: NOT_MADE} if made is None else made
+
+
+def maker_input(
+    tables: Mapping[str, Any], source: str | Path, errors: ErrorList
+) -> MakerInput | None:
+    """Return what a packing is made of, from the tables of a case; None with faults of its
+    material, which are added to ``errors``.
+    """
+    material = read_material(tables.get("material"), errors)
+    if material is None:
+        return None
+    return MakerInput(tables, material, Path(source), _MAKES.get())

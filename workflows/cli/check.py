@@ -21,6 +21,7 @@ from granwave.extensions.continuum.counterpart import (
 )
 from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import GRAINS
@@ -53,7 +54,11 @@ def check(options: argparse.Namespace) -> int:
 
         return plan_of_design(path, options)
     kind = solver_of(read_toml(path))
-    case = kind.load(path, options.overrides)
+    try:
+        with nothing_made():
+            case = kind.load(path, options.overrides)
+    except PackingNotMadeError as error:
+        return _not_made(error, as_json=options.json)
     assembled = kind.assemble(case)
     expected = kind.cost(assembled, options.ranks, True)
     inputs = counterpart = waves = None
@@ -133,6 +138,15 @@ def check(options: argparse.Namespace) -> int:
     warn_of_lacks(case.name, afford)
     for warning in warnings:
         warn(f"{case.name}: {warning}")
+    return 0
+
+
+def _not_made(error: PackingNotMadeError, *, as_json: bool) -> int:
+    """Show what the bed of a case would be, whose plan follows once it is made."""
+    if as_json:
+        print_json({"not_made": dict(error.rows)})
+    else:
+        print(table(error.rows))
     return 0
 
 

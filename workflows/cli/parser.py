@@ -197,6 +197,9 @@ COMMANDS = (
     Command("check", _FIND, "what a run would be: size, memory, disk, timestep, time, overlap", "granwave.workflows.cli.check:check", (
         _CASE, _SET, _RANKS, _json("the plan"),
     )),
+    Command("bed", _FIND, "make the bed of a case whose grains are poured, and its statistics", "granwave.extensions.packings.terminal:bed", (
+        _CASE, _SET, _output("figure of the bed (.png, .pdf) or its table (.csv)"), _json("the statistics"),
+    )),
     Command("run", _RUNNING, "run a case: deck, LAMMPS, analysis, figures", "granwave.workflows.cli.running:run", (
         _CASE, _SET, _directory(), _RANKS,
         _option("--checkpoint", type=read.seconds, default=60.0, metavar="SECONDS",
