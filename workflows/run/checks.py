@@ -75,7 +75,8 @@ class Balance:
         return self.error <= self.accepted  # false for NaN
 
 
-LARGEST_RESIDUAL_OF_MOTION = 1e-3  # the same after damped motion, in which single grains roll
+# the same after damped motion, where single grains on a slope roll, under a part of their weight
+LARGEST_RESIDUAL_OF_MOTION = 0.05
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
 
 _NOT_CONFINED = "the packing is not confined: "
@@ -86,9 +87,17 @@ _PILE = " (without friction a pile spreads, also between walls, and a sphere bes
 _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
 
+_NOT_SETTLED = (
+    "damped motion needs grains that are nearly at rest: let them settle longer before, with the "
+    "friction of the case, or give contact.rolling, which stops grains that roll"
+)
+
+
 def _advice(case: Case) -> str:
     """Return what confines a packing of this kind, of the keys that it takes."""
     rule = case.packing.rule
+    if case.precompression is not None and case.precompression.damped:
+        return _NOT_SETTLED
     if case.packing.grains is not None and case.packing.cell is None:
         remedy = _HELD
     elif rule.is_lattice and not rule.has_faces:
