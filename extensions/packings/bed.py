@@ -70,7 +70,6 @@ class Bed:
             apart[:, :2] -= np.round(apart[:, :2] / period) * period
         return apart / np.linalg.norm(apart, axis=1)[:, None]
 
-
     @cached_property
     def depth(self) -> NDArray[np.float64]:
         """Depths of the contacts: (n_contacts,), m."""

@@ -37,9 +37,7 @@ def bed_figure(recipe: Recipe, bed: Bed) -> Drawing:
     step = recipe.keys.diameter.mean / _SLICES_A_DIAMETER
     edges = np.arange(0.0, bed.bottom + step, step)
     edges = edges[edges <= bed.bottom]
-    profile = depth_profile(
-        bed.grains.position, bed.grains.diameter, recipe.container.area, edges
-    )
+    profile = depth_profile(bed.grains.position, bed.grains.diameter, recipe.container.area, edges)
     depth = (edges[:-1] + edges[1:]) / 2
     right.plot(_MILLI * depth, profile, color=BLUE)
     right.axhline(RANDOM_CLOSE_PACKING, color=GREY, lw=0.8, label="random close packing")

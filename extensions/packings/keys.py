@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import dataclasses
 
-from granwave.extensions.packings.sizes import SizeDistribution, diameters_field
+from granwave.extensions.packings.sizes import DIAMETERS, SizeDistribution
 from granwave.lammps_inputs.case import hints, schema
 
 _BOX_FORM = "[along x, along y] in m, both above 0"
@@ -18,9 +18,11 @@ class PouredSection:
 
     kind: str = schema.choice("grains that are poured, and settle under gravity", ("poured",))
     grains: int = schema.count("number of grains", at_most=_MOST_GRAINS)
-    diameter: SizeDistribution = diameters_field()
+    diameter: SizeDistribution = schema.typed(
+        "diameter of all grains, or its distribution", DIAMETERS, unit=hints.DIAMETER
+    )
     box: tuple[float, float] | None = schema.typed(
-        'widths of the box along x and y; its sides are walls, or periodic with boundary.sides = '
+        "widths of the box along x and y; its sides are walls, or periodic with boundary.sides = "
         '"periodic"',
         schema.vector_type(2, _BOX_FORM, lambda x, y: min(x, y) > 0),
         unit=hints.LENGTH,
@@ -44,4 +46,3 @@ class PouredSection:
         "coefficient of restitution while they settle", above=0, at_most=1, default=0.5
     )
     seed: int = schema.count("seed of diameters and places", at_least=0, default=0)
-

@@ -307,9 +307,7 @@ def tables_of(tables: Mapping[str, Any], recipe: Recipe, bed: Bed) -> dict[str, 
         sides = "periodic"
         packing["period"] = list(container.box)
     else:
-        enclosure |= {
-            axis: [0.0, width] for axis, width in zip("xy", container.box, strict=True)
-        }
+        enclosure |= {axis: [0.0, width] for axis, width in zip("xy", container.box, strict=True)}
     packing["enclosure"] = enclosure
     implied = {
         "packing": packing,

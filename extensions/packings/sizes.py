@@ -10,7 +10,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.hints import DIAMETER
 
 _NORMAL_FORM = "[mean, standard deviation] in m, the mean above 0"
 _UNIFORM_FORM = "[smallest, largest] in m, above 0"
@@ -109,11 +108,3 @@ DIAMETERS = schema.EitherType(
 def volume(diameters: NDArray[np.float64]) -> float:
     """Return the volume of spheres of these diameters, m^3."""
     return float((math.pi / 6 * diameters**3).sum())
-
-
-def diameters_field() -> Any:
-    """Field of the diameters of a packing."""
-    return schema.typed("diameter of all grains, or its distribution", DIAMETERS)
-
-
-USUAL_DIAMETER = DIAMETER

@@ -88,9 +88,7 @@ def _with_images(
     return centres, np.tile(radius, len(shifts))
 
 
-def depth_profile(
-    position: Floats, diameter: Floats, area: float, edges: Floats
-) -> Floats:
+def depth_profile(position: Floats, diameter: Floats, area: float, edges: Floats) -> Floats:
     """Return the solid fraction of slices across z, exactly: (n_slices,).
 
     Parameters

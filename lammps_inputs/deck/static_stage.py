@@ -105,6 +105,12 @@ _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
 
+_FORCES = (
+    "compute         static_sphere all gran/hysteretic/atom",
+    "compute         static_largest all reduce max c_static_sphere[1]",
+    "thermo          1000",
+)
+
 # residual: largest net force on a sphere over the largest contact force, or over the load if only
 # walls are touched
 RECORD = {
@@ -175,7 +181,7 @@ def first_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     if case.precompression is not None and case.precompression.damped:
         words = "# To balance under the dead loads: what is watched on the way."
-        return [_STAGE_MARKER, words, *_watched(assembly), "thermo          1000", _STAGE_END]
+        return [_STAGE_MARKER, words, *_watched(assembly), *_FORCES, _STAGE_END]
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
@@ -191,7 +197,7 @@ def first_half(assembly: Assembly) -> list[str]:
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         *_watched(assembly),
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
-        "thermo          1000",
+        *_FORCES,
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
@@ -206,7 +212,7 @@ def first_half(assembly: Assembly) -> list[str]:
 
 
 def _watched(assembly: Assembly) -> list[str]:
-    """Return the commands of the groups of the stage, and of displacements and contact forces."""
+    """Return the commands of the groups of the stage, and of displacements."""
     case = assembly.case
     strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
     waiting = [
@@ -221,8 +227,6 @@ def _watched(assembly: Assembly) -> list[str]:
         "variable        static_moved equal c_static_moved",
         f"variable        static_most equal {num(largest_move(assembly))}",
         "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
-        "compute         static_sphere all gran/hysteretic/atom",
-        "compute         static_largest all reduce max c_static_sphere[1]",
     ]
 
 
