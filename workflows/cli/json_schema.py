@@ -15,6 +15,7 @@ from typing import Any
 
 from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
+from granwave.lammps_inputs.case.made_packing import packing_makers
 from granwave.lammps_inputs.case.material import MATERIAL, MATERIALS
 from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, KeyTable, tables
 
@@ -35,6 +36,9 @@ def schema_of(file: str) -> Schema:
     for name, table in own.items():
         if table.heading and "." not in name and name not in root["properties"]:
             _put(root, table)
+    if file == CASE:
+        for kind in packing_makers():
+            _add_kind(root["properties"]["packing"], _object(own[f"packing.{kind}"]))
     if "material" in root["properties"]:
         of_case = next(table for table in tables() if table.name == "material")
         root["$defs"] = {"material": _object(own.get("material", of_case))}
@@ -64,6 +68,13 @@ def _put(root: Schema, table: KeyTable) -> None:
     elif made.get("required") and table.name not in _MAY_BE_MISSING:
         root.setdefault("required", []).append(table.name)
     root["properties"][table.name] = made
+
+
+def _add_kind(packing: Schema, made: Schema) -> None:
+    """Add the keys of a kind of packing to those of the others; a key of both is of either type."""
+    known = packing["properties"]
+    for name, schema in made["properties"].items():
+        known[name] = {"anyOf": [known[name], schema]} if name in known else schema
 
 
 def _object(table: KeyTable | None) -> Schema:

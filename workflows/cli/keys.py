@@ -26,6 +26,7 @@ from granwave.extensions.inference.forces.case import InferCase
 from granwave.lammps_inputs.case.case import TABLES, CaseHead
 from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
+from granwave.lammps_inputs.case.made_packing import PackingMaker, packing_makers
 from granwave.lammps_inputs.case.schema import (
     REQUIRED,
     declared_fields,
@@ -117,6 +118,7 @@ def tables() -> tuple[KeyTable, ...]:
     elements = {CONTINUUM: ContinuumCase.SECTIONS, SPHERE_CONTACT: SphereContactCase.SECTIONS}
     found = [_of_section(CASE, "", CaseHead, _HEAD)]
     found += [_of_section(CASE, heading, section) for heading, section in TABLES.items()]
+    found += [_of_made_packing(maker) for maker in packing_makers().values()]
     found.append(_pair())
     for file, sections in elements.items():
         found.append(_of_section(file, "", CaseHead, _HEAD))
@@ -131,6 +133,12 @@ def tables() -> tuple[KeyTable, ...]:
     for heading, (section, what) in DESIGN_TABLES.items():
         found.append(_of_section(DESIGN, heading, section, what))
     return tuple(found)
+
+
+def _of_made_packing(maker: PackingMaker) -> KeyTable:
+    """Return the table ``[packing]`` of a kind that is made before the case is read."""
+    table = _of_section(CASE, f"[packing.{maker.kind}]", maker.section)
+    return dataclasses.replace(table, heading=f"[packing] kind = {show(maker.kind)}")
 
 
 def _of_sections(file: str, sections: Mapping[str, type]) -> list[KeyTable]:
