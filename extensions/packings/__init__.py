@@ -1,4 +1,4 @@
-"""Disordered packings that LAMMPS makes: poured under gravity, or compressed; and their statistics."""
+"""Disordered packings that LAMMPS pours, and statistics of packings."""
 
 from pathlib import Path
 
@@ -6,7 +6,7 @@ from granwave.lammps_inputs.extensions import Extension
 
 extension = Extension(
     name="packings",
-    title="poured and compressed packings, and statistics of packings",
+    title="poured packings, and their statistics",
     folder=Path(__file__).parent,
     packings="granwave.extensions.packings.makers:MAKERS",
 )

@@ -9,7 +9,6 @@ from granwave.lammps_inputs.case import hints, schema
 
 _BOX_FORM = "[along x, along y] in m, both above 0"
 _MOST_GRAINS = 100_000
-_FRICTION = {"at_least": 0, "at_most": 10, "default": None}
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -34,10 +33,12 @@ class PouredSection:
     friction: float | None = schema.number(
         "coefficient of friction of grains and walls while they settle; by default that of "
         "[contact]",
-        **_FRICTION,
+        at_least=0,
+        at_most=10,
+        default=None,
     )
     rolling: float = schema.number(
-        "coefficient of rolling resistance while they settle, over the radius; it ends slow rolling",
+        "coefficient of rolling resistance while they settle; it ends slow rolling",
         at_least=0,
         at_most=1,
         default=0.01,

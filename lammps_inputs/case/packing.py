@@ -328,8 +328,13 @@ class PackingSection:
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, "enclosure": True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
-                  "shape": self.shape == "sphere"}  # fmt: skip
+        unused = {
+            "cell": True,
+            "enclosure": True,
+            "gaps": not self.gaps,
+            "top_row": not self.rule.is_plane_crystal,
+            "shape": self.shape == "sphere",
+        }
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
             name: value for name, value in (keys | {"size": size}).items() if not unused.get(name)

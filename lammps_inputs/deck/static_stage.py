@@ -237,11 +237,11 @@ def _springs(assembly: Assembly) -> list[str]:
     case = assembly.case
     parts = [_TANGENTIAL] if case.has_friction else []
     parts += [_ROLLING, _TWISTING] if case.has_resistance else []
-    return [
-        word
-        for of_pairs, of_wall in parts
-        for word in (f"c_static[{of_pairs}]", *(f"f_{n}[{of_wall}]" for n in plane_fixes(assembly)))
-    ]
+    words = []
+    for of_pairs, of_wall in parts:
+        words.append(f"c_static[{of_pairs}]")
+        words += [f"f_{name}[{of_wall}]" for name in plane_fixes(assembly)]
+    return words
 
 
 def _damped_motion(assembly: Assembly) -> list[str]:

@@ -1,4 +1,4 @@
-"""Poured beds: made once and shared, the same for a seed, at rest, and struck with closed energy."""
+"""Poured beds: made once and shared, the same for a seed, at rest; an impact closes its energy."""
 
 import json
 import multiprocessing
