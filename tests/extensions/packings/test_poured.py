@@ -23,7 +23,9 @@ from granwave.lammps_inputs.case.made_packing import (
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.load_case import load_case
+from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.packing.walls import walls
+from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
 
 N = 60
@@ -219,3 +221,44 @@ def test_a_tube_and_periodic_sides(tmp_path):
     case = load_case(path)
     assert case.boundary.periodic
     assert case.packing.period == (0.04, 0.04)
+
+
+def test_another_load_has_the_same_bed(folder):
+    changes = {"striker.1.velocity": [0.0, 0.0, 2.0], "run.end_time": 2e-2}
+    with nothing_made():
+        assert load_case(case_file(folder), changes).packing.n_spheres == N
+    with nothing_made(), pytest.raises(PackingNotMadeError):
+        load_case(case_file(folder), {"contact.friction": 0.31})
+
+
+def test_a_damaged_bed_is_named(folder, tmp_path):
+    made(tmp_path, grains=5)
+    (file,) = (tmp_path / "beds").glob("poured-*[0-9a-f].csv")
+    file.write_text("x,y\n")
+    with pytest.raises(InputError, match=r"found no bed .*; remove the file, and it is made again"):
+        load_case(case_file(tmp_path, grains=5))
+
+
+def test_walls_of_a_file_are_where_its_enclosure_puts_them(tmp_path):
+    grains = "x,y,z,diameter\n0.01,0.01,0,0.01\n0.01,0.01,0.01,0.01\n"
+    enclosure = {"x": [0.0, 0.03], "bottom": 0.016}
+    (tmp_path / "grains.csv").write_text(grains)
+    tables = {
+        "material": "brass",
+        "packing": {"kind": "file", "file": "grains.csv", "enclosure": enclosure},
+        "boundary": {"sides": "wall"},
+    }
+    path = tmp_path / "case.toml"
+    path.write_text(tomli_w.dumps(tables))
+    case = load_case(path)
+    places = {wall.name: wall.coordinate for wall in walls(assemble(case))}
+    assert places == {
+        "bottom": 0.016,
+        "xlo": 0.0,
+        "xhi": 0.03,
+        "ylo": pytest.approx(0.005),
+        "yhi": pytest.approx(0.015),
+    }
+    assert case.to_dict()["packing"]["enclosure"] == enclosure
+    with pytest.raises(InputError, match=r"packing\.enclosure"):
+        load_case("fcc-small", {"packing.enclosure": enclosure})
