@@ -133,8 +133,8 @@ class BinaryRows:
 def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
     """Iterate over the snapshots of a binary dump, in the order of the file, their rows unread.
 
-    Parameters and errors are those of `text_frames`. Dumps of a machine with another order of
-    bytes, or of a LAMMPS before 2021, are errors too.
+    See `text_frames` for parameters and errors. Dumps of a machine with another order of bytes, or
+    of a LAMMPS before 2021, are errors too.
     """
     data = _Bytes(path)
     while data.place < data.size:
@@ -159,7 +159,7 @@ def binary_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
 
 
 def _header(data: _Bytes) -> tuple[Frame, int, int]:
-    """Read all that comes before the rows: the frame without rows, and their number and that of the
+    """Read the header of a snapshot: the frame without rows, the number of rows, and the number of
     blocks.
     """
     (length,) = data.take("q")

@@ -1,12 +1,12 @@
 """Readers of the dumps of LAMMPS: snapshots of spheres, contacts, wall contacts; and of the data
 file.
 
-A dump is one file of all ranks or one of each, and those of resumed runs. All values are float64:
-overlaps of micrometres in a packing of a metre exceed single precision. Snapshots are read one at a
-time; with ``at_once`` in frames of at most so many rows. All readers raise
+A dump is one file of all ranks or a file of each rank, and the files of resumed runs. All values
+are float64: overlaps of micrometres in a packing of a metre exceed single precision. Snapshots are
+read one at a time; with ``at_once`` in frames of at most so many rows. All readers raise
 
 MissingOutputError
-    There is no such file, or that of a rank is missing.
+    There is no such file, or the file of a rank is missing.
 OutputFormatError
     The file lacks a column, a snapshot is damaged or cut, or none is complete.
 """
@@ -71,7 +71,8 @@ def read_frames(
 
     Where each rank wrote a file of its own, their rows are joined. The snapshots of resumed runs
     follow in files of their own. If a step was written twice (resumed run), the first is used. With
-    ``at_once`` only the rows of a frame are sorted; those of a snapshot are, as LAMMPS writes them.
+    ``at_once`` only the rows of a frame are sorted; rows of a snapshot are sorted as LAMMPS writes
+    them.
 
     Parameters
     ----------
@@ -127,7 +128,7 @@ def read_frame_forces(directory: Path) -> Iterator[Frame]:
 
 @dataclasses.dataclass(frozen=True)
 class ContactDump:
-    """Contacts at one instant: files of all ranks, whose rows LAMMPS counted.
+    """Contacts at one instant: files of all ranks, with the number of rows that LAMMPS counted.
 
     Attributes
     ----------
@@ -223,8 +224,8 @@ def contacts_at_end(directory: AnyPath) -> ContactDump:
 def contacts_after_static_stage(directory: AnyPath) -> ContactDump | None:
     """Return the contact forces after the static stage: i, j, force (N).
 
-    None if there was no such stage. A file that is listed among those of the run counts, even if it
-    is missing.
+    None if there was no such stage. A file in the list of files of the run counts, even if it is
+    missing.
     """
     results = ResultDirectory.at(directory)
     folder = results / DUMPS
@@ -405,8 +406,8 @@ def _pieces(
 
 
 def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
-    """Iterate over the snapshots of a dump whose rows lie in several files, one range of ids in
-    each, rising.
+    """Iterate over the snapshots of a dump in several files, each with the rows of a range of ids,
+    rising.
     """
     readers = [
         (binary_frames if path.suffix == BINARY else text_frames)(path, at_once) for path in paths
@@ -431,8 +432,8 @@ def _of_all_ranks(paths: list[Path], at_once: int | None) -> Iterator[Frame]:
 
 
 def _rank_files(path: Path, like: Path | None = None) -> list[Path]:
-    """Return the files of a dump: itself, or those of all ranks where its name has "%", as has
-    ``like``, another.
+    """Return the files of a dump: itself, or the files of all ranks where its name has "%";
+    ``like`` is another dump of the same ranks.
     """
     if RANK not in path.name:
         return [path]
@@ -477,7 +478,7 @@ def _present(results: ResultDirectory, names: list[str]) -> Path:
 
 
 def _dumps_of_frames(results: ResultDirectory) -> list[Path]:
-    """Return the dump of snapshots of a run, and those of its resumptions, in order of time."""
+    """Return the dumps of snapshots of a run and of its resumptions, in order of time."""
     found = {}
     own = results.output_names()
     for name in files.FRAMES_RESUMED.values():

@@ -206,7 +206,7 @@ class Lines:
         self._file.close()
 
     def take(self, n: int | None) -> list[str]:
-        """Return the next n lines, or those that are left; all of them if n is None."""
+        """Return the next n lines, or all that are left if there are fewer or n is None."""
         found = list(itertools.islice(self._file, n))
         self.n_read += len(found)
         return found
@@ -216,8 +216,8 @@ class Lines:
         return f"{self.path}: line {self.n_read - back}"
 
     def frame(self, rows: list[str], like: Frame, number: int, *, more: bool) -> Frame:
-        """Return the frame of rows of a snapshot that were just taken; box and columns are those of
-        another.
+        """Return the frame of rows of a snapshot that were just taken, with box and columns of
+        another frame.
         """
         if rows and not rows[-1].endswith("\n"):
             raise CutShortError(self.place(), number)
@@ -265,11 +265,10 @@ def text_frames(path: Path, at_once: int | None = None) -> Iterator[Frame]:
 
 
 def rows_without_header(path: Path, like: Frame, at_once: int | None = None) -> Iterator[Frame]:
-    """Iterate over the rows of a file of nothing else, as LAMMPS writes for all ranks but the
+    """Iterate over the rows of a file without headers, which LAMMPS writes for all ranks but the
     first.
 
-    Box and columns are those of ``like``, a frame of the file that has a header; else as
-    `text_frames`.
+    Box and columns come from ``like``, a frame of the file with a header; else as `text_frames`.
     """
     with Lines(path) as lines:
         while rows := lines.take(at_once):
@@ -307,8 +306,8 @@ class TextRows:
 
 
 def after_header(path: Path) -> tuple[int, int]:
-    """Return the place of the first row of a text dump whose header is whole, and the number of
-    rows it tells.
+    """Return the place of the first row of a text dump with a complete header, and the number of
+    rows in the header.
     """
     with open(path, "rb") as file:
         n_rows = 0
@@ -363,8 +362,8 @@ def _place_of_box(path: Path, snapshot: int, _row: int) -> str:
 
 
 def _header(lines: Lines, number: int) -> dict[str, list[str]] | None:
-    """Read the header of a snapshot: lines by title, and that of its rows as ``columns``; None at
-    the file's end.
+    """Read the header of a snapshot: lines by title, and the title of its rows as ``columns``; None
+    at the file's end.
     """
     header: dict[str, list[str]] = {}
     while titles := lines.take(1):

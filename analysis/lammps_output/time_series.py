@@ -1,9 +1,9 @@
 """Readers of the time series and of the record of a run, and the check that its output is complete.
 
-``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``), the
-last of which names the columns, followed by a row of numbers for each instant. A last row that was
-cut is dropped; of rows of the same instant (resumed run) the last one is used. Truncated files
-would silently give wrong results.
+``dumps/energy.txt``, ``dumps/walls.txt`` and ``dumps/probes.txt`` begin with comments (``#``) and a
+row of numbers for each instant; the last comment names the columns. A last row that was cut is
+dropped. If rows have the same instant (resumed run), the last one is used. Truncated files would
+silently give wrong results.
 """
 
 from __future__ import annotations
@@ -31,6 +31,7 @@ ENERGY_COLUMNS = ("step", *columns.names(columns.LEDGER))
 FRICTION_COLUMNS = ("rotational", "elastic_tangential", "friction")
 
 Table = dict[str, NDArray[np.float64]]
+_INSTANT = 0  # column of the step or the time
 _RECORDED = {
     "n_steps": int,
     "wall_time_s": int | float,
@@ -104,14 +105,15 @@ def read_table(directory: str | Path, name: str) -> Table:
         what = "no names of columns" if rows else "no row: the run ended before its first report"
         raise OutputFormatError(f"{path} holds {what}; {AGAIN}")
     values = read_rows(rows, names, lambda row: f"{path}: line {lines[row]}")
-    _, backwards = np.unique(values[::-1, 0], return_index=True)
+    instants = values[:, _INSTANT]
+    _, backwards = np.unique(instants[::-1], return_index=True)
     values = values[len(values) - 1 - backwards]
-    apart = np.diff(
-        values[:, 0]
-    )  # rows are evenly spaced; a temporarily full disk could have left some out
-    if names[0] == "step" and len(apart) and apart.max() > apart.min():
+    instants = values[:, _INSTANT]
+    # rows are evenly spaced; a temporarily full disk could have left some out
+    apart = np.diff(instants)
+    if names[_INSTANT] == "step" and len(apart) and apart.max() > apart.min():
         n = int(apart.argmax())
-        first, second = values[n : n + 2, 0]
+        first, second = instants[n : n + 2]
         raise OutputFormatError(
             f"{path} lacks rows between the steps {first:.0f} and {second:.0f}; {AGAIN}"
         )

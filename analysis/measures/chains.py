@@ -177,10 +177,10 @@ class Chain:
 
 
 class GrainRow(Chain):
-    """Record of the grains on the axis x = y = 0, and of those beside it; no history of a chain is
-    needed.
+    """Record of the grains on the axis x = y = 0, and of the grains beside it; no history of a
+    chain is needed.
 
-    Grains and contacts of the row count from 1, along z: contact k is that of grains k and k + 1.
+    Grains and contacts of the row count from 1, along z: contact k joins grains k and k + 1.
 
     Attributes
     ----------

@@ -5,9 +5,9 @@ cosine of its frequency over the last whole periods, at most half of the run; wh
 tells how far from steady the motion is.
 
 Transmission of a burst, a sweep or noise: the ratio of spectra of the velocities of two spheres
-over the whole run, where the spectrum of the first holds more than a share of its largest value.
-With noise it is the cross spectrum over the power spectrum, averaged over neighbouring frequencies
-(Bendat and Piersol, Random Data, 1986).
+over the whole run, at frequencies where the spectrum of the first exceeds a share of its largest
+value. With noise it is the cross spectrum over the power spectrum, averaged over neighbouring
+frequencies (Bendat and Piersol, Random Data, 1986).
 
 Answer to an amplitude that rises and falls at one frequency: the signals are fitted, in windows of
 whole periods of the load, by sines of its frequency and of twice, three times and half of it. A
@@ -64,7 +64,7 @@ class SteadyMotion:
     velocity: NDArray[
         np.complex128
     ]  # complex amplitudes of the spheres, in their order: (n_spheres,), m/s
-    left: Array  # root mean square of what the fit leaves over that of the whole: (n_spheres,)
+    left: Array  # residual of the fit relative to the signal, root mean squares: (n_spheres,)
     row: MeasuredRow  # the spheres
 
     @property
@@ -74,7 +74,7 @@ class SteadyMotion:
 
     @property
     def last(self) -> int:
-        """Id of the last sphere before those that absorb."""
+        """Id of the last sphere before the absorbing ones."""
         return self.row.ends[1]
 
     @property
@@ -89,8 +89,8 @@ class SteadyMotion:
 
     @property
     def ratio(self) -> float | None:
-        """Amplitude of the last sphere over that of the loaded one; None of a single one, or if one
-        is not steady.
+        """Amplitude of the last sphere divided by the amplitude of the loaded one; None for a
+        single sphere, or if either is not steady.
         """
         if not self.driven or self.unsteady > STEADY or self.first == self.last:
             return None
@@ -101,7 +101,7 @@ class SteadyMotion:
 class Spectrum:
     """Transmission from the loaded sphere to the last one against frequency."""
 
-    frequency: Array  # those that the load holds: (n,), Hz
+    frequency: Array  # frequencies of the load: (n,), Hz
     ratio: NDArray[np.complex128]  # of the velocities: (n,)
     first: int  # ids of both spheres
     last: int
@@ -125,8 +125,8 @@ def steady_amplitudes(
     Returns
     -------
     tuple
-        Complex amplitudes a of Re(a exp(i omega t)), and what the fit leaves over the whole, both
-        (n_signals,); None if there are fewer than three periods.
+        Complex amplitudes a of Re(a exp(i omega t)), and the residual of the fit relative to the
+        signal, both (n_signals,); None if there are fewer than three periods.
     """
     periods = math.floor((time[-1] - time[0]) / 2 * frequency * (1 + 1e-12))
     if periods < LEAST_PERIODS:
@@ -151,8 +151,8 @@ def _sines(angle: Array, multiples: Sequence[float]) -> list[Array]:
 def transfer(
     time: Array, drive: Array, answer: Array, *, averaged: int = 1
 ) -> tuple[Array, NDArray[np.complex128]]:
-    """Ratio of the spectra of two signals, where that of the first is not weak; both are tapered at
-    their end.
+    """Ratio of the spectra of two signals, where the first spectrum is not weak; both signals are
+    tapered at their end.
 
     Parameters
     ----------
@@ -184,7 +184,7 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
     """Return the measured row of a load that oscillates, times (n_times,), s, and velocities
     (n_times, n_spheres), m/s.
 
-    Velocities are along the load, those of a chain along z. None for other runs, or where too few
+    Velocities are along the load, or along z in a chain. None for other runs, or where too few
     instants were recorded.
     """
     load = result.case.load
@@ -199,7 +199,7 @@ def motion_of(result: Result) -> tuple[MeasuredRow, Array, Array] | None:
         return None
     interval = float(time[-1] - time[0]) / (len(time) - 1)
     if (
-        load.frequencies[1] * interval * LEAST_PER_PERIOD > 1 + 1e-9
+        load.highest_frequency * interval * LEAST_PER_PERIOD > 1 + 1e-9
     ):  # the record does not resolve the load
         return None
     if velocity.ndim > 2:
@@ -221,8 +221,8 @@ def transmission_of(result: Result) -> SteadyMotion | Spectrum | None:
     if load.shape == "up-and-down":
         return None
     if load.shape == "harmonic":
-        fit = steady_amplitudes(time, velocity, load.frequencies[1])
-        return None if fit is None else SteadyMotion(load.frequencies[1], *fit, row)
+        fit = steady_amplitudes(time, velocity, load.highest_frequency)
+        return None if fit is None else SteadyMotion(load.highest_frequency, *fit, row)
     averaged = _AVERAGED if load.shape == "noise" else 1
     ratios = transfer(time, velocity[:, row.first], velocity[:, row.last], averaged=averaged)
     return Spectrum(*ratios, *row.ends) if len(ratios[0]) else None
@@ -239,7 +239,7 @@ class AmplitudeSweep:
     rising
         True where it rises: (n,).
     first, last
-        Amplitudes of the loaded sphere and of the last one before those that absorb, at each of
+        Amplitudes of the loaded sphere and of the last sphere before the absorbing ones, at each of
         `MULTIPLES` of the frequency: (n_multiples, n), m/s.
     """
 
@@ -251,7 +251,7 @@ class AmplitudeSweep:
     @property
     def apart(self) -> float:
         """Largest difference of the last sphere's branches at one load, over its largest amplitude."""
-        answer = self.last[0]
+        answer = self.last[MULTIPLES.index(1.0)]
         both = [(self.load[chosen], answer[chosen]) for chosen in (self.rising, ~self.rising)]
         there = np.linspace(
             max(load.min() for load, _ in both), min(load.max() for load, _ in both), _COMPARED
@@ -291,7 +291,7 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
     if found is None or not isinstance(load, DrivenLoad) or load.shape != "up-and-down":
         return None
     row, time, velocity = found
-    frequency = load.frequencies[1]
+    frequency = load.highest_frequency
     whole = load.lasts
     length = WINDOW_PERIODS / frequency
     n = int(min(whole, time[-1]) / length * (1 + 1e-9))
@@ -308,15 +308,16 @@ def amplitude_sweep_of(result: Result) -> AmplitudeSweep | None:
         )
     amplitudes = np.stack(fits, axis=2)
     size = (load.amplitude or 0.0) * (1 - np.abs(2 * middles / whole - 1))
-    return AmplitudeSweep(size, middles < whole / 2, amplitudes[:, 0], amplitudes[:, 1])
+    first, last = np.moveaxis(amplitudes, 1, 0)
+    return AmplitudeSweep(size, middles < whole / 2, first, last)
 
 
 def mean_power_of(result: Result) -> tuple[float, float | None] | None:
-    """Return mean powers in the last half of a run under a harmonic load, W; None for others, or
-    too few periods.
+    """Return mean powers in the last half of a run under a harmonic load, W; None for other runs,
+    or too few periods.
 
-    The first is that of the load, the second what the spheres of ``[[absorb]]`` and the damper
-    below take; None where there is neither.
+    The first is the power of the load, the second the power absorbed by the spheres of
+    ``[[absorb]]`` and the damper below; None where there is neither.
     """
     load = result.case.load
     time = result["energy/time"]
@@ -325,7 +326,7 @@ def mean_power_of(result: Result) -> tuple[float, float | None] | None:
     later = time >= time[-1] / 2
     if (
         np.count_nonzero(later) < _FEWEST_INSTANTS
-        or time[-1] / 2 * load.frequencies[1] < LEAST_PERIODS
+        or time[-1] / 2 * load.highest_frequency < LEAST_PERIODS
     ):
         return None
     since = time[later] - time[later].mean()

@@ -1,6 +1,6 @@
 """Planes, directions, layers and nearest places in packings.
 
-Planes and directions are those of the perfect packing; spheres are found on them by place, within a
+Planes and directions belong to the perfect packing. Spheres are found on them by place, within a
 tolerance, so that scattered diameters, settled positions and missing spheres do no harm.
 
 fcc, struck along [111]: three <110> directions OA, OB, OC go down into the packing, and the largest

@@ -207,7 +207,7 @@ def line_of(case: Case, law: ContactLaw | None = None) -> PrecompressedLine:
     Parameters
     ----------
     law
-        Between two spheres, by default that of the case.
+        Law between two spheres, by default the law of the case.
     """
     law = sphere_contact(case) if law is None else law
     force = force_of_contact(assemble(case))

@@ -22,7 +22,7 @@ _ON_RAY = 0.25  # diameters that a sphere may be off its place on a ray
 
 
 def ranked(dissipated: Array) -> NDArray[np.int64]:
-    """Rows of the spheres that dissipated anything, the one that dissipated most first."""
+    """Rows of the spheres that dissipated energy, in descending order of their dissipation."""
     order = np.argsort(-dissipated, kind="stable")
     return order[: np.count_nonzero(dissipated > 0)]
 
@@ -30,8 +30,8 @@ def ranked(dissipated: Array) -> NDArray[np.int64]:
 def cumulated(
     dissipated: Array, energy_input: float, volume: Array | None = None
 ) -> tuple[Array, NDArray]:
-    """Dissipated share of the input against the volume of the spheres that did it, those that did
-    most first.
+    """Cumulative dissipated share of the input against the volume of the dissipating spheres, in
+    descending order of their dissipation.
 
     Parameters
     ----------
@@ -40,8 +40,8 @@ def cumulated(
     energy_input
         J.
     volume
-        Of each sphere, in units of pi D^3/6: (n_spheres,); 1 if not given, so that of like spheres
-        it is their number.
+        Volume of each sphere, in units of pi D^3/6: (n_spheres,); 1 by default, so that the volume
+        of identical spheres is their number.
 
     Returns
     -------
@@ -119,8 +119,8 @@ class Rays:
 def rays(result: Result) -> Rays:
     """Peak force of every contact along each preferred direction, from the struck sphere on.
 
-    A sphere of the ray is the one nearest to its place in a perfect packing, if it is not farther
-    off than a quarter of a diameter. Grains of a file have no such directions: there is no ray.
+    Each sphere of a ray is the nearest one to its place in a perfect packing, within a quarter of a
+    diameter. Grains of a file have no such directions: there is no ray.
     """
     directions = preferred_directions(result.case.packing.kind)
     if not len(directions):
@@ -203,8 +203,8 @@ def elements_involved(path: Path, energy_input: float) -> Involved:
 
 
 def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[str, Array]:
-    """Share of the input that each region of a packing holds: kinetic energy, and half the elastic
-    one of contacts.
+    """Share of the input in each region of a packing: kinetic energy, and half the elastic energy
+    of contacts.
 
     Parameters
     ----------
@@ -216,10 +216,9 @@ def energy_by_region(result: Result, regions: Mapping[str, ArrayLike]) -> dict[s
     Returns
     -------
     dict
-        At each snapshot, (n_frames,), by the name of the region. Beside them ``other spheres``,
-        those of no region; ``walls``, the elastic energy of contacts with walls; and
-        ``dissipated``, what is lost. Of an impact on regions that share no sphere, all together are
-        the input.
+        Shares at each snapshot, (n_frames,), by the name of the region. Further entries are ``other
+        spheres``, outside all regions; ``walls``, the elastic energy of contacts with walls; and
+        ``dissipated``. In an impact, all entries together are the input if regions share no sphere.
     """
     energy = (
         np.stack([energy_of_spheres(result, frame) for frame in range(result.n_frames)])

@@ -161,7 +161,7 @@ def lengths(time: Array, velocity: Array, diameter: float) -> dict[str, Array]:
     """Length of the pulse at each sphere: its duration by each of `MEASURES` times the speed;
     (n_spheres,), diameters.
 
-    Parameters are those of `peaks`.
+    See `peaks` for the parameters.
     """
     found = peaks(time, velocity, diameter)
     fine = np.linspace(time[0], time[-1], _FINE * (len(time) - 1) + 1)
@@ -254,10 +254,11 @@ def solitary_lengths() -> dict[str, float]:
 
 
 def reflection(time: Array, force: Array, place: int, beyond: int) -> float:
-    """Largest force of what comes back to a contact of a chain, over that of the incident wave.
+    """Peak force of the wave reflected to a contact of a chain, divided by the peak force of the
+    incident wave.
 
-    Until waves from the far end can arrive; NaN where the record ends sooner, or the contact is too
-    near an end.
+    The search ends when waves from the far end can arrive; NaN where the record ends sooner, or the
+    contact is too near an end.
 
     Parameters
     ----------
@@ -319,8 +320,7 @@ def _crests(time: Array, mean: Array) -> tuple[NDArray[np.int64], Array]:
 
 
 def long_wave_speed(line: PrecompressedLine, numbers: NDArray[np.int64], times: Array) -> float:
-    """c0 by the times of the crests of the velocities in a linear line whose first body is struck,
-    m/s.
+    """c0 by the times of the velocity crests in a linear line, struck at its first body, m/s.
 
     Parameters
     ----------

@@ -219,7 +219,7 @@ def fit_decay(distance: Array, peak: Array) -> TwoRegionDecay | None:
     Parameters
     ----------
     distance, peak
-        (n,); points whose peak is not known or not positive do not count.
+        (n,); points without a known positive peak do not count.
     """
     known = np.isfinite(peak) & (peak > 0)
     x = distance[known]
@@ -255,13 +255,14 @@ def fit_decay(distance: Array, peak: Array) -> TwoRegionDecay | None:
 
 
 def parted_at(distance: Array, peak: Array, wide: Array, share: float = PARTED) -> float | None:
-    """Return the distance of the first grain whose peak differs by a share from that in a wider
-    crystal, m; None: none.
+    """Return the distance of the first grain with a peak that differs by a share from its peak in a
+    wider crystal, m; None if there is no such grain.
 
     Parameters
     ----------
     distance, peak, wide
-        Of the same grains: (n,), m and m/s; grains without a peak in one of both do not count.
+        Distances, m, and peaks of the same grains in either crystal, m/s: (n,); grains that lack a
+        peak do not count.
     """
     known = np.isfinite(peak) & np.isfinite(wide) & (wide > 0)
     apart = np.flatnonzero(known & (np.abs(peak / np.where(known, wide, 1.0) - 1) > share))

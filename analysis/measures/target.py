@@ -1,20 +1,20 @@
 """Force and motion of the target, the bottom of a packing, and the same impact directly on it,
 without the packing.
 
-The ground is what the target itself rests on: the force on it is that out of the last spring or
-damper, and the force on the target where that does not move.
+The ground carries the target: the force on it comes out of the last spring or damper, and equals
+the force on the target if this does not move.
 
-Without the packing the struck spheres, side by side, hit what is below: a rigid plane, a plane of a
-material, or one that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each is
-a point mass whose force on the plane is that of the contact law, hysteresis included; their dents
-are local, so that they feel each other by the plane's motion only:
+Without the packing the struck spheres, side by side, hit the target: a rigid plane, a plane of a
+material, or a plane that moves on a support or a bar (`granwave.lammps_inputs.case.boundary`). Each
+sphere is a point mass with the contact law, hysteresis included, as its force on the plane; dents
+are local, so that spheres interact by the motion of the plane only:
 
     m x'' = -F(x - u)        sphere, x from where it touches
     m_0 u'' = sum F + k (u_1 - u_0), ..., m_n u_n'' = k (u_(n-1) - u_n) - K u_n - C u_n'      plane and support
 
-On a plane that does not move the peak force is that of the overlap at which W(alpha) = m v^2/2, and
-the course of equal spheres follows from the energies: m x'^2/2 is what the work of loading, or the
-elastic energy, still lacks. A force as load acts on the target itself.
+On a plane that does not move the peak force is the force at the overlap where W(alpha) = m v^2/2,
+and the course of equal spheres follows from the energies: m x'^2/2 is what the work of loading, or
+the elastic energy, still lacks. A force as load acts on the target itself.
 """
 
 from __future__ import annotations
@@ -197,16 +197,16 @@ def no_bare_target(assembly: Assembly) -> str:
 
 
 def unprotected(assembly: Assembly, end_time: float) -> Reached | None:
-    """The load of a case directly on its target; None where there is no target, or nothing that
-    would hit it.
+    """The load of a case directly on its target; None without a target, or without spheres or
+    forces that hit it.
 
-    None for loads that oscillate too: what a row passes on of them is its transmission, not what it
-    protects from.
+    None for loads that oscillate, too: they are measured by the transmission of the row, not by
+    protection.
 
     Parameters
     ----------
     end_time
-        When it ends at the latest, s; not before the first collision is over.
+        Latest end of the computation, s; the first collision is always completed.
     """
     load = assembly.case.load
     target = target_of(assembly)

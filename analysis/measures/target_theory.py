@@ -9,8 +9,8 @@ A sphere of mass m and speed v on a rigid wall, F = K alpha^1.5 with K = 4/3 E* 
 A mass M on a spring k, omega = sqrt(k/M): a short impulse J moves it by J/(M omega), a slow force
 by F/k.
 
-Shock spectrum of a force: how far a plate on a spring moves under it, against the plate's period. A
-plate much slower than the force only feels its impulse and moves by J/(M omega); one much faster
+Shock spectrum of a force: displacement of a plate on a spring under it, against the plate's period.
+A plate much slower than the force only feels its impulse and moves by J/(M omega); one much faster
 follows it and moves by F/k. In between it is an oscillator under the force on a wall that is held
 in place.
 """
@@ -185,10 +185,11 @@ def oscillator(held: Reached, plate: Plate, end: float) -> float:
 
 
 def expected_displacement(held: Reached, plate: Plate, end: float) -> tuple[float, str]:
-    """Largest displacement of a plate that does not give way, m, and the theory that it is from.
+    """Largest displacement of a plate under the force on a fixed wall, m, and the name of the
+    theory.
 
-    ``held`` is the record of the same packing on a wall, ``end`` that of the record of the plate,
-    s.
+    ``held`` is the record of the same packing on a wall, ``end`` the last time of the record of the
+    plate, s.
     """
     period = plate.period
     if period < _FAST * width(held.time, held.force):

@@ -96,8 +96,8 @@ def directions(result: Result) -> Array:
 
 
 def spread(result: Result, values: Array) -> Spread | None:
-    """Spread of what spheres hold over the directions from the nearest struck sphere; strikers are
-    left out.
+    """Distribution of a quantity of spheres over the directions from the nearest struck sphere;
+    strikers are left out.
 
     Parameters
     ----------
@@ -109,8 +109,8 @@ def spread(result: Result, values: Array) -> Spread | None:
     Returns
     -------
     Spread or None
-        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, that of an
-        even spread; ``cells`` by direction. None if struck spheres hold all.
+        Shares ``along`` the directions of contacts, within 15 degrees, and ``even``, the share in
+        an even distribution; ``cells`` by direction. None if struck spheres hold all.
     """
     vectors = directions(result)
     known = np.isfinite(vectors[:, 0])
@@ -251,19 +251,18 @@ def wave_speed(mean: Array, first: Array, diameter: float) -> float | None:
 def wave_speed_of(result: Result) -> float | None:
     """Speed of the wave into the depth of a run, m/s; None where there is none, see `wave_speed`.
 
-    Of runs that were precompressed it is known only in a chain whose forces were recorded: there
-    the front is at a contact once its force has risen by 10 % of its largest rise, if that was
-    over before the end of the run. Of weak waves in a chain of Hertz contacts that is 3 % above the
+    After precompression it is known only in a chain with recorded forces: there the front is at a
+    contact once its force has risen by 10 % of its largest rise, if the rise was complete before
+    the end of the run. For weak waves in a chain of Hertz contacts this speed is 3 % above the
     speed of sound, D sqrt(k/m) with the contact stiffness k under the static force.
 
-    None of loads that go on oscillating: a bead's largest force may come at any time, and later
-    where beads absorb; a burst passes once.
+    None for loads that go on oscillating: the largest force of a bead may come at any time, and
+    later where beads absorb. A burst passes once.
 
-    None of a load that does not push down: its wave does not come from the top.
+    None for a load that does not push down: its wave does not come from the top.
 
-    None of cylinders beside each other: the stiffness of their contacts hardly grows with the
-    force, so that the front of the wave spreads without a limit. Lines of grains have a front
-    speed.
+    None for parallel cylinders: the stiffness of their contacts hardly grows with the force, so
+    that the front of the wave spreads without a limit. Lines of grains have a front speed.
     """
     diameter = result.case.packing.diameter
     load = result.case.load
@@ -300,13 +299,13 @@ def first_arrivals(depth: Array, arrival: Array, diameter: float) -> tuple[Array
 
 
 def front_arrivals(result: Result) -> tuple[Array, Array]:
-    """Return the depth of each layer, m, and when the front of the wave arrived there, s; inf:
-    never.
+    """Return the depth of each layer, m, and the arrival time of the wave front, s; inf if it never
+    arrived.
 
-    It is the earliest arrival at a contact of the layer that carries at least 10 % of the largest
-    force there. Contacts whose force still rises at the end of the run do not count, as their
-    largest force is not known, nor do those that carry less than 1e-4 of the largest force of all:
-    grains that touch overlap by the rounding of their coordinates.
+    The front arrives with the earliest arrival at a contact that carries at least 10 % of the
+    largest force of the layer. Contacts do not count if their force still rises at the end of the
+    run, so that their largest force is not known, or if they carry less than 1e-4 of the largest
+    force of all: grains that touch overlap by the rounding of their coordinates.
     """
     mean, layer = _layers_of(result, result.case.packing.diameter)
     largest = np.zeros(len(mean))

@@ -1,5 +1,5 @@
-"""Size of the plastic zone: what holds 50, 90 and 99 % of the energy of yielding; its bounds, waves
-from them, marks.
+"""Size of the plastic zone: depth, radius and volume with 50, 90 and 99 % of the plastic
+dissipation; boundaries, waves from them, marks.
 
 One definition for packings and the continuum. A part is a sphere of the packing, weighed by the
 energy that it dissipated by yielding, or an element, weighed by its plastic work:
@@ -11,24 +11,24 @@ energy that it dissipated by yielding, or an element, weighed by its plastic wor
               volume, the highest first; of a packing that of the spheres, without the voids. Of
               equal parts these are the fewest
 
-None of these is interpolated: a size is that of a part, or a sum of parts. In a lattice the depth
-is that of a layer, and does not change with the load until the next layer is needed. The
-interpolated depth and radius lie between layers: E(d) is the energy of all parts at most d away,
-and straight lines connect its values at the distances of the parts. The interpolated size is where
-these lines reach the share: between the size above and the next smaller distance of a part. Both
-agree where the parts are fine.
+None of these is interpolated: a size is the distance of a part, or a sum over parts. In a lattice
+the depth is the depth of a layer, and does not change with the load until the next layer is needed.
+The interpolated depth and radius lie between layers: E(d) is the energy of all parts at most d
+away, and straight lines connect its values at the distances of the parts. The interpolated size is
+where these lines reach the share: between the size above and the next smaller distance of a part.
+Both agree where the parts are fine.
 
 The outermost part that yielded at all (``plastic_zone_depth_m``) may lie many times farther out. A
-zone that reaches a bound, or to which a wave came back from one, is marked: an endless packing's is
-another.
+zone is marked if it reaches a boundary, or if a wave returned to it from one: it differs from the
+zone in an infinite packing.
 
 The impact axis goes along z through the centroid of the impacted spheres.
 
-The energy that a sphere dissipated by yielding is half of that of each of its contacts, all of it
-where the partner has the higher yield strength, none where it has the lower one. Contacts with walls
-of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction and
-dampers do not count, nor do strikers: they are no part of the packing, and what they dissipated
-themselves is left out.
+The plastic dissipation of a sphere is half the dissipation of each of its contacts, all of it where
+the partner has the higher yield strength, none where the partner has the lower one. Contacts with
+walls of a material follow the same rule; at a rigid wall all of it belongs to the sphere. Friction
+and dampers do not count, nor do strikers: they are no part of the packing, and their own
+dissipation is left out.
 
 A contact has yielded when its largest overlap passed alpha_y (elastoplastic, thornton) or when it
 was loaded at all (bilinear); with hertz none yields. A dent from before the run must have grown in
@@ -71,7 +71,7 @@ _ROUNDING = 1e-12  # of the energy: sums that reach a share but for rounding rea
 NOTED_SHARE = 0.01
 _SAME = 1e-9  # relative, of lengths that are equal but for rounding
 _LATE = 0.1  # of a run: where the outermost yield came within so much of its end it may go on
-# of the largest force among some contacts: those that bear less are not what the wave came through
+# of the largest force among some contacts: the wave came through contacts that bear more
 _BEARS = 0.01
 _NOTHING = 1e-12  # of the input: yielding where nothing yields, left by subtraction
 # of the largest force of the run: what stays below is rounding, or runs ahead of the wave
@@ -79,13 +79,13 @@ _NO_WAVE = 1e-6
 
 
 def extent_holding(distance: Array, energy: Array, share: float) -> float:
-    """Return the smallest distance within which a share of the energy lies, that of a part, m; 0
-    without any energy.
+    """Return the smallest distance of a part within which a share of the energy lies, m; 0 without
+    any energy.
 
     Parameters
     ----------
     distance, energy
-        Of the parts: (n,), m and J, no energy negative.
+        Distances, m, and energies, J, of the parts: (n,); no energy is negative.
     share
         Of the whole energy, above 0.
     """
@@ -97,8 +97,8 @@ def extent_holding(distance: Array, energy: Array, share: float) -> float:
 
 
 def interpolated_extent(distance: Array, energy: Array, share: float) -> float:
-    """Return the distance at which the energy within it reaches a share, straight between the
-    distances of parts that have any, m; parameters as in `extent_holding`.
+    """Return the distance within which the energy reaches a share, interpolated linearly between
+    the distances of parts with energy, m; parameters as in `extent_holding`.
     """
     active = np.flatnonzero(energy > 0)
     if not len(active):
@@ -167,12 +167,12 @@ def zone_sizes(
 
 
 def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> dict[str, Any]:
-    """Return the part of the summary that is about waves that come back from the bounds.
+    """Return the part of the summary on waves that return from the boundaries.
 
     Parameters
     ----------
     times
-        Of the return to the zone, by bound, s; None where they are not known.
+        Times of return to the zone, by boundary, s; None where they are not known.
     ledger
         Times of the energy ledger: (n,), s.
     lost
@@ -181,8 +181,9 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
     Returns
     -------
     dict
-        ``wave_returned``, the bounds whose wave came back within the run; ``wave_return_s``, the
-        earliest return; ``wave_return_share``, the part of the energy that was dissipated after it.
+        ``wave_returned``, the boundaries that a wave returned from within the run;
+        ``wave_return_s``, the earliest return; ``wave_return_share``, the share of the energy that
+        was dissipated after it.
     """
     if times is None:
         return dict.fromkeys(WAVE_KEYS)
@@ -195,8 +196,8 @@ def wave_returns(times: dict[str, float] | None, ledger: Array, lost: Array) -> 
 
 
 def packing_zone(result: Result) -> Zone:
-    """Return what the plastic zone of a run is made of: columns of the spheres of the packing,
-    strikers left out.
+    """Return the columns that the plastic zone of a run is computed from, for the spheres of the
+    packing; strikers are left out.
 
     The last layer is at the ``bottom``, the first and last sphere of a row and the first and last
     row at the ``sides``. With periodic sides those half a period from the axis are, where a zone
@@ -342,9 +343,8 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
     """
     members = [np.concatenate(parts) for parts in zip(*sets, strict=True)]
     last = result.assembly.lattice.n_spheres
-    # of each set: force and time
     of_all = 0.0
-    fronts = [np.empty((2, 0)) for _ in members]
+    fronts = [np.empty((2, 0)) for _ in members]  # of each set: force and time
     for i, j, force, time in result.blocks(
         "contacts/i", "contacts/j", "contacts/peak_force", "contacts/time_peak"
     ):
@@ -354,17 +354,25 @@ def wave_arrivals(result: Result, sets: list[list[NDArray[np.bool_]]]) -> list[f
         of_all = max(of_all, float(force.max(initial=0.0)))
         for n, of_set in enumerate(members):
             here = (own & of_set[at_rows]).any(axis=0) & (force > 0)
-            found = np.concatenate([fronts[n], [force[here], time[here]]], axis=1)
-            # of these only contacts that bear more than all whose peak came sooner can be the first
-            found = found[:, found[0] >= _BEARS * found[0].max(initial=0.0)]
-            found = found[:, np.argsort(found[1], kind="stable")]
-            fronts[n] = found[:, np.diff(np.maximum.accumulate(found[0]), prepend=0.0) > 0]
+            fronts[n] = _front(np.concatenate([fronts[n], [force[here], time[here]]], axis=1))
     arrivals = []
     for force, time in fronts:
         largest = float(force.max(initial=0.0))
         first = float(np.nanmin(time[force >= _BEARS * largest], initial=np.inf))
         arrivals.append(first if largest > _NO_WAVE * of_all else np.inf)
     return arrivals
+
+
+def _front(peaks: NDArray[np.float64]) -> NDArray[np.float64]:
+    """Select the peaks that can be the first of a wave: forces, N, and times, s, (2, n).
+
+    Only a contact that bears more than all contacts with an earlier peak can be the first.
+    """
+    force, time = peaks
+    bears = np.flatnonzero(force >= _BEARS * force.max(initial=0.0))
+    by_time = bears[np.argsort(time[bears], kind="stable")]
+    rises = np.diff(np.maximum.accumulate(force[by_time]), prepend=0.0) > 0
+    return peaks[:, by_time[rises]]
 
 
 class Mark(IntEnum):
@@ -398,9 +406,14 @@ def bounds_in_words(bounds: object) -> str:
     return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
 
 
-def zone_warning(summary: Mapping[str, Any]) -> str:
-    """Return what a reader of the sizes of a plastic zone must know, in a line; empty if nothing."""
-    what = "block" if summary.get("kind") == "continuum" else "packing"
+def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
+    """Return the caveats on the sizes of a plastic zone in a line; empty if there are none.
+
+    Parameters
+    ----------
+    body
+        Noun of what the zone lies in.
+    """
     is_chain = (
         summary.get("zone_radius_99_m", 0.0) is None and summary.get("zone_depth_99_m") is not None
     )
@@ -411,7 +424,7 @@ def zone_warning(summary: Mapping[str, Any]) -> str:
     found = []
     if summary.get("zone_cut"):
         found.append(
-            f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {what}"
+            f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {body}"
         )
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
@@ -419,4 +432,4 @@ def zone_warning(summary: Mapping[str, Any]) -> str:
         microseconds = 1e6 * summary["wave_return_s"]
         came = f"a wave came back from the {bounds} ({microseconds:.3g} us)"
         found.append(f"up to {100 * share:.3g} % was dissipated after {came}")
-    return f"{', '.join(found)}; a larger {what} does without" if found else ""
+    return f"{', '.join(found)}; a larger {body} does without" if found else ""

@@ -114,7 +114,7 @@ def merge_dents(dents: Frame) -> Contacts:
 
 
 def _or_never(time: NDArray[np.float64]) -> NDArray[np.float64]:
-    """Return times with NaN for those that never came."""
+    """Return times with NaN where an event never came."""
     return np.where(np.isfinite(time), time, np.nan)
 
 
@@ -142,7 +142,8 @@ def list_contacts(
     """
     stride = 1 + max(touching.max(initial=0), merged["j"].max(initial=0))
     dented = merged["i"] * stride + merged["j"]
-    at_start = sorted_once(touching[:, 0] * stride + touching[:, 1])
+    first, second = touching.T
+    at_start = sorted_once(first * stride + second)
     threshold = np.where(np.isfinite(yield_overlap), LISTED_FROM * np.asarray(yield_overlap), 0.0)
     keys = sorted_once(np.concatenate([at_start, dented[merged["peak_overlap"] > threshold]]))
     target = np.searchsorted(keys, dented)
@@ -162,7 +163,7 @@ def list_contacts(
 
 
 def leave_out_rounding(contacts: Contacts, box: NDArray[np.float64]) -> None:
-    """Take the time of arrival from contacts whose overlap was never more than the rounding of
+    """Remove the time of arrival of contacts with an overlap that never exceeded the rounding of
     coordinates in the box, (3, 2), m: no wave has been there.
     """
     untouched = contacts["peak_overlap"] <= _ROUNDING * np.abs(box).max()
@@ -200,11 +201,13 @@ def touching_pairs(
         pairs = np.stack(np.triu_indices(len(places), 1), axis=1)
     else:
         pairs = _near_pairs(places, radii, tolerance, lengths if along.any() else None)
-    step = places[pairs[:, 1]] - places[pairs[:, 0]]
+    first, second = pairs.T
+    step = places[second] - places[first]
     step[:, along] -= lengths[along] * np.round(step[:, along] / lengths[along])
     gap = np.sqrt(np.einsum("ij,ij->i", step, step)) - radii[pairs].sum(axis=1)
     touching = ids[pairs[gap <= tolerance]]
-    return touching[np.lexsort((touching[:, 1], touching[:, 0]))]
+    first, second = touching.T
+    return touching[np.lexsort((second, first))]
 
 
 def _near_pairs(
@@ -232,7 +235,10 @@ def _near_pairs(
             for one, others in zip(large, near, strict=True)
         ]
     pairs = np.sort(np.concatenate(found), axis=1)
-    return np.unique(pairs[pairs[:, 0] < pairs[:, 1]], axis=0) if len(large) else pairs
+    if not len(large):
+        return pairs
+    first, second = pairs.T
+    return np.unique(pairs[first < second], axis=0)
 
 
 def sphere_values(
@@ -321,7 +327,7 @@ def pair_laws(
     species = assembly.species
     usual = case.packing.diameter / 2
     found = {name: np.empty(len(types)) for name in ("yield_overlap", "yielded_from", "share")}
-    found["effective_radius"] = radii[:, 0] * radii[:, 1] / radii.sum(axis=1)
+    found["effective_radius"] = radii.prod(axis=1) / radii.sum(axis=1)
     kind = types @ [len(species) + 1, 1]
     for number in np.unique(kind).tolist():
         rows = np.flatnonzero(kind == number)

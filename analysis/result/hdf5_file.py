@@ -141,7 +141,7 @@ def encoded_columns(columns: Mapping[str, NDArray], first: int) -> dict[str, Enc
 
 
 def store(dataset: h5py.Dataset, pieces: Pieces, *before: int) -> None:
-    """Write encoded rows; ``before`` are the indices before that of rows."""
+    """Write encoded rows; ``before`` are the indices before the index of rows."""
     for first, content in pieces:
         if isinstance(content, bytes):
             place = (*before, first)

@@ -4,7 +4,7 @@
     contact_force} /bars/NAME/{position, displacement, velocity, force}
 
 Beads and nodes are in the order of z; rows are the instants of ``/chain/time``. Forces in bars are
-those of the elements, positive in compression.
+forces of the elements, positive in compression.
 
 Lines of grains, ``[[line]]``:
 
@@ -14,13 +14,13 @@ Lines of grains, ``[[line]]``:
     /lines/NAME/{arrival, peak_speed, peak_time, width, lateral_force, largest_speed}     of each grain
 
 ``distance`` counts along the line from its first grain to each. ``force_sums`` are the sums of the
-magnitudes of the contact forces along x, y and z; the lateral force is half of that across the
+magnitudes of the contact forces along x, y and z; the lateral force is half of the sum across the
 line, at the instant of the peak. In a packing in a vertical plane it is half of the horizontal sum
 for lines in any direction.
 
 The pulse arrives when the speed first exceeds 5 % of a reference speed. Its peak is the first
 maximum above that after which the speed falls by 10 %; smaller ripples on the way up are no peaks.
-Its width is that between the half heights.
+Its width is the time between the half heights.
 """
 
 from __future__ import annotations

@@ -42,7 +42,7 @@ from granwave.lammps_inputs.run_directory import CASE_FILE, FIGURES_TABLE, RESUL
 
 
 def moved_mass(assembly: Assembly) -> float:
-    """Return the mass of the grains whose displacement is prescribed, kg; 0 for other loads."""
+    """Return the mass of the grains with a prescribed displacement, kg; 0 for other loads."""
     if not assembly.case.load.prescribes_motion:
         return 0.0
     return sum(assembly.mass_of(sphere) for sphere in struck_of(assembly))
@@ -245,8 +245,8 @@ class Result:
 
     @cached_property
     def figure_options(self) -> Figures:
-        """Table ``[figures]`` of the case.toml beside the result, which may be edited; else that of
-        the case.
+        """Table ``[figures]`` of the case.toml next to the result, which may be edited, or else of
+        the stored case.
         """
         path = self.path.parent / CASE_FILE
         tables = read_tables(path)
@@ -295,7 +295,9 @@ class Result:
 
     @cached_property
     def struck(self) -> tuple[int, ...]:
-        """Ids of the loaded spheres, the central one first; for a load by strikers those that move."""
+        """Ids of the loaded spheres, the central one first; for a load by strikers the moving
+        strikers.
+        """
         return struck_of(self.assembly)
 
     @property
@@ -419,7 +421,8 @@ class Result:
     def parts(self) -> Iterator[Result]:
         """Iterate over the result in parts of its spheres; a small one is a single part.
 
-        In a part, data sets of ``spheres`` have its rows alone; all else is that of the whole.
+        In a part, data sets of ``spheres`` have the rows of the part only; all other data sets are
+        whole.
         """
         if self.n_spheres <= self.at_once:
             yield self

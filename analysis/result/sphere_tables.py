@@ -64,8 +64,8 @@ def after_static_stage(
 
 
 def _force_of_pairs(frame: Frame, contacts: Contacts) -> NDArray[np.float64]:
-    """Return the forces (i, j, force) of contacts: (n_contacts,), N; 0 for those that are not among
-    the rows.
+    """Return the forces of contacts from rows (i, j, force): (n_contacts,), N; 0 for contacts
+    without a row.
     """
     i, j = frame.pairs.T
     stride = 1 + max(j.max(initial=0), contacts["j"].max(initial=0))
@@ -240,8 +240,8 @@ def _contacts_of(
         rows = hdf5.rows_of(near_ids, np.stack([contacts["i"], contacts["j"]], axis=1))
         return pairs.pair_laws(assembly, near["type"].astype(np.int64)[rows], radii[rows])
 
-    lengths = start.box[:, 1] - start.box[:, 0]
-    periods = tuple(length * goes_on for length, goes_on in zip(lengths, sides, strict=True))
+    low, high = start.box.T
+    periods = tuple(length * goes_on for length, goes_on in zip(high - low, sides, strict=True))
     if assembly.has_cylinders:  # they touch at other distances
         touching = np.unique(assembly.contacts(), axis=0)
     else:

@@ -1,8 +1,7 @@
-"""Particles at the start of a run, and its contacts, in parts of so many spheres that one fits into
-memory.
+"""Particles at the start of a run, and its contacts, in parts that each fit into memory.
 
-A part is a range of ids. Those of a lattice are counted by layers, so that a part is a slab. What
-belongs to a single part is kept in memory, that of several in scratch files.
+A part is a range of ids. Ids of a lattice are counted by layers, so that a part is a slab. A single
+part is kept in memory, several parts in scratch files.
 """
 
 from __future__ import annotations
@@ -126,7 +125,7 @@ class Start:
         return np.arange(first + 1, stop + 1) if self._ids is None else self._ids[first:stop]
 
     def rows(self, ids: NDArray[np.int64]) -> NDArray[np.int64]:
-        """Return the rows of particles; raise KeyError for those that there are not."""
+        """Return the rows of particles; raise KeyError for ids without a particle."""
         return rows_of_all(self.n_particles, ids) if self._ids is None else rows_of(self._ids, ids)
 
     def check_ids(self, path: Path, frame: Frame) -> None:
@@ -145,8 +144,8 @@ class Start:
     def around(
         self, part: int, further: NDArray[np.int64], gap: float, periodic: tuple[bool, bool, bool]
     ) -> Frame:
-        """Return the spheres of a part, those of other parts that may touch them, and further ones,
-        sorted by id.
+        """Return the spheres of a part, spheres of other parts that may touch them, and further
+        ones, sorted by id.
 
         Parameters
         ----------

@@ -106,10 +106,8 @@ def write_trajectory(
         "periodic" if is_periodic else "none" for is_periodic in periodic(case)
     ]
     # lower is an extension of the standard, whose boxes start at 0
-    for name, data in (
-        ("edges", start.box[:, 1] - start.box[:, 0]),
-        ("lower", start.box[:, 0] + origin),
-    ):
+    low, high = start.box.T
+    for name, data in (("edges", high - low), ("lower", low + origin)):
         box.create_dataset(name, data=data).attrs["unit"] = "m"
     n_chunk = min(n_spheres, ROWS_IN_CHUNK)
     for name, (dtype, unit) in _FIXED.items():

@@ -15,7 +15,7 @@
     /h5md, /particles/spheres                                   trajectory, see `granwave.analysis.result.trajectory`
 
 The root has the attributes ``name``, ``case`` (TOML), ``run`` and ``versions`` (JSON); every data
-set has a ``unit``. Ids are those of the lattice; vacancies have no row, see
+set has a ``unit``. Ids count the sites of the lattice; vacancies have no row, see
 `granwave.analysis.result.reader.Result.rows`.
 """
 

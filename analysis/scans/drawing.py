@@ -154,7 +154,7 @@ def draw_bars(
     others: Sequence[VariedKey],
     columns: Titles,
 ) -> Drawing:
-    """Draw bars by category, one below the other, and those of each curve.
+    """Draw the bars of each curve by category, one below the other.
 
     On a logarithmic axis points are drawn instead. Bars of plastic zones that reach a boundary are
     open, pale if a wave returned from one.

@@ -22,7 +22,7 @@ from granwave.analysis.document.model import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
-from granwave.analysis.quantities import QUANTITIES, scan_figures
+from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import VariedKey, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
@@ -56,12 +56,12 @@ class Ordinate:
 
     @property
     def zone(self) -> bool:
-        """True for a plastic zone, whose points are marked where it reaches a bound."""
+        """True for a plastic zone; its points are marked where it reaches a boundary."""
         return self.name.startswith(_OF_ZONE)
 
 
 def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordinate]:
-    """Return what can be shown of points that are done.
+    """Return the quantities that figures can show of finished points.
 
     Parameters
     ----------
@@ -81,8 +81,8 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     left_out = set()
     if not all(math.isfinite(_number(point, "restitution")) for point in done):
         left_out.add("restitution")
-    if not any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done):
-        left_out.add("plastic_zone_volume")  # of packings: the number of spheres tells it
+    if any(math.isfinite(_number(point, "n_plastic_spheres")) for point in done):
+        left_out.add("plastic_zone_volume")  # the number of spheres tells it
     if not protects(varied, [point.summary for point in done]):
         left_out.add(REDUCTION)
     return [one for one in found if one.name not in left_out]
@@ -92,7 +92,7 @@ def _ordinate(
     name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int, float]]]
 ) -> Ordinate:
     """A value of the summary, over the scale of its unit where there is one."""
-    entry = QUANTITIES[key]
+    entry = quantity(key)
     number = plastic_spheres if key == "n_plastic_spheres" else value_of(key)
     if entry.symbol and entry.unit in scales:
         symbol, words, scale = scales[entry.unit]
@@ -152,7 +152,7 @@ _OF_A_SCAN = re.compile(r".+_vs_.+|collapse_.+|.+_map")  # names of figures, as 
 
 
 def draw_scan_figures(scan: str | Path | ScanResult, *, pdf: bool = True) -> list[Path]:
-    """Draw the figures of a scan into its ``figures``; those that no longer apply are removed.
+    """Draw the figures of a scan into its ``figures``; figures that no longer apply are removed.
 
     For each numeric key: ``QUANTITY_vs_KEY``, with curves by the other keys. If no independent key
     is numeric: bars for each value of the first. If velocity and material vary:
@@ -253,7 +253,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
                 f"collapse_{fraction}",
                 "velocity_normalised",
                 fraction,
-                QUANTITIES[fraction].title,
+                quantity(fraction).title,
                 value_of(fraction),
             ),
             (
@@ -268,7 +268,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
                 values(value_of(key)), values(value), others, marks * (value is plastic_spheres)
             )
             if len(table) >= _FEWEST:
-                titles = QUANTITIES[key].title, title
+                titles = quantity(key).title, title
                 drawn[name] = partial(
                     draw_curves, table, *titles, others, (key, column), joined=False, chosen=False
                 )
@@ -286,9 +286,7 @@ def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
 
 
 def _abscissae(keys: dict[str, VariedKey], free: Sequence[str]) -> list[str]:
-    """Return the independent numeric keys, and those that are equivalent to one of them, except run
-    times.
-    """
+    """Return the independent numeric keys and their equivalents, except run times."""
     chosen = []
     for name, key in keys.items():
         alike = [other for other in free if determines(key.labels, keys[other].labels)]
@@ -299,7 +297,8 @@ def _abscissae(keys: dict[str, VariedKey], free: Sequence[str]) -> list[str]:
 
 
 def _others(keys: dict[str, VariedKey], free: Sequence[str], x: str) -> list[VariedKey]:
-    """Return the keys that distinguish curves over ``x``: all but those that its values determine.
+    """Return the keys that distinguish curves over ``x``: all keys that the values of ``x`` do not
+    determine.
 
     A key with fewer values than ``x`` groups the points, even if no abscissa occurs with two of its
     values.

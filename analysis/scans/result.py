@@ -48,7 +48,7 @@ class PointResult:
     labels
         Values of the varied keys, by dotted key; lists and tables as text.
     status, reason
-        Status, and why the point failed or what is damaged; empty otherwise.
+        Status, and the reason of a failure or the damage; empty otherwise.
     directory
         Directory of its run; None if it was never started.
     summary
@@ -199,8 +199,8 @@ _WORTH = 1e-3  # difference from 1 below which nothing is protected, as by a sin
 
 
 def protects(varied: Sequence[str], summaries: Iterable[Mapping[str, Any]]) -> bool:
-    """Return True for a scan of targets, or of one that is no rigid wall, of which some packing
-    takes a share.
+    """Return True for a scan of targets, or of a single target other than a rigid wall, that some
+    packing protects.
 
     Parameters
     ----------

@@ -56,10 +56,10 @@ def scan_table(result: ScanResult) -> Columns:
     Returns
     -------
     dict
-        Varied keys; ``status``, ``reason``, ``directory`` (relative to that of the scan; empty if
-        there is none), ``attempts``; all values of the summaries, in their order and SI units,
-        versions as ``versions.NAME``, lists as text, ``none`` if empty. A summary value whose name
-        is taken is called ``summary.NAME``.
+        Varied keys; ``status``, ``reason``, ``directory`` (relative to the scan's; empty if there
+        is none), ``attempts``; all values of the summaries, in their order and SI units, versions
+        as ``versions.NAME``, lists as text, ``none`` if empty. A summary value whose name is taken
+        is called ``summary.NAME``.
     """
     points = result.points
     table: Columns = {key: [point.labels.get(key) for point in points] for key in result.varied}
@@ -159,7 +159,7 @@ def write_scan_table(scan: str | Path | ScanResult) -> Path:
 
 
 def column_unit(name: str, units: Mapping[str, str]) -> str:
-    """Return the unit of a column of the table of a scan whose keys have these units, "1" if
+    """Return the unit of a column of the table of a scan with these units of keys, "1" if
     dimensionless.
     """
     if unit := units.get(name) or unit_of(name):
@@ -326,11 +326,11 @@ def read_scan(directory: str | Path) -> ScanData:
 
 
 def independent_keys(labels: Mapping[str, Sequence[Any]]) -> list[str]:
-    """Return the independent keys, without constant ones and those that another key determines
+    """Return the independent keys, without constant keys and keys that another one determines
     (zipped keys).
 
-    Of keys that determine each other the first is kept, except that keys of ``run`` and ``output``
-    are dropped first.
+    If keys determine each other, the first is kept, except that keys of ``run`` and ``output`` are
+    dropped first.
     """
     kept = [key for key, column in labels.items() if len(set(column)) > 1]
     for key in sorted(reversed(kept), key=lambda key: not key.startswith(("run.", "output."))):

@@ -8,5 +8,6 @@ extension = Extension(
     name="packings",
     title="poured packings, and their statistics",
     folder=Path(__file__).parent,
+    commands="granwave.extensions.packings.commands:COMMANDS",
     packings="granwave.extensions.packings.makers:MAKERS",
 )

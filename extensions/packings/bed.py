@@ -26,7 +26,7 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import csv_rows, replace_text
+from granwave.lammps_inputs.files import replace_text
 
 _FORMAT = 1  # of the files, and of the way that beds are made; another one makes another digest
 _DIGITS = 12  # of the digest in names
@@ -119,8 +119,8 @@ class BedFile:
         grains = parse_grains(text, None)
         grains.file = str(self.path)
         grains.period = tuple(record["period"]) if record.get("period") else None
-        rows = csv_rows(self.contacts_path.read_text(encoding="utf-8"))[1:]
-        values = np.array([cells for _, cells in rows], dtype=np.float64)
+        _, *rows = self.contacts_path.read_text(encoding="utf-8").splitlines()
+        values = np.array([row.split(",") for row in rows], dtype=np.float64)
         values = values.reshape(-1, len(_CONTACT_COLUMNS))
         pairs = values[:, :2].astype(np.int64) - 1
         return Bed(grains, pairs, values[:, 2], values[:, 3], record["bottom"], record)

@@ -23,7 +23,14 @@ from granwave.lammps_inputs.contact.static_load import absorbing_ids, force_of_c
 from granwave.lammps_inputs.contact.travel_time import MeasuredRow, measured_row, row_of
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.motion import chain_history, line_history, struck_of
+from granwave.lammps_inputs.packing.motion import (
+    chain_history,
+    held_ids,
+    line_history,
+    start_velocity,
+    struck_of,
+)
+from granwave.lammps_inputs.packing.places import layout_of, struck_spheres
 
 
 def check_excluded(case: Case, errors: ErrorList) -> None:
@@ -97,7 +104,7 @@ def check_driving(assembly: Assembly, errors: ErrorList) -> None:
     if fault := _too_few_periods(load, case.run.longest):
         _LOG.warning("%s: %s", case.name, fault)
     n = chain_history(assembly) if row.group == "chain" else line_history(assembly)
-    period = 1 / load.frequencies[1]
+    period = 1 / load.highest_frequency
     least = math.ceil(LEAST_PER_PERIOD / period * case.run.longest * (1 + _TOLERANCE))
     if 0 < n < least:
         _LOG.warning(
@@ -112,7 +119,7 @@ def _too_few_periods(load: DrivenLoad, end: float) -> str:
     """Describe a run or a load that is too short for what is measured, with its key; empty if there
     is none.
     """
-    period = 1 / load.frequencies[1]
+    period = 1 / load.highest_frequency
     ends = end * (1 + _TOLERANCE)
     if load.shape == "harmonic" and ends < (least := 2 * LEAST_PERIODS * period):
         return (
@@ -296,3 +303,39 @@ def check_absorbing(assembly: Assembly, errors: ErrorList) -> None:
             ),
         )
         seen |= dict.fromkeys(chosen, key)
+
+
+def check_struck_spheres(case: Case, errors: ErrorList) -> None:
+    """Check that the packing has as many spheres in the middle of its top as the load strikes."""
+    if not case.load.hits_spheres or case.load.index is not None:
+        return
+    try:
+        struck_spheres(layout_of(case.packing, case.boundary), case.load.spheres)
+    except ValueError as error:
+        found = f"{case.load.spheres}, but {error}"
+        errors.add("load.spheres", Mismatch(found, remedy="use 1, or another packing"))
+
+
+def check_struck(assembly: Assembly, errors: ErrorList) -> None:
+    """Check that no struck sphere is held in a direction in which the load moves it."""
+    case = assembly.case
+    load = case.load
+    if not load.hits_spheres or case.incident_bar:
+        return
+    velocity = start_velocity(assembly) or load.way
+    moved = {axis for axis, part in zip("xyz", velocity, strict=True) if part}
+    struck = set(struck_of(assembly))
+    for key, hold in case.held.items():
+        held = sorted(struck & set(held_ids(case, hold)))
+        along = sorted(moved & set(hold.axes))
+        if held and along:
+            table = key.partition(".")[0]
+            fault = (
+                f"holds sphere {held[0]} along {' and '.join(along)}, in which the load moves it; "
+                f"leave it out of [[{table}]], or strike another (load.index)"
+            )
+            errors.add(key, fault)
+    held = sorted(struck & set(assembly.lattice.last_layer.tolist()))
+    if held and case.boundary.bottom_rule.holds_layer:
+        found = f'{held[0]}, a sphere of the last layer, which boundary.bottom = "fixed" holds'
+        errors.add("load.index", Mismatch(found))

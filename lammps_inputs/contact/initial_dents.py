@@ -254,8 +254,8 @@ def contacts_at_start(assembly: Assembly) -> list[NearContacts]:
 
 
 def regions_of(case: Case) -> tuple[Dents, ...]:
-    """Return the regions of dents that are given by value, of which the last holds where they
-    overlap.
+    """Return the regions of dents that are given by value; where regions overlap, the last one
+    holds.
     """
     given = case.contact.initial_overlap
     return given if isinstance(given, tuple) else (Dents(overlap=float(given)),)

@@ -2,8 +2,8 @@
 viscous losses.
 
 The loss time of a restitution at a speed is found from the head-on collision of two bodies with
-their own law (`ContactLaw.collide`). Grains have the median diameter of those of their material,
-all of which have one time.
+their own law (`ContactLaw.collide`). The grains of a material share one loss time, computed for
+their median diameter.
 """
 
 from __future__ import annotations
@@ -196,10 +196,10 @@ def contact_of(
 
 
 def energy_at_start(assembly: Assembly) -> float:
-    """Energy of contacts that cohere at the start, below 0 that of surfaces apart, J; 0 without
-    cohesion.
+    """Energy of cohesive contacts at the start, relative to separate surfaces and thus negative, J;
+    0 without cohesion.
 
-    The energy is stationary there, so that rounding of positions does not count.
+    The energy is stationary at the start, so that rounding of positions does not change it.
     """
     case = assembly.case
     lattice = assembly.lattice

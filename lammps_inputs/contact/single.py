@@ -1,5 +1,4 @@
-"""Contact of two bodies that are described by themselves, without a packing: sphere, cylinder,
-plane, tube.
+"""Contact of two bodies without a packing: sphere, cylinder, plane, tube.
 
 A body is a table such as ``{"shape": "cylinder", "radius": 0.005, "length": 0.01, "axis": "y",
 "material": "brass"}``. The laws are those of runs, from `granwave.lammps_inputs.contact.law`:

@@ -1,7 +1,7 @@
 """Columns of the output of LAMMPS: name in the file, source in LAMMPS, and unit.
 
-The input script, the readers and ``result.h5`` take names, order and units from here. Column
-numbers are those of the computes and fixes of the plugin (plugins/doc).
+The input script, the readers and ``result.h5`` take names, order and units from here. The pages of
+the computes and fixes of the plugin (plugins/doc) list the column numbers.
 """
 
 from __future__ import annotations
@@ -9,6 +9,13 @@ from __future__ import annotations
 import dataclasses
 from collections.abc import Iterable
 from typing import TYPE_CHECKING
+
+from granwave.lammps_inputs.deck.plugin_columns import (
+    DisplacementColumn,
+    EnergyColumn,
+    SphereColumn,
+    WallColumn,
+)
 
 if TYPE_CHECKING:
     from granwave.lammps_inputs.case.case import Case
@@ -91,11 +98,13 @@ LEDGER = (
             ("beyond_half", "1"),
             ("largest_force", "N"),
         ],
-        first=2,
+        first=EnergyColumn.YIELDED,
     ),
     Column("struck_velocity", "v_struck_velocity", "m s-1"),
     Column("rotational", "c_rotational", "J", TURNING),
-    Column("plate", "f_plate[12]", "J", PLATE),  # part of the kinetic energy
+    Column(
+        "plate", WallColumn.SUPPORT_ENERGY.of("f_plate"), "J", PLATE
+    ),  # part of the kinetic energy
     Column("elastic_tangential", "v_elastic_tangential", "J", FRICTION),
     Column("friction", "v_friction", "J", FRICTION),
     Column("elastic_rolling", "v_elastic_rolling", "J", RESISTANCE),
@@ -106,11 +115,10 @@ LEDGER = (
     Column("viscous", "v_viscous", "J", LOSS),
     Column("holder", "f_holder", "J", HOLDER),
     Column("absorbed", "v_absorbed", "J", ABSORB),
-    Column(
-        "support", "f_{}[12]", "J", SUPPORT
-    ),  # energy of the support, that of its damper, work done on it
-    Column("support_lost", "f_{}[13]", "J", SUPPORT),
-    Column("target", "f_{}[15]", "J", SUPPORT),
+    # energy of the support, dissipation of its damper, work done on it
+    Column("support", WallColumn.SUPPORT_ENERGY.of("f_{}"), "J", SUPPORT),
+    Column("support_lost", WallColumn.SUPPORT_LOSS.of("f_{}"), "J", SUPPORT),
+    Column("target", WallColumn.WORK.of("f_{}"), "J", SUPPORT),
     Column("timestep", "v_timestep", "s", ADAPTIVE),
     Column("expected_error", "v_expected_error", "1", ADAPTIVE),
     Column("timesteps", "v_timesteps", "1", ADAPTIVE),
@@ -126,21 +134,25 @@ SNAPSHOT = (
     *(Column(axis, axis, "m") for axis in "xyz"),
     *of_compute("c_displacement", [(f"u{axis}", "m") for axis in "xyz"]),
     *(Column(f"v{axis}", f"v{axis}", "m s-1") for axis in "xyz"),
-    Column("force", "c_sphere[1]", "N"),
-    Column("peak_force", "c_sphere[2]", "N"),
-    Column("peak_overlap", "c_sphere[3]", "m"),
-    Column("dissipated", "c_sphere[4]", "J"),
-    Column("elastic", "c_sphere[10]", "J"),
-    Column("elastic_tangential", "c_sphere[11]", "J", FRICTION),
-    Column("friction", "c_sphere[12]", "J", FRICTION),
-    Column("viscous", "c_sphere[13]", "J", LOSS),
+    Column("force", SphereColumn.FORCE.of("c_sphere"), "N"),
+    Column("peak_force", SphereColumn.PEAK_FORCE.of("c_sphere"), "N"),
+    Column("peak_overlap", SphereColumn.PEAK_OVERLAP.of("c_sphere"), "m"),
+    Column("dissipated", SphereColumn.DISSIPATED.of("c_sphere"), "J"),
+    Column("elastic", SphereColumn.ELASTIC.of("c_sphere"), "J"),
+    Column("elastic_tangential", SphereColumn.ELASTIC_TANGENTIAL.of("c_sphere"), "J", FRICTION),
+    Column("friction", SphereColumn.FRICTION.of("c_sphere"), "J", FRICTION),
+    Column("viscous", SphereColumn.VISCOUS.of("c_sphere"), "J", LOSS),
     *(Column(f"f{axis}", f"f{axis}", "N", FORCES_OF_ALL) for axis in "xyz"),
     *(Column(f"omega{axis}", f"omega{axis}", "rad s-1", FORCES_OF_ALL) for axis in "xyz"),
     *(Column(f"tq{axis}", f"tq{axis}", "N m", FORCES_OF_ALL) for axis in "xyz"),
 )
 
 #: dumps/history.dump: history of a chain.
-HISTORY = (Column("id", "id"), Column("uz", "c_displacement[3]", "m"), Column("vz", "vz", "m s-1"))
+HISTORY = (
+    Column("id", "id"),
+    Column("uz", DisplacementColumn.Z.of("c_displacement"), "m"),
+    Column("vz", "vz", "m s-1"),
+)
 
 #: dumps/lines.dump: history of lines of grains.
 LINES = (
@@ -187,9 +199,9 @@ WALL_FORCES = tuple(column for column in WALL_CONTACTS if column.name == "force"
 
 #: dumps/walls.txt, after the forces, for a moving plane: from the vector of its fix.
 MOVING_WALL = (
-    Column("displacement", "f_{}[10]", "m"),
-    Column("velocity", "f_{}[11]", "m s-1"),
-    Column("ground_force", "f_{}[14]", "N"),
+    Column("displacement", WallColumn.DISPLACEMENT.of("f_{}"), "m"),
+    Column("velocity", WallColumn.VELOCITY.of("f_{}"), "m s-1"),
+    Column("ground_force", WallColumn.GROUND_FORCE.of("f_{}"), "N"),
 )
 
 

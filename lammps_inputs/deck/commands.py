@@ -174,7 +174,7 @@ def law_coefficients(
 
 
 def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str]:
-    """Return the words of the parameters of a law; those that are left out have its defaults."""
+    """Return the words of the parameters of a law; parameters at their defaults are left out."""
     words: list[str] = []
     for keyword, parameters in keywords(contact.entry.parameters).items():
         of_material = parameters[0].of_material
@@ -300,7 +300,7 @@ def wall_commands(
     prefix
         Prefix of the names of the fixes.
     only
-        Walls that are there already and change their places; their groups, and what is held, stay.
+        Existing walls that change their places; their groups, and the held grains, stay.
     """
     case = assembly.case
     lines = _groups(assembly) if only is None else []

@@ -121,8 +121,8 @@ def _batch(assembly: Assembly, first: int) -> str:
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:
     """Return the rows of grains with these ids and centres (n, 3) in the deck, m.
 
-    LAMMPS reads the density of a sphere: that of a cylinder gives its mass to a sphere of its
-    diameter.
+    LAMMPS reads the density of a sphere. The density of a cylinder is chosen so that a sphere of
+    its diameter has its mass.
     """
     bodies = list(
         zip(assembly.body[ids - 1].tolist(), assembly.diameter[ids - 1].tolist(), strict=True)
@@ -264,7 +264,7 @@ def write_deck(
 
 
 def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
-    """Return the names of the files of a deck, and of those that LAMMPS will write."""
+    """Return the names of the files of a deck, and of the files that LAMMPS will write."""
     case = assembly.case
     names = [run_directory.CASE_FILE, run_directory.DATA_FILE, run_directory.SCRIPT_FILE]
     axes = directions(assembly) if case.precompression else ""

@@ -1,29 +1,29 @@
-"""Motion in the LAMMPS input script: integration, initial velocities and spins, driven loads, and
-the energy ledger.
-"""
+"""Motion in the LAMMPS input script: integration, initial velocities and spins, driven loads."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
+from typing import NamedTuple
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.contact.law import energy_at_start
 from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_of, rise_of
-from granwave.lammps_inputs.deck import columns as table
-from granwave.lammps_inputs.deck.columns import recorded, sources
-from granwave.lammps_inputs.deck.commands import id_ranges, time_series
+from granwave.lammps_inputs.deck.commands import id_ranges
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import INCIDENT_BAR
 from granwave.lammps_inputs.packing.motion import own_velocities, start_velocity, struck_of
-from granwave.lammps_inputs.packing.walls import moving_fix, plane_fixes, walls
+from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.planning.schedule import Schedule
-from granwave.lammps_inputs.run_directory import ENERGY_FILE
 from granwave.lammps_inputs.script_words import joined, num
 
+POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
+STATIC = "v_static"  # elastic and potential energy at the start of the run
 GRAVITY = 9.81  # m/s^2, of beads on their holder
 _TICK = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
 _OF_CYLINDER = 1.25  # moment of inertia of a cylinder over that of a sphere of this mass and radius
+
+Vector = tuple[float, float, float]
 
 
 def motion(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
@@ -100,8 +100,8 @@ def _integration(assembly: Assembly) -> list[str]:
 
 
 def _prescribed(assembly: Assembly) -> list[str]:
-    """Return the groups of spheres whose motion is prescribed: those held in place, and those that
-    are moved.
+    """Return the groups of spheres with a prescribed motion: spheres held in place, and driven
+    spheres.
     """
     case = assembly.case
     held = ["held"] if any(wall.held_layer for wall in walls(assembly)) else []
@@ -147,55 +147,83 @@ def _holder(assembly: Assembly) -> list[str]:
     ]
 
 
+class MovingGroup(NamedTuple):
+    """Spheres that start with a velocity, m/s, and a spin, rad/s; group of LAMMPS and ids."""
+
+    group: str
+    spheres: Sequence[int]
+    velocity: Vector
+    spin: Vector
+
+
 def _velocities(assembly: Assembly, *, resumed: bool) -> list[str]:
     """Return the commands for initial velocities and spins, and their kinetic energy."""
     case = assembly.case
+    first_striker = assembly.lattice.n_spheres + 1
     lines = list[str]()
-    terms = list[str]()
-    moving = []
-    velocity = start_velocity(assembly)
-    if velocity is not None and (struck := struck_of(assembly)):
-        moving.append(("hit", struck, velocity, case.load.spin))
-    if own := own_velocities(assembly):  # in the data file
-        terms.append(
-            num(
-                sum(
-                    assembly.mass_of(one) * math.hypot(*velocity) ** 2 / 2
-                    for one, velocity in own.items()
-                )
-            )
-        )
-    if case.load.start_energy:
-        terms.append(case.load.start_energy)
     if case.precompression is not None and not resumed:
         lines += case.load.release_commands()
-    for number, striker in enumerate(case.striker, start=1):
+    moving = []
+    velocity = start_velocity(assembly)
+    struck = struck_of(assembly)
+    if velocity is not None and struck:
+        moving.append(MovingGroup("hit", struck, velocity, case.load.spin))
+    for number, striker in enumerate(case.striker):
         if striker.moves:
-            one = assembly.lattice.n_spheres + number
-            lines.append(f"group           striker{number} id {one}")
-            moving.append((f"striker{number}", (one,), striker.velocity, striker.spin))
-    for group, spheres, velocity, spin in moving:
-        if not resumed:
-            lines.append(f"velocity        {group} set {_components(velocity)} units box")
-        if any(velocity):
-            terms.append(f"0.5*mass({group})*({_square(velocity)})")
-        if any(spin):
-            if not resumed:
-                lines.append(f"set             group {group} omega {_components(spin)}")
-            inertia = 0.0
-            for one in spheres:
-                part = _OF_CYLINDER if assembly.shape_of(one) else 1.0
-                inertia += assembly.mass_of(one) * (assembly.diameter_of(one) / 2) ** 2 * part
-            terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(spin)})")
-    given = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
-    return [*lines, f"variable        given equal {given}"]
+            group = f"striker{number + 1}"
+            sphere = first_striker + number
+            lines.append(f"group           {group} id {sphere}")
+            moving.append(MovingGroup(group, (sphere,), striker.velocity, striker.spin))
+    if not resumed:
+        for part in moving:
+            lines += _set_motion(part)
+    terms = _start_energies(assembly, moving)
+    energy = f"$({'+'.join(terms)}:%.17g)" if terms else "0.0"
+    return [*lines, f"variable        given equal {energy}"]
 
 
-def _components(vector: tuple[float, float, float]) -> str:
+def _set_motion(part: MovingGroup) -> list[str]:
+    """Return the commands that set velocity and spin of spheres."""
+    lines = [f"velocity        {part.group} set {_components(part.velocity)} units box"]
+    if any(part.spin):
+        lines.append(f"set             group {part.group} omega {_components(part.spin)}")
+    return lines
+
+
+def _start_energies(assembly: Assembly, moving: Sequence[MovingGroup]) -> list[str]:
+    """Return the terms of the energy at the start, J: of velocities in the data file, of the load,
+    and of the moving spheres.
+    """
+    terms = []
+    own = own_velocities(assembly)
+    if own:
+        energies = (
+            assembly.mass_of(sphere) * math.hypot(*velocity) ** 2 / 2
+            for sphere, velocity in own.items()
+        )
+        terms.append(num(sum(energies)))
+    if assembly.case.load.start_energy:
+        terms.append(assembly.case.load.start_energy)
+    for part in moving:
+        if any(part.velocity):
+            terms.append(f"0.5*mass({part.group})*({_square(part.velocity)})")
+        if any(part.spin):
+            inertia = sum(_inertia(assembly, sphere) for sphere in part.spheres)
+            terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(part.spin)})")
+    return terms
+
+
+def _inertia(assembly: Assembly, sphere: int) -> float:
+    """Return m R^2 of a grain, kg m^2; of a cylinder, times its factor relative to a sphere."""
+    factor = _OF_CYLINDER if assembly.shape_of(sphere) else 1.0
+    return assembly.mass_of(sphere) * (assembly.diameter_of(sphere) / 2) ** 2 * factor
+
+
+def _components(vector: Vector) -> str:
     return joined(num(component) if component else "0.0" for component in vector)
 
 
-def _square(vector: tuple[float, float, float]) -> str:
+def _square(vector: Vector) -> str:
     return "+".join(f"{num(component)}^2" for component in vector if component)
 
 
@@ -211,146 +239,26 @@ def _load(assembly: Assembly) -> list[str]:
         f"variable        input equal {load.input_formula}",
     ]
     if load.may_stop:
-        along = _along(assembly.case, "hit")
+        velocity = velocity_along(assembly.case, "hit")
         lines += [
             "# The same without the kinetic energy of the moved spheres, which comes back when they stop.",
-            f"variable        load_work equal v_input-0.5*mass(hit)*{along}^2",
+            f"variable        load_work equal v_input-0.5*mass(hit)*{velocity}^2",
         ]
     return lines
 
 
-def _along(case: Case, group: str) -> str:
+def velocity_along(case: Case, group: str) -> str:
     """Return the formula of the velocity of a group along the load."""
-    terms = [f"{'' if part == 1 else f'{num(part)}*'}vcm({group},{axis})"
-             for axis, part in zip("xyz", case.load.way, strict=True) if part]  # fmt: skip
-    return terms[0] if terms[0].startswith("vcm") else f"({_sum(terms)})"
+    terms = []
+    for axis, part in zip("xyz", case.load.way, strict=True):
+        if part:
+            factor = "" if part == 1 else f"{num(part)}*"
+            terms.append(f"{factor}vcm({group},{axis})")
+    if terms[0].startswith("vcm"):
+        return terms[0]
+    return f"({sum_of(terms)})"
 
 
-POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
-STATIC = "v_static"  # elastic and potential energy at the start of the run
-#: Parts of the energies: condition, name, number in the compute, and in the fix of a wall; a variable within another
-#: has 15 digits, which is enough for those of friction.
-_PARTS = (
-    (table.FRICTION, "elastic_tangential", 6, 8),
-    (table.FRICTION, "friction", 7, 9),
-    (table.RESISTANCE, "elastic_rolling", 9, 17),
-    (table.RESISTANCE, "rolling", 10, 18),
-    (table.RESISTANCE, "elastic_twisting", 11, 19),
-    (table.RESISTANCE, "twisting", 12, 20),
-    (table.COHESION, "adhesion", 13, 21),
-    (table.LOSS, "viscous", 8, 16),
-)
-
-
-def ledger(assembly: Assembly, schedule: Schedule, *, resumed: bool = False) -> list[str]:
-    """Return the commands of the energy ledger, which also counts yielded contacts."""
-    case = assembly.case
-    planes = plane_fixes(assembly)
-    bars = [bar.name for bar in assembly.bars]
-    conditions = [*recorded(case), *([table.ADAPTIVE] if schedule.adaptive else [])]
-    columns = sources(table.LEDGER) | {name: f"v_energy_{name}" for name in bars}
-    columns |= sources(table.LEDGER, *conditions, of=moving_fix(assembly) or "")
-    lines = []
-    of_bars = list[str]()
-    moving = ["c_kinetic"]
-
-    def on_walls(*numbers: int) -> list[str]:
-        return [f"f_{name}[{number}]" for number in numbers for name in planes]
-
-    def at_bars(*numbers: int) -> list[str]:  # their contacts belong to the pair style
-        return [f"c_on_{name}[{number}]" for number in numbers for name in bars]
-
-    if case.has_rotation:
-        lines.append("compute         rotational all erotate/sphere")
-        if (
-            assembly.has_cylinders
-        ):  # of spheres of their masses and radii, and what they have beyond
-            columns["rotational"] = "v_rotational"
-            lines.append("variable        rotational equal c_rotational+f_cylinders")
-        moving.append(columns["rotational"])
-    if case.load.plate is not None:
-        moving.append(columns["plate"])
-    if case.moves_otherwise:
-        columns["kinetic"] = "v_motion"
-        lines.append(f"variable        motion equal {_sum(moving)}")
-    stored = [4]
-    lost = [5]
-    elastic = ["c_contact", *on_walls(4)]
-    dissipated = ["c_contact[1]", *on_walls(5)]
-    for when, name, number, of_wall in _PARTS:
-        if when in conditions:
-            terms = [f"c_contact[{number}]", *on_walls(of_wall)]
-            is_stored = name.startswith("elastic")
-            lines.append(f"variable        {name} equal {_sum(terms)}")
-            (stored if is_stored else lost).append(of_wall)
-            (elastic if is_stored else dissipated).extend(
-                [f"v_{name}"] if when == table.FRICTION else terms
-            )
-    if case.absorb:
-        lines.append(
-            f"variable        absorbed equal {_sum([f'f_absorb{n}' for n, _ in enumerate(case.absorb, 1)])}"
-        )
-    dissipated += [
-        columns[name] for name in ("holder", "absorbed", "support_lost") if name in columns
-    ]
-    elastic += [columns["support"]] if "support" in columns else []
-    if schedule.adaptive:
-        timestep = [column.name for column in table.LEDGER if column.when == table.ADAPTIVE]
-        lines += [
-            f"variable        {name} equal f_step[{n}]" for n, name in enumerate(timestep, start=1)
-        ]
-    elastic += [f"c_elastic_{name}" for name in bars]
-    elastic += [POTENTIAL, f"-{STATIC}"] if case.precompression else []
-    if at_start := energy_at_start(assembly):
-        elastic.append(num(-at_start))
-    for bar in assembly.bars:  # kinetic and elastic energy, and contact with the chain
-        of_bars += [
-            f"compute         on_{bar.name} all gran/hysteretic/contact {bar.touches} {bar.face}",
-            f"compute         bonds_{bar.name} {bar.name} bond/local engpot",
-            f"compute         elastic_{bar.name} {bar.name} reduce sum c_bonds_{bar.name} inputs local",
-            f"compute         kinetic_{bar.name} {bar.name} ke",
-            f"variable        energy_{bar.name} equal c_kinetic_{bar.name}+c_elastic_{bar.name}",
-        ]
-    return [
-        "# Energies, J. Their sum must stay equal to the input.",
-        "compute         kinetic all ke",
-        "compute         contact all gran/hysteretic/energy",
-        f"variable        time equal step*{num(schedule.timestep) if schedule.adaptive else 'dt'}",
-        *of_bars,
-        *lines,
-        f"variable        elastic_wall equal {_sum(on_walls(*stored) + at_bars(4))}",
-        f"variable        dissipated_wall equal {_sum(on_walls(*lost) + at_bars(5, *([8] if case.has_loss else [])))}",
-        f"variable        elastic equal {_sum(elastic)}",
-        f"variable        dissipated equal {_sum(dissipated)}",
-        f"variable        struck_velocity equal {_along(case, 'struck')}",
-        *time_series(
-            "ledger",
-            schedule.ledger_every,
-            ENERGY_FILE,
-            "energy ledger, SI units",
-            columns,
-            resumed,
-        ),
-    ]
-
-
-def _sum(terms: list[str]) -> str:
+def sum_of(terms: Sequence[str]) -> str:
+    """Return the formula of a sum; 0.0 for no terms."""
     return "+".join(terms).replace("+-", "-") or "0.0"
-
-
-def thermo(case: Case, schedule: Schedule) -> list[str]:
-    """Return the commands of thermodynamic output."""
-    every = (
-        schedule.block_steps
-        or max(1, schedule.n_steps // schedule.ledger_every // 20) * schedule.ledger_every
-    )
-    kinetic = "v_motion" if case.moves_otherwise else "c_kinetic"
-    return [
-        "# The log.",
-        f"thermo_style    custom step v_time {kinetic} v_elastic v_dissipated c_contact[2] v_struck_velocity",
-        "thermo_modify   lost error norm no flush yes",
-        f"thermo          {every}",
-        "# Nobody looks at these, and each is computed at every step at which any fix above is due.",
-        "uncompute       thermo_press",
-        "uncompute       thermo_pe",
-    ]

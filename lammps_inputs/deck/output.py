@@ -22,6 +22,7 @@ from granwave.lammps_inputs.deck.commands import (
     time_series,
     write_dump,
 )
+from granwave.lammps_inputs.deck.plugin_columns import WALL_FORCE, PairColumn
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import all_line_ids, written_in_parts
 from granwave.lammps_inputs.packing.walls import PLATE, Wall, moving_fix, plane_fixes, walls
@@ -38,7 +39,7 @@ def wall_forces(assembly: Assembly, schedule: Schedule, *, resumed: bool = False
     if not found and not bars:
         return []
     columns = {wall.name: f"v_{wall.name}" for wall in found} | {
-        bar.name: f"c_on_{bar.name}[2]" for bar in bars
+        bar.name: PairColumn.FORCE.of(f"c_on_{bar.name}") for bar in bars
     }
     if support := moving_fix(assembly):
         columns |= {
@@ -65,7 +66,9 @@ def outward_force(wall: Wall, prefix: str = "") -> str:
     """
     sources = ["held"] if wall.held_layer else [prefix + name for name, _, _ in wall.fixes]
     sign = "-" if wall.outward < 0 else "+"
-    return "".join(f"{sign}f_{source}[{wall.axis + 1}]" for source in sources).removeprefix("+")
+    component = WALL_FORCE[wall.axis]
+    terms = (f"{sign}{component.of(f'f_{source}')}" for source in sources)
+    return "".join(terms).removeprefix("+")
 
 
 def probes(case: Case, schedule: Schedule, *, resumed: bool = False) -> list[str]:

@@ -11,7 +11,8 @@ from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, wall_commands
-from granwave.lammps_inputs.deck.motion import adaptive_timestep, ledger, motion, thermo
+from granwave.lammps_inputs.deck.ledger import ledger, thermo
+from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import (
     dumps_at_end,
     frames,
@@ -201,8 +202,8 @@ def _run(case: Case, schedule: Schedule) -> list[str]:
 
 
 def with_absolute_files(commands: str, directory: str) -> str:
-    """Return commands whose files of a run are those in ``directory``, whatever the working
-    directory of LAMMPS is.
+    """Return commands that use the files of a run in ``directory``, whatever the working directory
+    of LAMMPS is.
 
     Parameters
     ----------

@@ -92,7 +92,7 @@ class Assembly:
     )  # of functions that are `kept_by_assembly`
 
     def __reduce__(self) -> tuple[Any, ...]:
-        """Send an assembly to another process as its case, of which it is made again there."""
+        """Send an assembly to another process as its case; the other process assembles it again."""
         return assemble, (self.case,)
 
     @property
@@ -102,9 +102,7 @@ class Assembly:
 
     @property
     def last_sphere(self) -> int:
-        """Largest id that a sphere can have: that of the last striker, or of the last site of the
-        lattice.
-        """
+        """Largest id of a sphere: the last striker, or the last site of the lattice."""
         return self.lattice.n_spheres + len(self.strikers)
 
     @property
@@ -252,7 +250,7 @@ class Assembly:
 
     @cached_property
     def deck_origin(self) -> NDArray[np.float64]:
-        """Point that is the origin of the deck: (3,), m.
+        """Origin of the deck in coordinates of the case: (3,), m.
 
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
         distance from the origin. A file of grains that lies farther from the origin than it is
@@ -281,7 +279,7 @@ class Assembly:
     def faces(self) -> NDArray[np.float64]:
         """Return the coordinates of the planes that enclose the packing, along x, y, z: (2, 3), m.
 
-        They touch nominal spheres: smaller ones leave a gap. In a chain the sides are those of the
+        They touch nominal spheres; smaller spheres leave a gap. In a chain the sides touch the
         largest bead.
         """
         if isinstance(self.lattice, Places):
@@ -326,10 +324,10 @@ class Assembly:
 
     @cached_property
     def striker_contacts(self) -> list[tuple[int, int]]:
-        """Ids of the spheres that a striker touches at the start, each with that of the striker.
+        """Pairs of ids in contact at the start: a sphere, and the striker that touches it.
 
-        They are those that the case names, but for gaps that scattered diameters or a misaligned
-        striker leave.
+        The case names the spheres; pairs with a gap, due to scattered diameters or a misaligned
+        striker, are left out.
         """
         found = []
         for number, (striker, centre) in enumerate(self.strikers, start=self.lattice.n_spheres + 1):
@@ -356,9 +354,9 @@ class Assembly:
 
 
 def kept_by_assembly(function: Callable[[Assembly], Value]) -> Callable[[Assembly], Value]:
-    """Make a function whose value an assembly keeps, so that it is computed once for each.
+    """Make a function whose value an assembly keeps: it is computed once for each assembly.
 
-    It serves values of rooms above this one, which `Assembly` cannot have as properties.
+    Values of rooms above this one use it, since `Assembly` cannot have them as properties.
     """
 
     @wraps(function)
@@ -407,7 +405,7 @@ def assemble(case: Case) -> Assembly:
 def of_case(
     function: Callable[Concatenate[Assembly, Others], Value],
 ) -> Callable[Concatenate[Case, Others], Value]:
-    """Make a function of a case, for users, from one whose first argument is its assembly."""
+    """Make a function of a case, for users, from a function of its assembly."""
 
     @wraps(function)
     def assembled(case: Case, *args: Others.args, **kwargs: Others.kwargs) -> Value:

@@ -268,8 +268,8 @@ class PlacedBar:
 
 
 def place_bar(case: Case, name: str, first: int, face: float, touches: int) -> PlacedBar:
-    """Place the nodes of a bar of a case, whose face is at z = ``face`` (m) and touches a sphere;
-    ``first``: its id.
+    """Place the nodes of a bar from its face at z = ``face`` (m), which touches a sphere; ``first``
+    is the id of the first node.
     """
     section = case.bar if name == BAR else case.incident_bar
     assert section is not None

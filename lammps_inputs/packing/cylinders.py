@@ -1,5 +1,4 @@
-"""Distances, extents and contacts of cylinders; see ``plugins/laws/cylinders.h``, whose geometry
-this is.
+"""Distances, extents and contacts of cylinders, with the geometry of ``plugins/laws/cylinders.h``.
 
 A sphere touches the side of a cylinder in a point, as two cylinders that cross do; parallel
 cylinders touch along a line. The ends of a cylinder do not touch anything.
@@ -22,14 +21,14 @@ _PARALLEL = 1e-9  # sine of the angle of axes up to which they count as parallel
 
 
 def cylinder_pair(first: Shape, second: Shape) -> CylinderPair:
-    """Return the geometry of two grains, one of which is a cylinder at least."""
+    """Return the geometry of two grains, at least one of them a cylinder."""
     lengths = tuple(one.length if one else 0.0 for one in (first, second))
     axes = [one.axis if one else _NO_AXIS for one in (first, second)]
     return CylinderPair(length=lengths, first_axis=axes[0], second_axis=axes[1])
 
 
 def extents(radius: NDArray[np.float64], shapes: Sequence[Shape]) -> NDArray[np.float64]:
-    """Return how far grains reach along x, y, z from their centres: (n, 3), m."""
+    """Return the half-widths of grains along x, y, z: (n, 3), m."""
     found = np.repeat(radius[:, None], 3, axis=1)
     for row, shape in enumerate(shapes):
         if shape is not None:
@@ -54,11 +53,11 @@ def distances(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> NDArray[np.float64]:
-    """Return the distances of pairs of rows from which overlaps count, those of centres or axes:
+    """Return the distances of centres or axes for pairs of rows, from which overlaps are computed:
     (n,), m.
 
-    Beyond the end of a cylinder they are the distances of the centres, if grains there do not
-    overlap with it.
+    Beyond the end of a cylinder the distance of the centres counts, if the grain does not overlap
+    with it.
 
     Parameters
     ----------
@@ -90,8 +89,8 @@ def separations(
     second: NDArray[np.int64],
     period: tuple[float, float] | None = None,
 ) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
-    """Return the distances of pairs of rows from or between axes, and how far beyond an end they
-    are: (n,), m.
+    """Return the distances of pairs of rows from or between axes, and their distances beyond an
+    end: (n,), m.
 
     Parameters
     ----------
@@ -148,8 +147,8 @@ def turning_projection(
     """Return the projections on the motions that turn a contact with these unit vectors, (n, 3):
     (n, 3, 3).
 
-    All motions across the normal turn that of spheres; those along an axis do not, and nothing
-    turns crossed axes.
+    Every motion across the normal turns a contact of spheres. Motion along an axis does not turn a
+    contact of a cylinder, and no motion turns a contact of crossed axes.
     """
     found = np.eye(3) - normal[:, :, None] * normal[:, None, :]
     axes = [one.vector for one in (first, second) if one is not None]

@@ -79,8 +79,8 @@ def diameter_losses(packing: PackingSection, n: int) -> NDArray[np.float64]:
 
 
 def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDArray[np.int64]:
-    """Return the vacant sites, from 0: those listed, or drawn for a share; never those of the ids
-    in ``kept``.
+    """Return the vacant sites, from 0: listed sites, or random ones for a share; never a site of
+    the ids in ``kept``.
 
     Raises
     ------
@@ -103,7 +103,7 @@ def vacant_sites(packing: PackingSection, n: int, kept: Collection[int]) -> NDAr
 def random_share(
     packing: PackingSection, entry: Replace, place: int, present: NDArray[np.bool_]
 ) -> NDArray[np.int64]:
-    """Draw the sites, from 0, of a ``[[replace]]`` entry with a share, from those that are
+    """Draw the sites, from 0, of a ``[[replace]]`` entry with a share, among the sites that are
     ``present``.
 
     Parameters
@@ -116,7 +116,7 @@ def random_share(
 
 
 def striker_shift(seed: int | None, striker: Striker, place: int) -> NDArray[np.float64]:
-    """Return the shift of a striker, its offset and what is random of it: (3,), m.
+    """Return the shift of a striker, its offset with its random misalignment: (3,), m.
 
     Parameters
     ----------
@@ -173,7 +173,8 @@ def lean(size: tuple[int, ...], diameter: float, diameters: Array, tilt: tuple[i
     # distances from the two walls
     u = np.empty_like(radii)
     v = np.empty_like(radii)
-    u[:, 0], v[0, :] = radii[:, 0], radii[0, :]
+    u[:, 0] = radii[:, 0]
+    v[0, :] = radii[0, :]
     for diagonal in range(1, nx + ny - 1):
         b = np.arange(max(0, diagonal - nx + 1), min(ny, diagonal + 1))
         a = diagonal - b

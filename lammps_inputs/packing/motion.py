@@ -143,8 +143,8 @@ def held_ids(case: Case, hold: Hold) -> tuple[int, ...]:
 
 
 def held_against_load(assembly: Assembly) -> tuple[int, ...]:
-    """Return the ids of the grains that do not move along an axis along which others are set in
-    motion: a last layer held in place, and those of ``[[hold]]`` and ``[[guide]]``.
+    """Return the ids of the grains held along a direction in which the load moves others: a last
+    layer held in place, and the grains of ``[[hold]]`` and ``[[guide]]``.
     """
     case = assembly.case
     moving = {axis for axis, part in zip("xyz", case.load.way, strict=True) if part}
@@ -195,8 +195,8 @@ def all_line_ids(assembly: Assembly) -> tuple[int, ...]:
 
 
 def left_out(assembly: Assembly, line: Line) -> int:
-    """Return how many grains at the end of a line the fit of its decay leaves out: those that the
-    floor holds.
+    """Return the number of grains at the end of a line that the floor holds, so that the fit of the
+    decay leaves them out.
     """
     if not isinstance(line.leave_out, str):
         return line.leave_out
@@ -235,7 +235,7 @@ def chain_history(assembly: Assembly) -> int:
         return 0
     instants = min(_HISTORY, max(_LEAST_ROWS, _HISTORY_VALUES / assembly.n_particles))
     if case.load.oscillates:
-        instants = max(instants, _IN_A_PERIOD * case.load.frequencies[1] * case.run.longest)
+        instants = max(instants, _IN_A_PERIOD * case.load.highest_frequency * case.run.longest)
     return int(min(instants, _MOST_HISTORY_VALUES / assembly.n_particles))
 
 

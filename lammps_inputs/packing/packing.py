@@ -75,7 +75,8 @@ class Packing:
             A pair that should touch does not within 1e-6 D: the positions were changed.
         """
         pairs = self.assembly.contacts()
-        pairs = pairs[np.lexsort((pairs[:, 1], pairs[:, 0]))]
+        first, second = pairs.T
+        pairs = pairs[np.lexsort((second, first))]
         gaps = self.gaps(pairs)
         stage = self.assembly.case.precompression
         if stage is not None and stage.takes_overlaps:

@@ -21,7 +21,14 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import Enclosure, PackingSection
-from granwave.lammps_inputs.lattices import FILE, KINDS, TOUCHING, Lattice, PackingKind, kind_of
+from granwave.lammps_inputs.lattices import (
+    FILE,
+    TOUCHING,
+    Lattice,
+    PackingKind,
+    kind_of,
+    lattice_kinds,
+)
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 
 
@@ -171,8 +178,8 @@ def near_pairs(
     slack: float,
     period: tuple[float, float] | None = None,
 ) -> NDArray[np.int64]:
-    """Find the pairs of rows whose surfaces may be at most ``slack`` apart, and some more: (n, 2),
-    i < j.
+    """Find all pairs of rows with surfaces at most ``slack`` apart, and some wider pairs: (n, 2), i
+    < j.
 
     Classes of size keep the search short where a few grains are much larger than the rest.
 
@@ -228,7 +235,9 @@ def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) ->
 
 
 def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False) -> float:
-    """Return the overlap without force of spheres, as in `cohesive_law`, m; 0 without cohesion."""
+    """Return the overlap at which spheres with the law of `cohesive_law` bear no force, m; 0
+    without cohesion.
+    """
     coheres = case.contact_between(case.material, partner).coheres
     return float(cohesive_law(case, partner, flat=flat).balanced_overlap) if coheres else 0.0
 
@@ -236,10 +245,10 @@ def balanced_overlap(case: Case, partner: Material | None, *, flat: bool = False
 def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     """Return the ids of the loaded spheres; the first one is the struck sphere.
 
-    The struck sphere is the one of the top layer nearest to the centroid of that layer (ties within
-    1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on one sphere
-    of the next layer (of several such pairs the one with the lowest ids), 7 its six neighbours in
-    the layer.
+    The struck sphere is the sphere of the top layer nearest to the centroid of this layer (ties
+    within 1e-6 D: the lowest id). A ``count`` of 3 adds the two neighbours that rest with it on the
+    same sphere of the next layer (the pair with the lowest ids if there are several), 7 its six
+    neighbours in the layer.
 
     Raises
     ------
@@ -253,7 +262,7 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     if count == 1:
         return (centre,)
     if not lattice.rule.hexagonal:
-        able = " or ".join(name for name, kind in KINDS.items() if kind.hexagonal)
+        able = " or ".join(name for name, kind in lattice_kinds().items() if kind.hexagonal)
         raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
     around, below = (
         [one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1)
@@ -276,7 +285,9 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
 def centred(
     strikers: Sequence[Striker], packing: PackingSection, boundary: Boundary
 ) -> tuple[Striker, ...]:
-    """Return strikers, those that touch the sphere at the centre of the top with its id."""
+    """Return strikers with the id of the sphere at the centre of the top, where they are to touch
+    it.
+    """
     if all(striker.touches for striker in strikers):
         return tuple(strikers)
     centre = struck_spheres(layout_of(packing, boundary), 1)

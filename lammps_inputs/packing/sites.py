@@ -10,6 +10,7 @@ packing lean on each other instead (`granwave.lammps_inputs.packing.disorder`).
 from __future__ import annotations
 
 import dataclasses
+import itertools
 from collections.abc import Iterator
 from functools import cached_property, partial
 
@@ -148,15 +149,12 @@ class Sites:
             if isinstance(self.lattice, Places):
                 apart = self.lattice.apart(pairs)
             elif self.leaning is not None:
-                apart = np.linalg.norm(
-                    self.leaning[pairs[:, 1] - 1] - self.leaning[pairs[:, 0] - 1], axis=1
-                )
+                first, second = pairs.T - 1
+                apart = np.linalg.norm(self.leaning[second] - self.leaning[first], axis=1)
+            elif self.stacked is not None:
+                apart = self.nominal[pairs - 1].sum(axis=1) / 2
             else:
-                apart = (
-                    self.lattice.spacing
-                    if self.stacked is None
-                    else self.nominal[pairs - 1].sum(axis=1) / 2
-                )
+                apart = self.lattice.spacing
             yield pairs, apart - self.diameter[pairs - 1].sum(axis=1) / 2
 
     @cached_property
@@ -220,27 +218,30 @@ class Sites:
         tree = KDTree(centres[present])
         slack = TOUCHING * self.lattice.diameter
         reach = (self.diameter[large] + self.diameter[present].max()) / 2 + slack
-        found: list[NDArray[np.float64]] = []
+        pairs_of_shifts = []
+        gaps_of_shifts = []
+        for shift in self._shifts():
+            around = tree.query_ball_point(centres[large] + shift, reach)
+            rows = np.repeat(large, [len(neighbours) for neighbours in around])
+            others = present[np.concatenate([np.asarray(n, dtype=np.int64) for n in around])]
+            apart = np.linalg.norm(centres[rows] + shift - centres[others], axis=1)
+            gaps = apart - (self.diameter[rows] + self.diameter[others]) / 2
+            keep = (gaps <= slack) & ((rows != others) | bool(shift.any()))
+            pairs = np.stack([np.minimum(rows, others) + 1, np.maximum(rows, others) + 1], axis=1)
+            pairs_of_shifts.append(pairs[keep])
+            gaps_of_shifts.append(gaps[keep])
+        pairs = np.concatenate(pairs_of_shifts)
+        gaps = np.concatenate(gaps_of_shifts)
+        order = np.argsort(gaps, kind="stable")  # the smallest gap of a pair counts
+        pairs, first = np.unique(pairs[order], axis=0, return_index=True)
+        return pairs, gaps[order][first]
+
+    def _shifts(self) -> Iterator[NDArray[np.float64]]:
+        """Iterate over the shifts of the images of the packing, its own of 0 first: (3,), m."""
         x, y = self.lattice.lengths
         steps = (0, -1, 1) if self.lattice.periodic else (0,)
-        for shift in (np.array([i * x, j * y, 0.0]) for i in steps for j in steps):
-            around = tree.query_ball_point(centres[large] + shift, reach)
-            one = np.repeat(large, [len(others) for others in around])
-            other = present[
-                np.concatenate([np.asarray(others, dtype=np.int64) for others in around])
-            ]
-            apart = np.linalg.norm(centres[one] + shift - centres[other], axis=1)
-            gap = apart - (self.diameter[one] + self.diameter[other]) / 2
-            keep = (gap <= slack) & ((one != other) | bool(shift.any()))
-            found.append(
-                np.stack([np.minimum(one, other) + 1, np.maximum(one, other) + 1, gap], axis=1)[
-                    keep
-                ]
-            )
-        rows = np.concatenate(found)
-        rows = rows[np.lexsort((rows[:, 2], rows[:, 1], rows[:, 0]))]
-        pairs, first = np.unique(rows[:, :2].astype(np.int64), axis=0, return_index=True)
-        return pairs, rows[first, 2]
+        for along_x, along_y in itertools.product(steps, steps):
+            yield np.array([along_x * x, along_y * y, 0.0])
 
     @cached_property
     def larger(self) -> NDArray[np.bool_]:

@@ -49,7 +49,8 @@ class Wall:
     plate
         Mass (kg) and velocity (m/s) of a rigid plate on the free top; None for other walls.
     overlap
-        Overlap of spheres that touch it, m: with cohesion that at which contacts bear no force.
+        Overlap of spheres that touch it, m; with cohesion the overlap at which contacts bear no
+        force.
     fixes
         Its LAMMPS fixes, one for each material: name, group and material of the grains.
     """
@@ -70,7 +71,7 @@ class Wall:
 
     @property
     def key(self) -> str:
-        """Key of ``[precompression]`` that moves it: x, y or tube; z of those that stay."""
+        """Key of ``[precompression]`` that moves it: x, y or tube; z for walls that stay."""
         return "tube" if self.tube else "xyz"[self.axis]
 
     @property
@@ -217,7 +218,7 @@ def untouched(assembly: Assembly) -> list[tuple[str, int, float]]:
 
 
 def _reach(assembly: Assembly, rows: NDArray[np.int64], axis: int) -> NDArray[np.float64]:
-    """Return how far the grains at some sites reach along an axis: (n,), m."""
+    """Return the half-widths along an axis of the grains at some sites: (n,), m."""
     shapes = [assembly.shape_of(one) for one in (rows + 1).tolist()]
     return extents(assembly.sites.diameter[rows] / 2, shapes)[:, axis]
 
@@ -265,9 +266,7 @@ def _fixes(assembly: Assembly, wall: Wall) -> tuple[tuple[str, str, Material], .
         groups = [("all", assembly.material_of(assembly.lattice.n_spheres))]
     elif len(materials) == 1 and not assembly.passing:
         groups = [("all", materials[0])]
-    elif (
-        wall.plate is not None
-    ):  # it moves with the spheres that it touches: those of the top layer
+    elif wall.plate is not None:  # it moves with the spheres of the top layer, which it touches
         there = materials_at(assembly, assembly.lattice.top_layer)
         return tuple((wall.name, *one) for one in groups if one[1] in there)
     return tuple(
@@ -303,7 +302,7 @@ def wall_friction(case: Case, wall: Wall, material: Material) -> float:
 
 
 def materials_at(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
-    """Return the materials of the spheres with these ids, such as those of a layer, each once."""
+    """Return the materials of the spheres with these ids, each once."""
     return list(
         dict.fromkeys(assembly.material_of(one) for one in ids[assembly.present[ids - 1]].tolist())
     )
@@ -312,7 +311,7 @@ def materials_at(assembly: Assembly, ids: NDArray[np.int64]) -> list[Material]:
 def moving_fix(assembly: Assembly) -> str | None:
     """Return the name of the fix with the moving plane; None if no plane moves.
 
-    Spheres of other materials than that of the last layer have a fix of their own, whose plane does
+    Spheres of other materials than the last layer have a fix of their own, with a plane that does
     not move.
     """
     for wall in walls(assembly):
@@ -323,7 +322,9 @@ def moving_fix(assembly: Assembly) -> str | None:
 
 
 def backing_of(assembly: Assembly, wall: Wall, material: Material) -> Backing | None:
-    """Return what moves behind a wall when grains of a material press it; None if it does not move."""
+    """Return the moving mass and support behind a wall that grains of a material press; None if it
+    does not move.
+    """
     if wall.plate is not None:
         return Backing(wall.plate[0], 0.0)
     if wall.support is None or material != materials_at(assembly, assembly.lattice.last_layer)[0]:

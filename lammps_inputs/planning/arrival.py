@@ -66,8 +66,8 @@ def expected_arrival(assembly: Assembly) -> float | None:
 
 
 def _layer(assembly: Assembly, beside: int) -> tuple[float, float]:
-    """Return the distance of layers, m, and the stiffness of one on the next over that of a
-    contact.
+    """Return the distance of layers, m, and the stiffness between layers divided by the stiffness
+    of a contact.
 
     Parameters
     ----------

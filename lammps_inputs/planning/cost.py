@@ -97,8 +97,8 @@ def expected_deck(assembly: Assembly) -> float:
 def analysing_ranks(assembly: Assembly, n_ranks: int) -> int:
     """Return the number of ranks that take part in the analysis.
 
-    Each of them holds a part of the packing whose size does not depend on their number. Together
-    they may need as much memory as the steps, or `_LEAST_OF_RANK` for each rank.
+    Each rank holds a part of the packing; the size of a part does not depend on the number of
+    ranks. Together they may need as much memory as the steps, or `_LEAST_OF_RANK` for each rank.
     """
     space = max(_of_steps(assembly), n_ranks * _LEAST_OF_RANK)
     return max(1, min(n_ranks, int(space / _of_part(assembly))))

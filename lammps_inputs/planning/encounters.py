@@ -137,8 +137,8 @@ class Encounter:
     energy
         Work of loading that the contact takes up, J.
     mass
-        Twice the effective mass, kg: the mass of one of two equal spheres, or twice that of a
-        sphere at a wall or at one that is held.
+        Twice the effective mass, kg: the mass of either of two equal spheres, or twice the mass of
+        a sphere at a wall or at a held sphere.
     against_wall
         True if there is no second sphere.
     dent
@@ -147,8 +147,8 @@ class Encounter:
     loss
         Kind and size of the viscous loss of the contact.
     body
-        Key of the body behind a wall, and its mass, if it is lighter than the sphere; empty
-        otherwise.
+        Key of the body behind a wall, and the mass of this body, if it is lighter than the sphere;
+        empty otherwise.
     """
 
     law: ContactLaw
@@ -291,7 +291,9 @@ def _of_impact(assembly: Assembly) -> list[Encounter]:
 
 
 def _behind(assembly: Assembly, name: str, material: Material) -> Backing | None:
-    """Return what moves behind the wall of this name when grains of a material press it."""
+    """Return the moving mass and support behind the wall of this name that grains of a material
+    press.
+    """
     wall = next((wall for wall in walls(assembly) if wall.name == name), None)
     return None if wall is None else backing_of(assembly, wall, material)
 

@@ -177,7 +177,7 @@ def plan(assembly: Assembly, *, n_ranks: int = 1, figures: bool = True) -> Plan:
 
 
 def _refuse_endless(case: Case) -> None:
-    """Refuse packings that are endless along z, or whose cell bears a load: they have bands, and no
+    """Refuse packings that are infinite along z, or with a cell under load: they have bands, and no
     runs.
     """
     stage = case.precompression
@@ -199,7 +199,7 @@ _NEAREST = 6  # neighbours of a grain among which the closest surfaces are looke
 
 
 def _note_gaps(assembly: Assembly) -> None:
-    """Log a warning about grains of a file of which no two touch."""
+    """Log a warning if no two grains of a file touch."""
     case = assembly.case
     if case.packing.grains is None or assembly.n_spheres < 2 or assembly.n_contacts:
         return

@@ -258,8 +258,8 @@ def _dense_times(assembly: Assembly) -> tuple[float, ...]:
 
 
 def _automatic(assembly: Assembly, duration: float, rows: int) -> tuple[float, int, int, int, int]:
-    """Find the units of a run whose timestep follows the error of the energy balance: the longest
-    timesteps.
+    """Find the units of a run with a timestep that follows the error of the energy balance, from
+    its longest timesteps.
 
     Parameters
     ----------

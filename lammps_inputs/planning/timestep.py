@@ -116,7 +116,7 @@ class TimestepLimit:
 
 
 def timestep_limits(assembly: Assembly, tolerance: float = ENERGY_TOLERANCE) -> list[TimestepLimit]:
-    """Return the bounds on the timestep, the smallest first, those of contacts by kind of
+    """Return the bounds on the timestep, the smallest first; contacts have a bound for each kind of
     collision.
 
     Raises
@@ -206,13 +206,14 @@ _TOO_FAR = 100.0
 
 
 def check_load_frequency(assembly: Assembly) -> None:
-    """Warn about a load that oscillates far above the cut-off, and refuse it where that is beyond
-    all sense.
+    """Warn about a load that oscillates far above the cut-off; refuse frequencies more than a
+    hundred times higher.
 
     Raises
     ------
     InputError
-        The frequency is more than a hundred times what the contacts under the static load pass on.
+        The frequency is more than a hundred times the cut-off of the contacts under the static
+        load.
     """
     case = assembly.case
     load = assembly.case.load
@@ -225,7 +226,7 @@ def check_load_frequency(assembly: Assembly) -> None:
     except (ArithmeticError, ValueError):  # no contact takes up energy
         return
     cutoff = _OF_CUTOFF / (2 * math.pi * shortest)
-    highest = load.frequencies[1]
+    highest = load.highest_frequency
     if highest <= _FAR * cutoff:
         return
     found = (

@@ -1,10 +1,10 @@
 """Writing of checkpoints.
 
 A checkpoint is a LAMMPS restart file, with sizes and checksums of all output files at that step. A
-resumed run truncates its output files to these sizes and appends, so that nothing is repeated. Of a
-packing whose snapshots are written in parts
-(`granwave.lammps_inputs.packing.motion.written_in_parts`) each rank writes its own part, a few a
-file where there are many, and any number of ranks can read them.
+resumed run truncates its output files to these sizes and appends, so that nothing is repeated. If
+snapshots are written in parts (`granwave.lammps_inputs.packing.motion.written_in_parts`), each rank
+writes its own part, several ranks a file where there are many, and any number of ranks can read
+them.
 """
 
 from __future__ import annotations
@@ -46,7 +46,7 @@ def write_checkpoint(
     Parameters
     ----------
     previous
-        Checkpoint before this one, of whose output files only what was added since is read.
+        Checkpoint before this one; only the additions to its output files since are read.
     parts
         Each rank writes its own.
 

@@ -18,7 +18,7 @@ from granwave import __version__
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
@@ -81,11 +81,11 @@ class RunDirectory(ResultDirectory):
         self.clear([name for name in there if name not in kept])
 
     def checkpoint_fault(self, checkpoint: dict[str, Any], processes: Processes = ALONE) -> str:
-        """Describe why a run cannot go on from a checkpoint; empty if it can. ``processes`` read
+        """Describe why a run cannot resume from a checkpoint; empty if it can. ``processes`` read
         its files.
 
-        It is of another minor version, whose restart files may differ, or a file is not what the
-        run wrote. Output files may have grown.
+        Reasons are another minor version, since restart files may differ, or a file that was
+        changed after the run wrote it. Output files may have grown.
         """
         try:
             made = str(checkpoint["version"])
@@ -98,7 +98,7 @@ class RunDirectory(ResultDirectory):
             return f"{self / files.RECORD_FILE}: its checkpoint cannot be read"
 
     def _changed_since(self, checkpoint: dict[str, Any], processes: Processes) -> str:
-        """Describe the first file that is not what it was at a checkpoint; empty if none."""
+        """Describe the first file that was changed since a checkpoint; empty if none was."""
         whole = checkpoint["whole"]
         sums = checkpoint.get("sums", {})
         sizes = whole | checkpoint["sizes"]
@@ -168,10 +168,9 @@ def decide(
     expected = plan(assembly, n_ranks=n_ranks)
     names = run_files(assembly, expected.schedule)
     if figures:
-        names += [files.FILM_FILE.format(case.figures.film)] if case.figures.film != "none" else []
-        names += [files.VIEW_FILE] if case.figures.view else []
+        names += case.figures.products.values()
         if os.path.lexists(results / files.FIGURES_DIRECTORY):
-            names += [file for name in FIGURE_NAMES for file in figure_files(name)]
+            names += [file for name in figure_names() for file in figure_files(name)]
 
     def read(tables: Any) -> dict[str, Any]:
         return _without_figures(stored_case(tables, results / files.CASE_FILE))

@@ -101,7 +101,7 @@ def run_assembly(
     Parameters
     ----------
     directory
-        Directory of the results; the page 'What a run leaves' of the documents lists its files.
+        Directory of the results; the page 'What a run leaves' of the documentation lists its files.
     resume
         Continue existing results; a finished run is not changed, and an empty directory is a new
         run.
@@ -114,7 +114,7 @@ def run_assembly(
     figures
         Draw the figures.
     comm
-        MPI communicator; by default that of all ranks.
+        MPI communicator; by default the communicator of all ranks.
 
     Raises
     ------
@@ -299,7 +299,7 @@ class _Run:
         )
 
     def analyse(self, *, take_up: bool = False) -> Outcome:
-        """Analyse the output; ``take_up``: that of an earlier session."""
+        """Analyse the output; ``take_up`` is True for output of an earlier session."""
         if take_up:
             there = on_first(self.comm, self.results.read_record)
             self.record = (

@@ -61,7 +61,9 @@ def make_spheres(engine: Engine, assembly: Assembly) -> None:
 
 
 def _images(centres: NDArray[np.float64], assembly: Assembly) -> NDArray[np.int64]:
-    """Return how many periods along x, y, z LAMMPS will move the centres back by: (n, 3)."""
+    """Return the number of periods along x, y, z by which LAMMPS will move the centres back: (n,
+    3).
+    """
     inside = centres.copy()
     images = np.zeros(centres.shape, dtype=np.int64)
     low, high = box_of(assembly)[:2].T
@@ -82,7 +84,7 @@ def _own(
     """
     n = assembly.lattice.n_spheres
     lattice = assembly.lattice
-    box = box_of(assembly)
+    box_low, box_high = box_of(assembly)[:2].T
     layered = isinstance(lattice, Lattice) and assembly.sites.leaning is None
     low = low - _MARGIN * lattice.diameter
     high = high + _MARGIN * lattice.diameter
@@ -96,9 +98,7 @@ def _own(
         if layered:
             inside = centres.copy()
             if lattice.periodic:
-                inside[:, :2] = box[:2, 0] + (inside[:, :2] - box[:2, 0]) % (
-                    box[:2, 1] - box[:2, 0]
-                )
+                inside[:, :2] = box_low + (inside[:, :2] - box_low) % (box_high - box_low)
             chosen = chosen & ((inside >= low) & (inside < high)).all(axis=1)
         here = np.flatnonzero(chosen)
         yield here + first, centres[here]

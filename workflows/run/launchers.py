@@ -46,8 +46,8 @@ def wait_for_end(
 ) -> int | None:
     """Wait until a launcher ends; return its exit status, None if it was killed.
 
-    A launcher whose ranks have not started is killed some seconds after a request to stop, one at
-    work with the second request.
+    Before its ranks have started, a launcher is killed some seconds after a request to stop;
+    afterwards it is killed at the second request.
 
     Parameters
     ----------

@@ -42,7 +42,9 @@ logger = logging.getLogger(__name__)
 
 # set by the launchers of MPICH, Slurm (PMI, PMIx) and Open MPI
 _RANK_VARIABLES = ("PMI_RANK", "PMIX_RANK", "OMPI_COMM_WORLD_RANK")
-_ALLOWED = "OMPI_ALLOW_"  # what the user tells Open MPI, as to run as root in a container
+_ALLOWED = (
+    "OMPI_ALLOW_"  # permissions that the user gives Open MPI, such as to run as root in a container
+)
 _LAUNCHER_PREFIXES = ("PMI_", "PMIX_", "HYDRA_", "HYDI_", "OMPI_", "MPI_LOCAL", "MPIR_")
 # s of waiting at full speed, and then between looks
 _IMPATIENT = 0.1
@@ -176,8 +178,8 @@ def wait_for(comm: Intracomm, rank: int, tag: int = 0) -> None:
 
 
 def find_mpiexec() -> str | None:
-    """Return the path of mpiexec: that of the environment, else, for a site's own MPI, that in
-    PATH; None without.
+    """Return the path of mpiexec: in the environment, or else, for a site's own MPI, in PATH; None
+    if there is none.
     """
     own = Path(sys.prefix) / "bin" / "mpiexec"
     return str(own) if own.exists() else shutil.which("mpiexec")
@@ -189,7 +191,7 @@ def command(n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
     Parameters
     ----------
     launcher
-        Command such as ``srun --mpi=pmi2``; by default that of `find_mpiexec`.
+        Command such as ``srun --mpi=pmi2``; by default the command that `find_mpiexec` finds.
 
     Raises
     ------
@@ -266,7 +268,7 @@ def launch(
     launcher
         As in `command`.
     stdout, stderr
-        File descriptors that the ranks write to; by default those of this process.
+        File descriptors that the ranks write to; by default the descriptors of this process.
     remedy
         Advice for ranks that were killed.
 
@@ -320,8 +322,8 @@ def launch(
 def launch_unseen(
     n_ranks: int, arguments: Sequence[str], launcher: Sequence[str] = ()
 ) -> tuple[int, list[str]]:
-    """Run ranks as `launch` does without showing what they print; return exit status and lines of
-    standard error.
+    """Run ranks as `launch` does, without their output; return exit status and lines of standard
+    error.
     """
     with tempfile.TemporaryFile() as said:
         status = launch(

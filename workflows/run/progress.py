@@ -37,7 +37,9 @@ def not_enough_memory(why: str) -> str:
 
 
 def announce(expected: Plan) -> None:
-    """Tell how long a long run will take, and what makes its steps short, before it starts."""
+    """Announce the expected duration of a long run, and the reason of its short steps, before it
+    starts.
+    """
     if expected.slowness:
         _LOG.warning(
             "%s: about %s: %s", expected.name, duration(expected.wall_time), expected.slowness

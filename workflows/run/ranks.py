@@ -18,7 +18,7 @@ from granwave.workflows.run.mpi import on_first, wait_for
 if TYPE_CHECKING:
     from mpi4py.MPI import Intracomm, Request
 
-# ranks up to which the first one works too; of more it only takes what the others send
+# ranks up to which the first one works too; with more ranks it only collects results
 _MOST_WORKING = 8
 
 
@@ -115,7 +115,7 @@ class _Ranks(Processes):
 
 
 def _serve(comm: Intracomm) -> None:
-    """Do what the first rank hands out, until it has no more."""
+    """Work on the tasks that the first rank hands out, until there are no more."""
     while True:
         wait_for(comm, 0)
         if (found := comm.recv(source=0, tag=0)) is None:

@@ -82,11 +82,11 @@ class Machine:
     Attributes
     ----------
     jobs
-        Simultaneous jobs; on this machine cores, of which a point takes one for each rank.
+        Simultaneous jobs; on this machine the number of cores: a point takes a core for each rank.
     profile
         Profile of the cluster; None for this machine.
     slowness
-        Measured over planned time of a point.
+        Measured time of a point divided by the planned time.
     """
 
     jobs: int

@@ -131,7 +131,7 @@ def run_scan(
 
 
 def default_jobs(profile: Profile | None) -> int:
-    """Return the default number of simultaneous jobs: cores of this machine, or that of the
+    """Return the default number of simultaneous jobs: cores of this machine, or the number in the
     profile.
     """
     return profile.jobs if profile else len(os.sched_getaffinity(0))
@@ -206,7 +206,7 @@ class _ScanRun:
         before = self._states(points)
         try:
             jobs.running()
-            # what table, figures and report need is loaded while the jobs start
+            # modules of table, figures and report are loaded while the jobs start
             import granwave.analysis.reports.report
             import granwave.analysis.scans.figures  # noqa: F401
 

@@ -37,7 +37,7 @@ _WARNING = 90  # s before the time limit at which points write checkpoints
 
 
 class Jobs:
-    """Jobs of one round; a batch whose job was killed gets another one.
+    """Jobs of one round; if a job was killed, its batch gets another job.
 
     Parameters
     ----------
@@ -100,7 +100,7 @@ class Jobs:
         raise NotImplementedError
 
     def _start(self, batch: Batch) -> Any:
-        """Start a job, and return what it is known by; None if that is not possible now."""
+        """Start a job and return its identifier; None if no job can be started now."""
         raise NotImplementedError
 
 
@@ -137,7 +137,9 @@ class LocalJobs(Jobs):
 
 
 class SlurmJobs(Jobs):
-    """Jobs of Slurm, so many at once, by the profile of a cluster; ``name`` is that of the scan."""
+    """Jobs of Slurm, so many at once, by the profile of a cluster; ``name`` is the name of the
+    scan.
+    """
 
     def __init__(
         self, directory: Path, batches: Sequence[Batch], at_once: int, profile: Profile, name: str

@@ -137,9 +137,9 @@ def _values_of(value: Any) -> list[Any]:
         isinstance(n, int | float) and not isinstance(n, bool) for n in numbers
     ):
         raise ValidationError(expected)
-    first = schema.finite(numbers[0], expected)
-    last = schema.finite(numbers[1], expected)
-    count = numbers[2]
+    first, last, count = numbers
+    first = schema.finite(first, expected)
+    last = schema.finite(last, expected)
     if not isinstance(count, int) or not 2 <= count <= _MOST_POINTS:
         raise ValidationError(f"{expected} with 2 to {_MOST_POINTS} values")
     if shape == "log" and (first <= 0 or last <= 0):

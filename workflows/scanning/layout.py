@@ -73,7 +73,7 @@ def fault(directory: Path, point: str) -> str:
     Raises
     ------
     InputError
-        The case.toml of the point was changed after the run, or the directory is that of another
+        The case.toml of the point was changed after the run, or the directory belongs to another
         point.
     """
     place = finished(directory, point)

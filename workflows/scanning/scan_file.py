@@ -30,7 +30,7 @@ from granwave.workflows import library
 from granwave.workflows.run.progress import Progress, each_warning_once
 from granwave.workflows.run.record import versions
 from granwave.workflows.scanning.header import ScanHeader, flat, studies_beside, variations_of
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, CaseKind, Cost, solver_of
+from granwave.workflows.solvers import AnyCase, CaseKind, Cost, case_commands, solver_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -102,7 +102,7 @@ class Scan:
 
     @property
     def scale(self) -> float:
-        """Points of the file over those that were made."""
+        """Number of points of the file divided by the number of points that were made."""
         return self.n_points / len(self.points)
 
     def n_values_of(self, key: str) -> int:
@@ -163,8 +163,8 @@ def load_scan(
     scan
         Path of the file, or name of a built-in scan.
     overrides
-        Keys of the case for all points, in addition to those of ``[set]`` and with precedence over
-        them.
+        Keys of the case for all points, in addition to the keys of ``[set]`` and with precedence
+        over them.
     here
         True if the points run on this machine and must fit into its memory.
     most
@@ -286,9 +286,7 @@ def _build(
         )
     if template is None:
         try:
-            base = library.find_for(
-                header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent
-            )
+            base = library.find_for(header.case, *case_commands(), directory=path.parent)
         except InputError as error:
             raise InputError(item.inside(f"{path}: case") for item in error.items) from None
         except OSError as error:
@@ -304,7 +302,7 @@ def _build(
         return kind.read(data, path, overridden=changes)
 
     progress = Progress(len(variations), f"{header.name}: points", enabled=len(variations) > _MANY)
-    fresh = each_warning_once()  # of which many points would give many
+    fresh = each_warning_once()  # many points would repeat them
     with contextlib.closing(progress), contextlib.ExitStack() as at_end:
         _LOG.addFilter(fresh)
         at_end.callback(_LOG.removeFilter, fresh)

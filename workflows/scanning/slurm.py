@@ -50,7 +50,7 @@ _OURS = (
 
 
 def _options(value: str) -> str:
-    """Check options of sbatch; refuse those of `_KEYS` and `_OURS`."""
+    """Check options of sbatch; refuse the options in `_KEYS` and `_OURS`."""
     try:
         words = shlex.split(value)
     except ValueError:  # unbalanced quotation mark
@@ -169,7 +169,7 @@ def check_slurm() -> None:
 
 
 def jobs_of(directory: Path) -> list[QueuedJob]:
-    """Return the pending and running jobs of a scan, including those of earlier drivers.
+    """Return the pending and running jobs of a scan, including jobs of earlier drivers.
 
     Raises
     ------
@@ -191,7 +191,9 @@ def jobs_of(directory: Path) -> list[QueuedJob]:
 
 
 def ended(jobs: Iterable[str], status: str) -> set[str]:
-    """Return those of these jobs that have ended, by ``status`` of the profile; raise as `jobs_of`."""
+    """Return the jobs among these that have ended, by ``status`` of the profile; raise as
+    `jobs_of`.
+    """
     asked = [*_STATES[status], *([f"--jobs={','.join(jobs)}"] if status == "sacct" else [])]
     states = {name: state for name, state in (line.split("|") for line in ask(asked).splitlines())}
     unknown = "PENDING" if status == "sacct" else ""  # which learns of new jobs late
@@ -242,7 +244,7 @@ _REMEDIES = {
 
 
 def note_refused(directory: Path, points: Iterable[str], reason: str) -> None:
-    """Mark points whose jobs could not be submitted as failed, for this reason."""
+    """Mark points as failed if their jobs could not be submitted, with this reason."""
     for point in points:
         layout.change_state(
             directory, point, state=layout.FAILED, reason=f"Slurm did not run the job: {reason}"

@@ -43,7 +43,7 @@ class DisplacementLoad(DrivenLoad):
         if self.table:
             time, value = np.array(self.table).T
             return float(np.abs(np.diff(value) / np.diff(time)).max())
-        return 2 * math.pi * self.frequencies[1] * self.largest
+        return 2 * math.pi * self.highest_frequency * self.largest
 
     def speed_bound(self, packing: LoadedPacking) -> float:
         return self.fastest
@@ -67,7 +67,9 @@ class DisplacementLoad(DrivenLoad):
 
     def check(self, names: Sequence[str], errors: ErrorList) -> None:
         super().check(names, errors)
-        first = self.table[0][1] if self.table else 0.0
+        first = 0.0
+        if self.table:
+            _, first = self.table[0]
         text = (
             f"found {first:g} m at first, expected 0: a displacement counts from where the spheres "
             f"rest at the start; subtract {first:g} from all its values"

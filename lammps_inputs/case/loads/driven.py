@@ -117,7 +117,10 @@ class DrivenLoad(LoadOnSpheres):
             return math.inf
         if self.shape == "burst":
             return (self.cycles or 0.0) / (self.frequency or 1.0)
-        return self.table[-1][0] if self.table else self.duration or 0.0
+        if self.table:
+            last_time, _ = self.table[-1]
+            return last_time
+        return self.duration or 0.0
 
     @property
     def first_time(self) -> float:
@@ -144,13 +147,24 @@ class DrivenLoad(LoadOnSpheres):
     @property
     def frequencies(self) -> tuple[float, float]:
         """Lowest and highest frequency of a load that oscillates, Hz."""
-        both = self.frequency or 0.0, self.last_frequency or self.frequency or 0.0
-        return min(both), max(both)
+        first = self.frequency or 0.0
+        last = self.last_frequency or first
+        return min(first, last), max(first, last)
+
+    @property
+    def lowest_frequency(self) -> float:
+        """Lowest frequency of a load that oscillates, Hz."""
+        return min(self.frequencies)
+
+    @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of a load that oscillates, Hz."""
+        return max(self.frequencies)
 
     @property
     def highest_key(self) -> str:
         """Key of the highest frequency."""
-        rises = self.last_frequency is not None and self.last_frequency == self.frequencies[1]
+        rises = self.last_frequency is not None and self.last_frequency == self.highest_frequency
         return "load.last_frequency" if rises else "load.frequency"
 
     @property
@@ -172,10 +186,10 @@ class DrivenLoad(LoadOnSpheres):
     def at(self, time: Array) -> Array:
         """Return the force, N, or the displacement, m, at instants (s): (n_times,)."""
         if self.table:
-            points = np.array(self.table)
-            after = points[-1, 1] if self.holds_last else 0.0
-            before = points[0, 1] if self.holds_last else 0.0
-            return np.interp(time, points[:, 0], points[:, 1], left=before, right=after)
+            times, sizes = np.array(self.table).T
+            after = sizes[-1] if self.holds_last else 0.0
+            before = sizes[0] if self.holds_last else 0.0
+            return np.interp(time, times, sizes, left=before, right=after)
         return np.asarray(load_at(self.shape or "", self.numbers, time))
 
     @abstractmethod
@@ -192,7 +206,7 @@ class DrivenLoad(LoadOnSpheres):
 
     def timestep_limit(self, share: float) -> LoadLimit | None:
         if self.oscillates:
-            highest = self.frequencies[1]
+            highest = self.highest_frequency
             cause = f"{self.highest_key} = {highest:g} Hz"
             return LoadLimit(share / highest, cause, "a lower frequency")
         if self.duration:

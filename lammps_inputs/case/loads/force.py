@@ -41,7 +41,7 @@ class ForceLoad(DrivenLoad):
             parts = np.diff(time) * (force[1:] + force[:-1]) / 2
             return float(np.abs(np.cumsum(parts)).max())
         if self.oscillates:
-            return self.largest / (math.pi * self.frequencies[0])
+            return self.largest / (math.pi * self.lowest_frequency)
         mean = 2 / math.pi if self.shape == "half-sine" else 1.0
         return (self.amplitude or 0.0) * (self.duration or 0.0) * mean
 

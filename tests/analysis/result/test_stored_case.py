@@ -17,7 +17,6 @@ from granwave.analysis.studies.runs import read_run
 from granwave.lammps_inputs import files as input_files
 from granwave.lammps_inputs import load_case
 from granwave.lammps_inputs.case import added_grains, packing
-from granwave.lammps_inputs.checks import checks
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -42,7 +41,7 @@ def poor_machine(monkeypatch):
         return call
 
     for name in _CHECKS:
-        monkeypatch.setattr(loading, name, noted(name, getattr(checks, name)))
+        monkeypatch.setattr(loading, name, noted(name, getattr(loading, name)))
     for module in (packing, added_grains, input_files):
         monkeypatch.setattr(module, "available_memory", lambda: 1.0)
     return made

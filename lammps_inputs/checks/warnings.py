@@ -1,0 +1,173 @@
+"""Warnings about values of a case that are valid but may not be meant."""
+
+from __future__ import annotations
+
+import logging
+import math
+from collections.abc import Iterator
+
+from granwave._contact_laws import FE_RANGE
+from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
+from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.checks.products import missing_products
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.bodies import echoes
+from granwave.lammps_inputs.packing.walls import untouched
+
+_LOG = logging.getLogger("granwave")
+_FAR_LONGER = 100.0  # times the run: a load that lasts so long is in another unit
+_SMALL_GAP = 1e-3  # diameters; gaps that dents leave are larger
+
+
+def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
+    """Log warnings about values that are valid but may not be meant.
+
+    Parameters
+    ----------
+    chose_yield_factor
+        The case file gives ``contact.yield_factor``, so that it is meant.
+    """
+    warnings = [
+        *missing_products(assembly.case.figures),
+        *_of_yield_factor(assembly, chose_yield_factor=chose_yield_factor),
+        *_of_materials(assembly),
+        *_of_bodies(assembly),
+        *_of_probes(assembly),
+        *_of_echoes(assembly),
+        *_of_initial_dents(assembly),
+        *_of_times(assembly),
+    ]
+    for text in warnings:
+        _LOG.warning("%s: %s", assembly.case.name, text)
+
+
+def _of_yield_factor(assembly: Assembly, *, chose_yield_factor: bool) -> Iterator[str]:
+    """Warn of a fit for another Poisson's ratio, unless its factor was chosen."""
+    law = assembly.case.contact
+    ratio = assembly.case.material.poisson_ratio
+    if law.takes("yield_factor") and not chose_yield_factor and ratio != FITTED_POISSON_RATIO:
+        yield (
+            f"the contact law was fitted for a Poisson's ratio of {FITTED_POISSON_RATIO:.2f}, "
+            f"found {ratio:g}; its exact Hertz-von Mises yield factor is C = "
+            f"{hertz_von_mises_yield_factor(ratio):.4f} (contact.yield_factor is "
+            f'{law.yield_factor:g}); law = "elastoplastic-fe" holds for ratios of 0 to 0.45'
+        )
+
+
+def _of_materials(assembly: Assembly) -> Iterator[str]:
+    """Warn of materials outside the range of the law, and of parameters that the law ignores."""
+    law = assembly.case.contact
+    materials = {id(species.material): species.material for species in assembly.species}.values()
+    if law.takes("hardening"):
+        yield from filter(None, map(_outside_fit, materials))
+    for parameter in OF_MATERIAL:
+        if law.takes(parameter.name) or parameter.keyword == RATE:  # of rates see `check_rates`
+            continue
+        if any(is_set(material, parameter) for material in materials):
+            laws = " or ".join(laws_with(parameter))
+            yield (
+                f"contact.law: found {law.law}, expected law {laws} for a material with "
+                f"{parameter.name}, which others leave out"
+            )
+
+
+def _outside_fit(material: Material) -> str:
+    """Return the values of a material beyond the range of law elastoplastic-fe; empty if there are
+    none.
+    """
+    ratio = math.inf
+    if material.yield_strength is not None:
+        ratio = material.youngs_modulus / material.yield_strength
+    ranges = (
+        ("Poisson's ratio", material.poisson_ratio, FE_RANGE["poisson_ratio"]),
+        ("Young's modulus over yield strength", ratio, FE_RANGE["modulus_over_strength"]),
+        ("hardening", material.hardening or 0.0, FE_RANGE["hardening"]),
+    )
+    outside = [
+        f"{name} {value:.3g}, expected {low:g} to {high:g}"
+        for name, value, (low, high) in ranges
+        if math.isfinite(value) and not low <= value <= high
+    ]
+    if not outside:
+        return ""
+    return (
+        "law elastoplastic-fe is used beyond its fit, where it states no error bar: "
+        f"{'; '.join(outside)}"
+    )
+
+
+def _of_bodies(assembly: Assembly) -> Iterator[str]:
+    """Warn of cylinders that never yield, and of grains in walls that do not act on them."""
+    law = assembly.case.contact
+    if law.yields and assembly.has_cylinders:
+        yield (
+            "contacts along a line, of parallel cylinders and of cylinders on walls, stay elastic: "
+            f"contact.law = {law.law} holds for the others"
+        )
+    for wall, grain, depth in untouched(assembly):
+        yield (
+            f"grain {grain} reaches {depth:.3g} m into the wall {wall}, which does not act on it: "
+            "boundary.sides_touch"
+        )
+
+
+def _of_probes(assembly: Assembly) -> Iterator[str]:
+    """Warn of probed contacts of spheres that do not touch."""
+    contacts = [probe.contact for probe in assembly.case.output.probes if probe.contact is not None]
+    for contact in contacts:
+        if not _touch_at_start(assembly, contact):
+            yield f"the spheres of the probed contact {contact} do not touch at the start"
+
+
+def _touch_at_start(assembly: Assembly, contact: tuple[int, int]) -> bool:
+    """Return True if two spheres touch at the start, or are at neighbouring sites."""
+    low, high = sorted(contact)
+    if high > assembly.lattice.n_spheres:
+        return (low, high) in assembly.striker_contacts
+    return high in assembly.lattice.neighbours(low)
+
+
+def _of_echoes(assembly: Assembly) -> Iterator[str]:
+    """Warn of bars whose end reflects waves back into the chain during the run."""
+    end = assembly.case.run.longest
+    for name, echo in echoes(assembly.bars).items():
+        if end > echo:
+            yield (
+                f"an echo of the end of the {name} can reach the chain after {echo:.3g} s, the run "
+                f"lasts {end:.3g} s: make the bar longer, or the run shorter"
+            )
+
+
+def _of_initial_dents(assembly: Assembly) -> Iterator[str]:
+    """Warn of initial dents that a static load would make the contacts forget."""
+    case = assembly.case
+    forget_gap = case.boundary.forget_gap
+    if case.contact.initial_overlap and case.precompression and forget_gap < _SMALL_GAP:
+        gap = forget_gap * case.packing.diameter
+        yield (
+            "boundary.forget_gap: dents from before the run are forgotten beyond gaps of "
+            f"{gap:.3g} m, so that the packing may never come to rest under its static load; give "
+            f"{_SMALL_GAP:g} or more"
+        )
+
+
+def _of_times(assembly: Assembly) -> Iterator[str]:
+    """Warn of loads that begin after the run or seem to be in another unit, and of short runs."""
+    case = assembly.case
+    end = case.run.longest
+    if case.load.first_time >= end:
+        yield (
+            f"load.table: the load begins at {case.load.first_time:.3g} s, when the run has ended: "
+            "give run.end_time a later time"
+        )
+    if end * _FAR_LONGER < case.load.lasts < math.inf:
+        if case.load.table is not None:
+            key = "load.table"
+            question = "are its times in seconds?"
+        else:
+            key = "load.duration"
+            question = "is it in seconds?"
+        yield f"{key}: the load lasts {case.load.lasts:.3g} s, the run {end:.3g} s: {question}"
+    if case.run.end_time == "auto" and not case.contact.yields and not case.has_cohesion:
+        yield 'a Hertz packing dissipates nothing, so run.end_time = "auto" ends after 50 us'
