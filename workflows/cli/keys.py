@@ -281,7 +281,8 @@ def _examples() -> dict[str, dict[str, dict[str, Any]]]:
     for folder in reversed(folders):
         file = folder / _EXAMPLES
         if file.is_file():
-            examples |= tomllib.loads(file.read_text(encoding="utf-8"))
+            for kind, own in tomllib.loads(file.read_text(encoding="utf-8")).items():
+                examples[kind] = examples.get(kind, {}) | own
     return examples
 
 
