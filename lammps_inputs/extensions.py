@@ -70,6 +70,9 @@ class Extension:
         ``key_examples.toml``: a table for each table of each kind of file.
     lattices
         Reference: mapping of names to `granwave.lammps_inputs.lattices.PackingKind`.
+    packings
+        Reference: sequence of `granwave.lammps_inputs.case.made_packing.PackingMaker`: kinds of
+        packings whose grains are made before the case is read.
     loads
         Reference: sequence of subclasses of `granwave.lammps_inputs.case.loads.load.Load`.
     result_kinds
@@ -120,6 +123,7 @@ class Extension:
     extra: str = ""
     folder: Path | None = None
     lattices: str = ""
+    packings: str = ""
     loads: str = ""
     result_kinds: str = ""
     case_keys: str = ""

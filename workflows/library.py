@@ -15,7 +15,7 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.extensions import extensions
 from granwave.lammps_inputs.files import read_toml
-from granwave.lammps_inputs.lattices import kind_of
+from granwave.lammps_inputs.lattices import kind_names, kind_of
 from granwave.lammps_inputs.load_case import load_assembly as load_assembly_file
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import CASE_FILE
@@ -207,7 +207,9 @@ def _group_of_case(tables: Mapping[str, Any]) -> str:
     kind = solver_of(tables)
     if kind is not GRANULAR:
         return kind.heading
-    return _CHAINS if kind_of(tables["packing"]["kind"]).is_chain else _PACKINGS
+    packing = tables["packing"]["kind"]
+    is_chain = packing in kind_names() and kind_of(packing).is_chain
+    return _CHAINS if is_chain else _PACKINGS
 
 
 def text(name: str) -> str:

@@ -318,6 +318,7 @@ def with_added_grains(
         period=period,
         cell=packing.cell,
         restart=packing.restart,
+        enclosure=packing.enclosure,
         contacts=packing.contacts,
         touch_tolerance=packing.touch_tolerance,
         relaxation=packing.relaxation,

@@ -8,6 +8,7 @@ from collections.abc import Mapping
 from typing import Any, ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.contact_ways import (
@@ -23,6 +24,7 @@ from granwave.lammps_inputs.case.contact_ways import (
 from granwave.lammps_inputs.case.grain_file import FILE_FIELDS, FORM_OF_FILE, read_grain_file
 from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
+from granwave.lammps_inputs.case.made_packing import NOT_MADE
 from granwave.lammps_inputs.case.material import (
     Shape,
     Vector,
@@ -60,9 +62,9 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = (*FILE_FIELDS, "grains", "period", RESTART)
+_OF_FILE = (*FILE_FIELDS, "grains", "period", "enclosure", RESTART)
 _OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, RELAXATION)
-_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", *_OF_CONTACTS)
+_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", "enclosure", *_OF_CONTACTS)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -73,6 +75,9 @@ _SIZE_FORM = (
 )
 _VACANCIES_FORM = "a share of the spheres, 0 or more and below 1, or a list of ids"
 _GAPS_FORM = "a list of [sphere, width], such as [[14, 3e-4], [15, 3e-4]], each sphere once"
+_RANGE_FORM = "[from, to] in m, the second one larger"
+_RANGE = schema.vector_type(2, _RANGE_FORM, lambda low, high: low < high)
+_ENCLOSURE_FORM = "{x = [0.0, 0.1], y = [0.0, 0.1], bottom = 0.05}, each of which may be left out"
 _CELL_FORM = "one, two or three vectors [x, y, z] in m that point in different directions"
 _GRAINS_FORM = "a table of grains as text, as it stands in packing.file"
 
@@ -153,6 +158,35 @@ class GrainsType(schema.ValueType):
     def json(self) -> dict[str, Any]:
         """A string."""
         return {"type": "string"}
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class Enclosure:
+    """Planes of the walls around grains of a file."""
+
+    x: tuple[float, float] | None = schema.typed(
+        "planes of the walls across x", _RANGE, unit="m", default=None
+    )
+    y: tuple[float, float] | None = schema.typed(
+        "planes of the walls across y", _RANGE, unit="m", default=None
+    )
+    bottom: float | None = schema.number("depth of the bottom plane", "m", default=None)
+
+    def around(self, faces: NDArray[np.float64]) -> NDArray[np.float64]:
+        """Return the planes, those of the outermost grains where none is given: (2, 3), m.
+
+        Parameters
+        ----------
+        faces
+            Lowest and highest coordinates of surfaces of grains: (2, 3), m.
+        """
+        planes = faces.copy()
+        for axis, ends in enumerate((self.x, self.y)):
+            if ends is not None:
+                planes[:, axis] = ends
+        if self.bottom is not None:
+            planes[1, 2] = self.bottom
+        return planes
 
 
 _SIZE = schema.ListType(
@@ -261,6 +295,11 @@ class PackingSection:
         unit="m",
         default=None,
     )
+    enclosure: Enclosure | None = schema.typed(
+        "planes of the walls around grains of a file; by default they touch the outermost grains",
+        schema.TableType(section=Enclosure, expected=_ENCLOSURE_FORM),
+        default=None,
+    )
     diameter_scatter: float = schema.number(
         "tolerance: the diameters lie between this much less and the nominal one",
         Usual("m", 1e-12, 0.1, ("mm", "um")),
@@ -328,7 +367,7 @@ class PackingSection:
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = dict.fromkeys(("cell", *_OF_CONTACTS), True) | {
+        unused = dict.fromkeys(("cell", "enclosure", *_OF_CONTACTS), True) | {
             "gaps": not self.gaps,
             "top_row": not self.rule.is_plane_crystal,
             "shape": self.shape == "sphere",
@@ -345,6 +384,8 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     The grains of ``packing.file`` become ``packing.grains``, so that the case is complete without
     the file.
     """
+    if table is NOT_MADE:
+        return None
     if not isinstance(table, Mapping):
         return read_table(PackingSection, table, "packing", errors)
     before = len(errors.items)

@@ -31,6 +31,7 @@ from granwave.lammps_inputs.case.contact_ways import CONTACTS, RELAXATION, TOLER
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
+from granwave.lammps_inputs.case.made_packing import with_made_grains
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
     Material,
@@ -194,6 +195,7 @@ def parse_case(
     data = _with_implied(with_absolute_paths(data, Path()))
     materials = read_materials(data.get(MATERIALS, {}), errors)
     data = with_named_materials(data, materials)
+    data = with_made_grains(data, source, errors)
     parts = read_parts(
         data,
         source,

@@ -379,7 +379,11 @@ def check_tube(case: Case, errors: ErrorList) -> None:
         reach[~touched(case, sites, case.boundary.sides_touch)] = 0.0
     reach[~sites.present] = 0.0
     widest = int(np.argmax(reach))
-    if reach[widest] > tube + TOUCHING * lattice.diameter:
+    stage = case.precompression
+    slack = TOUCHING * lattice.diameter
+    if stage is not None and stage.takes_overlaps:
+        slack = LARGEST * float(sites.diameter[widest]) / 2
+    if reach[widest] > tube + slack:
         errors.add(
             "boundary.sides.tube.radius",
             Mismatch(
@@ -387,7 +391,6 @@ def check_tube(case: Case, errors: ErrorList) -> None:
                 "from the axis x = y = 0"
             ),
         )
-    stage = case.precompression
     if stage is None:
         return
     radius = np.where(reach > 0, sites.diameter / 2, 0.0)

@@ -8,6 +8,10 @@ exceeds yield get their dents there. FIRE overshoots, which leaves no dents: eve
 with the histories at the start (pair_gran_hysteretic_forces.cpp), so that dents are those of a
 load that grows steadily. Then time and energies are reset to zero.
 
+Grains that lean on friction would slide without it. Where `precompression.damped` is true, both
+halves are one stage of motion with drag, friction and losses, from the places of the case on; the
+tangential springs that it leaves stay. It costs some thousand steps for grains that were settled.
+
 A packing under uniform pressure may rotate as a whole, and dead loads, which keep their directions,
 would amplify the rotation: inertia relief cancels the forces that accelerate it as a whole during
 the stage (`inertia_relief`).
@@ -92,6 +96,14 @@ _TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found 
 _FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
+_STEP_OF_MOTION = 0.1  # timestep of damped motion over sqrt(mass/stiffness)
+_MOST_STEPS_OF_MOTION = 50_000
+_BETWEEN_LOOKS = 100  # steps of damped motion between looks at the net forces
+_TOLERANCE_OF_MOTION = 1e-4  # net force on a sphere after damped motion over the largest force
+# energies stored by springs: number in compute gran/hysteretic/energy, and in the fix of a wall
+_TANGENTIAL = (6, 8)
+_ROLLING = (9, 17)
+_TWISTING = (11, 19)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
 _QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
@@ -101,6 +113,12 @@ _DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
+
+_FORCES = (
+    "compute         static_sphere all gran/hysteretic/atom",
+    "compute         static_largest all reduce max c_static_sphere[1]",
+    "thermo          1000",
+)
 
 # residual: largest net force on a sphere over the largest contact force, or over the load if only
 # walls are touched
@@ -180,10 +198,15 @@ def largest_move(assembly: Assembly) -> float:
 
 
 def first_half(assembly: Assembly) -> list[str]:
-    """Return the commands that bring the packing to equilibrium under Hertz's law."""
+    """Return the commands that bring the packing to equilibrium under Hertz's law.
+
+    A stage that is damped has no such half: it begins with the laws of the case.
+    """
     case = assembly.case
     if not case.seeks_balance or case.settles_damped:
         return _as_found(assembly)
+    if _is_damped(case):
+        return _before_motion(assembly)
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
@@ -203,9 +226,7 @@ def first_half(assembly: Assembly) -> list[str]:
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         *_halt(assembly),
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
-        "compute         static_sphere all gran/hysteretic/atom",
-        "compute         static_largest all reduce max c_static_sphere[1]",
-        "thermo          1000",
+        *_FORCES,
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
@@ -230,6 +251,25 @@ def _as_found(assembly: Assembly) -> list[str]:
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         "compute         static_sphere all gran/hysteretic/atom",
         "compute         static_largest all reduce max c_static_sphere[1]",
+        _STAGE_END,
+    ]
+
+
+def _is_damped(case: Case) -> bool:
+    return case.precompression is not None and bool(case.precompression.damped)
+
+
+def _before_motion(assembly: Assembly) -> list[str]:
+    """Return the commands of the first half where damped motion brings the packing to balance."""
+    return [
+        _STAGE_MARKER,
+        "# To balance under the dead loads: what is watched on the way.",
+        f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
+        *_relief(assembly.case),
+        *_waiting(assembly),
+        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
+        *_halt(assembly),
+        *_FORCES,
         _STAGE_END,
     ]
 
@@ -268,6 +308,47 @@ def _halt(assembly: Assembly) -> list[str]:
     ]
 
 
+def _springs(assembly: Assembly) -> list[str]:
+    """Return the energies stored in the springs of friction, rolling and twisting, which damped
+    motion leaves.
+    """
+    case = assembly.case
+    parts = [_TANGENTIAL] if case.has_friction else []
+    parts += [_ROLLING, _TWISTING] if case.has_resistance else []
+    words = []
+    for of_pairs, of_wall in parts:
+        words.append(f"c_static[{of_pairs}]")
+        words += [f"f_{name}[{of_wall}]" for name in plane_fixes(assembly)]
+    return words
+
+
+def _damped_motion(assembly: Assembly) -> list[str]:
+    """Return the commands of motion with drag, until the net forces on all spheres are small.
+
+    The drag is twice the critical one of the slowest wave through the layers.
+    """
+    low, high = assembly.lattice_bounds()
+    layers = math.ceil(float((high - low).max()) / assembly.lattice.diameter) + 1
+    mass = float(assembly.sphere_masses().mean())
+    lightest = float(assembly.sphere_masses().min())
+    stiffness = static_stiffness(assembly)
+    slowest = math.pi / 2 / layers * math.sqrt(stiffness / mass)
+    turning = assembly.case.has_rotation
+    return [
+        f"timestep        {num(_STEP_OF_MOTION * math.sqrt(lightest / stiffness))}",
+        f"fix             static_motion {_SPHERES} {'nve/sphere' if turning else 'nve'}",
+        f"fix             static_drag {_SPHERES} viscous {num(2 * mass * slowest)}",
+        "variable        static_rest equal c_static_net/(c_static_largest+(c_static_largest==0))",
+        f"fix             static_rest all halt {_BETWEEN_LOOKS} v_static_rest < "
+        f"{num(_TOLERANCE_OF_MOTION)} error continue message no",
+        f"run             {_MOST_STEPS_OF_MOTION} post no",
+        "unfix           static_rest",
+        "unfix           static_drag",
+        "unfix           static_motion",
+        *(["set             group all omega 0.0 0.0 0.0"] if turning else []),
+    ]
+
+
 def second_half(assembly: Assembly) -> list[str]:
     """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
@@ -291,6 +372,8 @@ def second_half(assembly: Assembly) -> list[str]:
     if keeps_springs and case.has_friction:
         stored += ["c_static[6]", *(f"f_{name}[8]" for name in plane_fixes(assembly))]
     stored += [f"f_{support}[12]"] if support else []
+    if _is_damped(case):
+        stored += _springs(assembly)
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     halted = case.seeks_balance and not case.may_rearrange
     still = "velocity        all set 0.0 0.0 0.0 units box"
@@ -340,6 +423,8 @@ def _balance(assembly: Assembly) -> list[str]:
     case = assembly.case
     if case.settles_damped:
         return _damped_run(assembly)
+    if _is_damped(case):
+        return _damped_motion(assembly)
     return [_minimize(assembly) if case.seeks_balance else "run             0 post no"]
 
 

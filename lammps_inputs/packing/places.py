@@ -20,7 +20,7 @@ from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.case.packing import PackingSection
+from granwave.lammps_inputs.case.packing import Enclosure, PackingSection
 from granwave.lammps_inputs.lattices import (
     FILE,
     TOUCHING,
@@ -44,11 +44,14 @@ class Places:
         Nominal diameter, m: a gap of 1e-6 of it still counts as touching.
     period
         Periods along x and y, m; None if the packing is not periodic.
+    enclosure
+        Planes of its walls; None: they touch the outermost grains.
     """
 
     grains: Grains
     diameter: float
     period: tuple[float, float] | None = None
+    enclosure: Enclosure | None = None
     kind: str = FILE
 
     @property
@@ -117,14 +120,15 @@ class Places:
         return np.stack([self.grains.position.min(axis=0), self.grains.position.max(axis=0)])
 
     def faces(self) -> NDArray[np.float64]:
-        """Return the lowest and highest coordinates of surfaces along x, y, z: (2, 3), m."""
+        """Return the coordinates of the planes that enclose the grains along x, y, z: (2, 3), m."""
         extent = extents(self.grains.diameter / 2, self.grains.shape)
-        return np.stack(
+        surfaces = np.stack(
             [
                 (self.grains.position - extent).min(axis=0),
                 (self.grains.position + extent).max(axis=0),
             ]
         )
+        return surfaces if self.enclosure is None else self.enclosure.around(surfaces)
 
     def pairs(self) -> Iterator[NDArray[np.int64]]:
         """Iterate over the touching pairs in batches of ids (n, 2), i < j; every pair once."""
@@ -217,7 +221,8 @@ def layout_of(packing: PackingSection, boundary: Boundary) -> Layout:
     periodic = boundary.periodic
     if packing.grains is None:
         return packing.lattice(periodic=periodic)
-    return Places(packing.grains, packing.diameter, packing.period if periodic else None)
+    period = packing.period if periodic else None
+    return Places(packing.grains, packing.diameter, period, packing.enclosure)
 
 
 def cohesive_law(case: Case, partner: Material | None, *, flat: bool = False) -> ContactLaw:

@@ -21,7 +21,7 @@ PACKAGES = ("extensions", "workflows", "analysis", "lammps_inputs", "plugins")
 FLOORS = """
 extensions/__init__ workflows/package workflows/__main__
 extensions/design
-extensions/continuum extensions/inference extensions/pictures extensions/waves
+extensions/continuum extensions/inference extensions/packings extensions/pictures extensions/waves
 workflows/cli workflows/python
 workflows/bench
 workflows/scanning

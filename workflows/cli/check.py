@@ -13,6 +13,7 @@ from typing import Any
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.made_packing import PackingNotMadeError, nothing_made
 from granwave.lammps_inputs.extensions import added, load
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -46,7 +47,11 @@ def check(options: argparse.Namespace) -> int:
         draw_packing(options.picture, None)
         return int(load(checks[command])(path, options))
     kind = solver_of(read_toml(path))
-    case = kind.load(path, options.overrides)
+    try:
+        with nothing_made():
+            case = kind.load(path, options.overrides)
+    except PackingNotMadeError as error:
+        return _not_made(error, as_json=options.json)
     assembled = kind.assemble(case)
     expected = kind.cost(assembled, options.ranks, True)
     parts = _parts(kind, assembled)
@@ -75,6 +80,15 @@ def check(options: argparse.Namespace) -> int:
     warn_of_lacks(case.name, afford)
     for warning in warnings:
         warn(f"{case.name}: {warning}")
+    return 0
+
+
+def _not_made(error: PackingNotMadeError, *, as_json: bool) -> int:
+    """Show what the bed of a case would be, whose plan follows once it is made."""
+    if as_json:
+        print_json({"not_made": dict(error.rows)})
+    else:
+        print(table(error.rows))
     return 0
 
 

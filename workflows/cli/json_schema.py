@@ -15,6 +15,7 @@ from typing import Any
 
 from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
+from granwave.lammps_inputs.case.made_packing import packing_makers
 from granwave.lammps_inputs.case.material import MATERIAL, MATERIALS
 from granwave.workflows.cli.keys import Key, KeyTable, tables
 from granwave.workflows.file_kinds import CASE_FILE, FileKind, file_kinds
@@ -35,6 +36,9 @@ def schema_of(file: str) -> Schema:
     for name, table in own.items():
         if table.heading and "." not in name and name not in root["properties"]:
             _put(root, table, kind)
+    if kind == CASE_FILE:
+        for name in packing_makers():
+            _add_kind(root["properties"]["packing"], _object(own[f"packing.{name}"], kind))
     if "material" in root["properties"]:
         of_case = next(table for table in tables() if table.name == "material")
         root["$defs"] = {"material": _object(own.get("material", of_case), kind)}
@@ -65,6 +69,13 @@ def _put(root: Schema, table: KeyTable, kind: FileKind) -> None:
     elif made.get("required") and table.name not in may_be_missing:
         root.setdefault("required", []).append(table.name)
     root["properties"][table.name] = made
+
+
+def _add_kind(packing: Schema, made: Schema) -> None:
+    """Add the keys of a kind of packing to those of the others; a key of both is of either type."""
+    known = packing["properties"]
+    for name, schema in made["properties"].items():
+        known[name] = {"anyOf": [known[name], schema]} if name in known else schema
 
 
 def _object(table: KeyTable | None, kind: FileKind) -> Schema:

@@ -7,6 +7,7 @@ from __future__ import annotations
 
 from granwave.lammps_inputs.case.case import CaseHead, case_tables
 from granwave.lammps_inputs.case.contact import Pair
+from granwave.lammps_inputs.case.made_packing import packing_makers
 from granwave.workflows.scanning.header import RanksBySize, ScanHeader
 from granwave.workflows.scanning.slurm import Profile
 from granwave.workflows.scanning.suite import SuiteFile
@@ -23,7 +24,8 @@ PAIR = "[[pair]]"
 def case_sections() -> Sections:
     """Return the tables of a case."""
     tables = {heading: (section, "") for heading, section in case_tables().items()}
-    return {"": (CaseHead, HEAD), **tables, PAIR: (Pair, "")}
+    made = {f"[packing.{kind}]": (maker.section, "") for kind, maker in packing_makers().items()}
+    return {"": (CaseHead, HEAD), **tables, **made, PAIR: (Pair, "")}
 
 
 def scan_sections() -> Sections:

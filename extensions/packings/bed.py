@@ -1,0 +1,149 @@
+"""Beds: grains that were made once, and their contacts, in files that cases share.
+
+A bed stands in the folder ``beds`` beside the case, under its kind and a digest of all that it is
+made of. Who needs the same bed reads it; who makes it holds a lock, so that two processes do not
+make it at once, and its file appears whole.
+
+    poured-DIGEST.csv            the grains, as `packing.file` has them, and a record in comments
+    poured-DIGEST-contacts.csv   the contacts between them, with their forces
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import fcntl
+import hashlib
+import json
+import os
+from collections.abc import Iterator, Mapping
+from functools import cached_property
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.grains import Grains, parse_grains
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import replace_text
+
+_FORMAT = 1  # of the files, and of the way that beds are made; another one makes another digest
+_DIGITS = 12  # of the digest in names
+_MARK = "# bed: "
+_CONTACT_COLUMNS = ("i", "j", "normal_force", "tangential_force")
+FOLDER = "beds"
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Bed:
+    """A bed that was made.
+
+    Attributes
+    ----------
+    grains
+        The grains; depth is +z, and the uppermost surface is at z = 0.
+    contacts
+        Rows of the grains in contact: (n_contacts, 2).
+    normal_force, tangential_force
+        Forces of the contacts: (n_contacts,), N.
+    bottom
+        Depth of the plane that it rests on, m.
+    record
+        How it was made.
+    """
+
+    grains: Grains
+    contacts: NDArray[np.int64]
+    normal_force: NDArray[np.float64]
+    tangential_force: NDArray[np.float64]
+    bottom: float
+    record: Mapping[str, Any]
+
+    @cached_property
+    def directions(self) -> NDArray[np.float64]:
+        """Unit vectors from the first to the second grain of each contact: (n_contacts, 3)."""
+        first, second = self.contacts.T
+        apart = self.grains.position[second] - self.grains.position[first]
+        period = self.record.get("period")
+        if period is not None:
+            apart[:, :2] -= np.round(apart[:, :2] / period) * period
+        return apart / np.linalg.norm(apart, axis=1)[:, None]
+
+    @cached_property
+    def depth(self) -> NDArray[np.float64]:
+        """Depths of the contacts: (n_contacts,), m."""
+        return np.asarray(self.grains.position[self.contacts, 2].mean(axis=1))
+
+
+def digest_of(kind: str, made_of: Mapping[str, Any]) -> str:
+    """Return the digest of what a bed is made of: plain values by name."""
+    text = json.dumps([_FORMAT, kind, made_of], sort_keys=True)
+    return hashlib.sha256(text.encode()).hexdigest()[:_DIGITS]
+
+
+@dataclasses.dataclass(frozen=True)
+class BedFile:
+    """File of a bed, which may not be there yet."""
+
+    path: Path
+
+    @property
+    def contacts_path(self) -> Path:
+        """File of the contacts."""
+        return self.path.with_name(f"{self.path.stem}-contacts.csv")
+
+    @property
+    def exists(self) -> bool:
+        """True if the bed was made."""
+        return self.path.is_file()
+
+    def read(self) -> Bed:
+        """Read the bed.
+
+        Raises
+        ------
+        InputError
+            A file is damaged.
+        """
+        try:
+            return self._read()
+        except (OSError, ValueError, KeyError, IndexError) as error:
+            raise InputError(
+                f"{self.path}: found no bed ({error}); remove the file, and it is made again"
+            ) from None
+
+    def _read(self) -> Bed:
+        text = self.path.read_text(encoding="utf-8")
+        record = json.loads(text.partition("\n")[0].removeprefix(_MARK))
+        grains = parse_grains(text, None)
+        grains.file = str(self.path)
+        grains.period = tuple(record["period"]) if record.get("period") else None
+        _, *rows = self.contacts_path.read_text(encoding="utf-8").splitlines()
+        values = np.array([row.split(",") for row in rows], dtype=np.float64)
+        values = values.reshape(-1, len(_CONTACT_COLUMNS))
+        pairs = values[:, :2].astype(np.int64) - 1
+        return Bed(grains, pairs, values[:, 2], values[:, 3], record["bottom"], record)
+
+    def write(self, bed: Bed) -> None:
+        """Write the bed; the file of the grains comes last, and whole."""
+        columns = (bed.contacts + 1, bed.normal_force[:, None], bed.tangential_force[:, None])
+        head = ",".join(_CONTACT_COLUMNS)
+        lines = [
+            f"{int(i)},{int(j)},{normal!r},{tangential!r}"
+            for i, j, normal, tangential in np.hstack(columns).tolist()
+        ]
+        replace_text(self.contacts_path, "\n".join([head, *lines]) + "\n")
+        record = json.dumps({**bed.record, "bottom": bed.bottom})
+        replace_text(self.path, f"{_MARK}{record}\n{bed.grains.text}")
+
+    @contextlib.contextmanager
+    def locked(self) -> Iterator[None]:
+        """Hold the lock of the bed; another process that makes it is waited for."""
+        self.path.parent.mkdir(parents=True, exist_ok=True)
+        descriptor = os.open(self.path.with_suffix(".lock"), os.O_RDWR | os.O_CREAT, 0o666)
+        try:
+            fcntl.flock(descriptor, fcntl.LOCK_EX)
+            yield
+        finally:
+            os.close(descriptor)

@@ -1,0 +1,19 @@
+"""Command of poured packings: ``granwave bed``."""
+
+from granwave.workflows.cli.commands import CASE, FIND, SET, Command, as_json, output
+
+COMMANDS = (
+    Command(
+        "bed",
+        FIND,
+        "make the bed of a case whose grains are poured, and its statistics",
+        "granwave.extensions.packings.terminal:bed",
+        (
+            CASE,
+            SET,
+            output("figure of the bed (.png, .pdf) or its table (.csv)"),
+            as_json("the statistics"),
+        ),
+        after="check",
+    ),
+)

@@ -1,0 +1,49 @@
+"""Keys of ``[packing]`` of the kinds that this extension adds."""
+
+from __future__ import annotations
+
+import dataclasses
+
+from granwave.extensions.packings.sizes import DIAMETERS, SizeDistribution
+from granwave.lammps_inputs.case import hints, schema
+
+_BOX_FORM = "[along x, along y] in m, both above 0"
+_MOST_GRAINS = 100_000
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class PouredSection:
+    """Grains poured into a box or a tube, settled under gravity."""
+
+    kind: str = schema.choice("grains that are poured, and settle under gravity", ("poured",))
+    grains: int = schema.count("number of grains", at_most=_MOST_GRAINS)
+    diameter: SizeDistribution = schema.typed(
+        "diameter of all grains, or its distribution", DIAMETERS, unit=hints.DIAMETER
+    )
+    box: tuple[float, float] | None = schema.typed(
+        "widths of the box along x and y; its sides are walls, or periodic with boundary.sides = "
+        '"periodic"',
+        schema.vector_type(2, _BOX_FORM, lambda x, y: min(x, y) > 0),
+        unit=hints.LENGTH,
+        default=None,
+    )
+    tube: float | None = schema.number(
+        "radius of the tube about x = y = 0, in place of a box", hints.LENGTH, above=0, default=None
+    )
+    friction: float | None = schema.number(
+        "coefficient of friction of grains and walls while they settle; by default that of "
+        "[contact]",
+        at_least=0,
+        at_most=10,
+        default=None,
+    )
+    rolling: float = schema.number(
+        "coefficient of rolling resistance while they settle; it ends slow rolling",
+        at_least=0,
+        at_most=1,
+        default=0.01,
+    )
+    restitution: float = schema.number(
+        "coefficient of restitution while they settle", above=0, at_most=1, default=0.5
+    )
+    seed: int = schema.count("seed of diameters and places", at_least=0, default=0)

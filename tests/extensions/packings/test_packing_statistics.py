@@ -1,0 +1,86 @@
+"""Statistics of packings: closed forms of lattices, of a random medium, and of an exponential."""
+
+import math
+
+import numpy as np
+import pytest
+
+from granwave.extensions.packings.statistics import (
+    anisotropy,
+    coordination,
+    depth_profile,
+    exponential_tail,
+    fabric,
+    force_distribution,
+    force_over_mean_at_depth,
+    solid_fraction,
+    without_rattlers,
+)
+from granwave.lammps_inputs.lattices import Lattice
+
+FCC = math.pi / (3 * math.sqrt(2))
+
+
+def fcc(n=6):
+    """Return a periodic block of fcc with layers along z: its places, pairs and periods."""
+    lattice = Lattice("fcc", (n, n, 9), 1.0, periodic=True)
+    pairs = np.concatenate(list(lattice.pairs())) - 1
+    return lattice.positions(1, lattice.n_spheres), pairs, lattice.lengths
+
+
+def test_solid_fraction_of_fcc():
+    places, _, period = fcc()
+    spacing = math.sqrt(2 / 3)
+    low = np.array([0.0, 0.0, 2 * spacing])
+    high = np.array([*period, 5 * spacing])  # a whole period of three layers
+    found = solid_fraction(places, np.ones(len(places)), low, high, period)
+    assert found == pytest.approx(FCC, abs=2e-3)
+
+
+def test_depth_profile_is_exact():
+    diameter = np.array([0.2])
+    whole = depth_profile(np.array([[0.0, 0.0, 0.5]]), diameter, 1.0, np.array([0.0, 0.5, 1.0]))
+    half = math.pi / 12 * 0.2**3 / 0.5
+    np.testing.assert_allclose(whole, [half, half], rtol=1e-12)
+
+
+def test_coordination_and_fabric_of_fcc():
+    places, pairs, period = fcc()
+    inside = (places[:, 2] > 1.0) & (places[:, 2] < 5.0)
+    assert (coordination(len(places), pairs)[inside] == 12).all()
+    of_inner = pairs[inside[pairs].any(axis=1)]
+    apart = places[of_inner[:, 1]] - places[of_inner[:, 0]]
+    apart[:, :2] -= np.round(apart[:, :2] / period) * period
+    weights = inside[of_inner].sum(axis=1)  # contacts of inner spheres, counted from each side
+    directions = np.repeat(apart, weights, axis=0)
+    tensor = fabric(directions)
+    np.testing.assert_allclose(tensor, np.eye(3) / 3, atol=1e-12)
+    assert anisotropy(tensor) < 1e-12
+
+
+def test_anisotropy_of_parallel_contacts_is_one():
+    assert anisotropy(fabric(np.tile([0.0, 0.0, 1.0], (5, 1)))) == pytest.approx(1.0)
+
+
+def test_rattlers_are_removed_one_after_the_other():
+    # a ring of four, with a tail of two grains and a free one
+    pairs = np.array([[0, 1], [1, 2], [2, 3], [3, 0], [3, 4], [4, 5]])
+    assert without_rattlers(7, pairs).tolist() == [True] * 4 + [False] * 3
+    assert not without_rattlers(7, pairs, least=4).any()
+
+
+def test_tail_of_exponential_forces():
+    force = np.random.default_rng(1).exponential(3.0, 100_000)
+    assert exponential_tail(force) == pytest.approx(1.0, rel=0.02)
+    middle, density = force_distribution(force)
+    assert (density * np.diff(middle)[0]).sum() == pytest.approx(1.0)
+
+
+def test_force_over_the_mean_at_its_depth_does_not_grow_with_depth():
+    random = np.random.default_rng(2)
+    depth = random.uniform(0, 1, 6000)
+    force = depth * random.exponential(1.0, 6000)
+    relative = force_over_mean_at_depth(force, depth)
+    upper = relative[depth < 0.5].mean()
+    assert upper == pytest.approx(1.0, rel=0.02)
+    assert exponential_tail(relative) == pytest.approx(1.0, rel=0.1)
