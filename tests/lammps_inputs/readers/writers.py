@@ -210,7 +210,7 @@ def h5md() -> bytes:
 FILES: dict[str, Callable[[], str | bytes]] = {
     "dump": lambda: dump_step(100),
     "dump of several steps": lambda: dump_step(0, moved=1e-3) + dump_step(100),
-    "dump.gz": lambda: gzip.compress(dump_step(100).encode()),
+    "dump.gz": lambda: gzip.compress(dump_step(100).encode(), mtime=0),
     "dump of liggghts": liggghts_step,
     "data": data_file,
     "data of a hybrid": lambda: data_file("hybrid sphere bond"),
