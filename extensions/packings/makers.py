@@ -315,6 +315,7 @@ def tables_of(tables: Mapping[str, Any], recipe: Recipe, bed: Bed) -> dict[str, 
     }
     if "precompression" not in tables:
         friction = bool(_table(tables, "contact").get("friction"))
-        stage: dict[str, Any] = {"kind": "gravity", "overlaps": True}
-        implied["precompression"] = stage | ({"damped": True} if friction else {})
+        implied["precompression"] = {"kind": "gravity", "overlaps": True}
+        if friction:
+            packing |= {"contacts": "relax", "relaxation": "damped"}
     return {**tables, **implied}

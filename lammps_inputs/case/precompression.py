@@ -277,12 +277,6 @@ class Precompression:
         (True, False),
         default=None,
     )
-    damped: bool | None = schema.choice(
-        "true: the balance is found by damped motion with the friction of the case, for grains "
-        "that lean on friction; else without friction, and grains may slide until it is found",
-        (True, False),
-        default=None,
-    )
     acceleration: float = schema.number(
         "acceleration of gravity", hints.ACCELERATION, above=0, default=9.81
     )

@@ -96,10 +96,6 @@ _TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found 
 _FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
-_STEP_OF_MOTION = 0.1  # timestep of damped motion over sqrt(mass/stiffness)
-_MOST_STEPS_OF_MOTION = 50_000
-_BETWEEN_LOOKS = 100  # steps of damped motion between looks at the net forces
-_TOLERANCE_OF_MOTION = 1e-4  # net force on a sphere after damped motion over the largest force
 # energies stored by springs: number in compute gran/hysteretic/energy, and in the fix of a wall
 _TANGENTIAL = (6, 8)
 _ROLLING = (9, 17)
@@ -198,15 +194,10 @@ def largest_move(assembly: Assembly) -> float:
 
 
 def first_half(assembly: Assembly) -> list[str]:
-    """Return the commands that bring the packing to equilibrium under Hertz's law.
-
-    A stage that is damped has no such half: it begins with the laws of the case.
-    """
+    """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
     if not case.seeks_balance or case.settles_damped:
         return _as_found(assembly)
-    if _is_damped(case):
-        return _before_motion(assembly)
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
@@ -251,25 +242,6 @@ def _as_found(assembly: Assembly) -> list[str]:
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
         "compute         static_sphere all gran/hysteretic/atom",
         "compute         static_largest all reduce max c_static_sphere[1]",
-        _STAGE_END,
-    ]
-
-
-def _is_damped(case: Case) -> bool:
-    return case.precompression is not None and bool(case.precompression.damped)
-
-
-def _before_motion(assembly: Assembly) -> list[str]:
-    """Return the commands of the first half where damped motion brings the packing to balance."""
-    return [
-        _STAGE_MARKER,
-        "# To balance under the dead loads: what is watched on the way.",
-        f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
-        *_relief(assembly.case),
-        *_waiting(assembly),
-        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
-        *_halt(assembly),
-        *_FORCES,
         _STAGE_END,
     ]
 
@@ -322,33 +294,6 @@ def _springs(assembly: Assembly) -> list[str]:
     return words
 
 
-def _damped_motion(assembly: Assembly) -> list[str]:
-    """Return the commands of motion with drag, until the net forces on all spheres are small.
-
-    The drag is twice the critical one of the slowest wave through the layers.
-    """
-    low, high = assembly.lattice_bounds()
-    layers = math.ceil(float((high - low).max()) / assembly.lattice.diameter) + 1
-    mass = float(assembly.sphere_masses().mean())
-    lightest = float(assembly.sphere_masses().min())
-    stiffness = static_stiffness(assembly)
-    slowest = math.pi / 2 / layers * math.sqrt(stiffness / mass)
-    turning = assembly.case.has_rotation
-    return [
-        f"timestep        {num(_STEP_OF_MOTION * math.sqrt(lightest / stiffness))}",
-        f"fix             static_motion {_SPHERES} {'nve/sphere' if turning else 'nve'}",
-        f"fix             static_drag {_SPHERES} viscous {num(2 * mass * slowest)}",
-        "variable        static_rest equal c_static_net/(c_static_largest+(c_static_largest==0))",
-        f"fix             static_rest all halt {_BETWEEN_LOOKS} v_static_rest < "
-        f"{num(_TOLERANCE_OF_MOTION)} error continue message no",
-        f"run             {_MOST_STEPS_OF_MOTION} post no",
-        "unfix           static_rest",
-        "unfix           static_drag",
-        "unfix           static_motion",
-        *(["set             group all omega 0.0 0.0 0.0"] if turning else []),
-    ]
-
-
 def second_half(assembly: Assembly) -> list[str]:
     """Return the commands for equilibrium with the laws and dents of the case, and its record."""
     case = assembly.case
@@ -368,12 +313,9 @@ def second_half(assembly: Assembly) -> list[str]:
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
     stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
-    keeps_springs = case.settles_damped or not case.seeks_balance
-    if keeps_springs and case.has_friction:
-        stored += ["c_static[6]", *(f"f_{name}[8]" for name in plane_fixes(assembly))]
-    stored += [f"f_{support}[12]"] if support else []
-    if _is_damped(case):
+    if case.settles_damped or not case.seeks_balance:
         stored += _springs(assembly)
+    stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     halted = case.seeks_balance and not case.may_rearrange
     still = "velocity        all set 0.0 0.0 0.0 units box"
@@ -423,8 +365,6 @@ def _balance(assembly: Assembly) -> list[str]:
     case = assembly.case
     if case.settles_damped:
         return _damped_run(assembly)
-    if _is_damped(case):
-        return _damped_motion(assembly)
     return [_minimize(assembly) if case.seeks_balance else "run             0 post no"]
 
 

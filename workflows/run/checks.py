@@ -82,8 +82,6 @@ class Balance:
         return self.error <= self.accepted  # false for NaN
 
 
-# the same after damped motion, where single grains on a slope roll, under a part of their weight
-LARGEST_RESIDUAL_OF_MOTION = 0.05
 LARGEST_RESIDUAL = 1e-6  # largest net force on a sphere over the largest contact force
 
 _NOT_CONFINED = "the packing is not confined: "
@@ -105,21 +103,9 @@ _PILE = " (without friction a pile spreads, also between walls, and a sphere bes
 _SUPPORT = "; or the bottom gave way: take a stiffer boundary.bottom"
 
 
-_NOT_SETTLED = (
-    "damped motion needs grains that are nearly at rest: let them settle longer before, with the "
-    "friction of the case, or give contact.rolling, which stops grains that roll"
-)
-
-
-def _is_damped(case: Case) -> bool:
-    return case.precompression is not None and bool(case.precompression.damped)
-
-
 def _advice(case: Case) -> str:
     """Return advice on keys that confine a packing of this kind."""
     rule = case.packing.rule
-    if _is_damped(case):
-        return _NOT_SETTLED
     if case.packing.grains is not None and case.packing.cell is None:
         remedy = _GUIDED + (_AS_FOUND if case.may_rearrange else _NEAR_BALANCE)
     elif rule.is_lattice and not rule.has_faces:
@@ -164,11 +150,10 @@ def check_equilibrium(assembly: Assembly, directory: Path) -> dict[str, float]:
             f"the static stage, expected some {force_of_contact(assembly):.2g} N: the load has "
             f"pushed the grains apart; {_BORNE}"
         )
-    largest_residual = LARGEST_RESIDUAL_OF_MOTION if _is_damped(case) else LARGEST_RESIDUAL
-    if not _relative_net_force(assembly, found) <= largest_residual:
+    if not _relative_net_force(assembly, found) <= LARGEST_RESIDUAL:
         raise RunError(
             f"precompression: no balance after {found['iterations']:.0f} iterations: a net force of "
-            f"{found['residual']:.1e} of the largest contact force is left, expected at most {largest_residual:.0e}; "
+            f"{found['residual']:.1e} of the largest contact force is left, expected at most {LARGEST_RESIDUAL:.0e}; "
             f"{advice}"
         )
     for name, asked in (case.precompression.presses if case.precompression else {}).items():
