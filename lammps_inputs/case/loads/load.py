@@ -177,6 +177,11 @@ class Load(ABC):
     # Keys of some loads, for those that lack them.
 
     @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of a load that oscillates, Hz; 0 for other loads."""
+        return 0.0
+
+    @property
     def spheres(self) -> int:
         """Number of struck spheres at the centre of the top; 0 if the load strikes others."""
         return 0

@@ -92,7 +92,8 @@ def read_points(path: Path) -> Points:
             powers = [_power(cell, line) for cell in cells]
             continue
         try:
-            time, value = map(in_si, map(read_number, cells), powers)
+            pairs = zip(cells, powers, strict=True)
+            time, value = (in_si(read_number(cell), power) for cell, power in pairs)
         except ValueError:
             found = show(" ".join(cells))
             raise ValueError(f"found {found} in line {line}; expected {form}") from None
