@@ -25,15 +25,8 @@ from granwave.lammps_inputs.case.material import (
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
-from granwave.lammps_inputs.lattices import (
-    FILE,
-    KINDS,
-    ROWS,
-    Lattice,
-    PackingKind,
-    kind_names,
-    kind_of,
-)
+from granwave.lammps_inputs.lattices import FILE, KINDS, ROWS, Lattice, kind_names, kind_of
+from granwave.lammps_inputs.packing_kind import PackingKind
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to

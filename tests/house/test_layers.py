@@ -55,6 +55,7 @@ lammps_inputs/result_directory
 lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
 lammps_inputs/lattices lammps_inputs/run_directory
+lammps_inputs/packing_kind
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
 lammps_inputs/errors
 plugins plugins/package

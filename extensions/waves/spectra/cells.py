@@ -24,10 +24,11 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice, PackingKind
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
+from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
 # 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
 _ALONG = 1e-9

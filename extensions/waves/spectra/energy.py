@@ -19,7 +19,7 @@ from granwave.extensions.waves.spectra.bodies import Bodies, NeighbourPairs
 from granwave.extensions.waves.spectra.network import Array, Ints
 from granwave.extensions.waves.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
-from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 MARGIN = 0.02  # mean diameters: gaps of pairs that may close in a step
 # unknowns, factorised; more by conjugate gradients, except in slender packings

@@ -244,6 +244,16 @@ class Load(ABC):
         return 0.0, 0.0
 
     @property
+    def lowest_frequency(self) -> float:
+        """Lowest frequency of a load that oscillates, Hz."""
+        return min(self.frequencies)
+
+    @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of a load that oscillates, Hz."""
+        return max(self.frequencies)
+
+    @property
     def keeps_oscillating(self) -> bool:
         """True for a load of given frequencies that is no short burst."""
         return False
