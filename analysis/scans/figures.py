@@ -205,84 +205,177 @@ def drawings(result: ScanResult) -> dict[str, Drawing | NotDrawn]:
     return found
 
 
-def _figures(result: ScanResult) -> dict[str, Callable[[], Drawing | None]]:
+Drawer = Callable[[], Drawing | None]
+
+
+@dataclasses.dataclass(frozen=True)
+class ScanContent:
+    """Finished points of a scan, for its figures.
+
+    Attributes
+    ----------
+    points
+        Points by row.
+    rows
+        Rows of the finished points.
+    keys
+        Varied keys by name, without the seed.
+    free
+        Names of the independent keys.
+    shown
+        Quantities that are not zero everywhere, with their values by row.
+    marks
+        Mark of the plastic zone, by row.
+    """
+
+    points: Sequence[PointResult]
+    rows: list[int]
+    keys: dict[str, VariedKey]
+    free: Sequence[str]
+    shown: list[tuple[Ordinate, Series]]
+    marks: Series
+
+    @property
+    def numeric(self) -> list[str]:
+        """Names of the independent keys that are numbers."""
+        return [name for name in self.free if self.keys[name].numeric]
+
+    def values(self, value: Value) -> Series:
+        """Return the values of the finished points, by row."""
+        return _values(self.points, self.rows, value)
+
+    def marks_of(self, quantity: Ordinate) -> Series:
+        """Return the marks by row; none of a quantity that is no plastic zone."""
+        return self.marks * quantity.zone
+
+
+def _values(points: Sequence[PointResult], rows: Sequence[int], value: Value) -> Series:
+    return Series({row: value(points[row]) for row in rows}, dtype=float)
+
+
+def _figures(result: ScanResult) -> dict[str, Drawer]:
     """Return functions that draw what a scan may show, by name."""
-    points = result.points
-    labels = physical(
-        {key: [point.labels.get(key) for point in points] for key in result.varied if key != SEED}
+    content = _content(result)
+    if content is None:
+        return {}
+    return (
+        _curve_figures(content)
+        | _bar_figures(content)
+        | _collapse_figures(content)
+        | _map_figures(content)
     )
+
+
+def _content(result: ScanResult) -> ScanContent | None:
+    """Return the content of a scan; None with too few finished points, or without a free key."""
+    points = result.points
+    varied = [key for key in result.varied if key != SEED]
+    labels = physical({key: [point.labels.get(key) for point in points] for key in varied})
     free = independent_keys(labels)
     rows = [row for row, point in enumerate(points) if point.status == "done"]
-    units = result.units
     if len(rows) < _FEWEST or not free:
-        return {}
-    keys = {name: key_of(name, labels[name], units.get(name, "")) for name in labels}
-    marks = Series({row: int(mark_of(points[row].summary)) for row in rows})
-
-    def values(value: Value) -> Series:
-        return Series({row: value(points[row]) for row in rows}, dtype=float)
-
-    there = (
-        (one, values(one.value)) for one in ordinates(result.varied, [points[row] for row in rows])
+        return None
+    shown = []
+    for quantity in ordinates(result.varied, [points[row] for row in rows]):
+        values = _values(points, rows, quantity.value)
+        if (values.abs() > _NOTHING).any():
+            shown.append((quantity, values))
+    units = result.units
+    return ScanContent(
+        points=points,
+        rows=rows,
+        keys={name: key_of(name, labels[name], units.get(name, "")) for name in labels},
+        free=free,
+        shown=shown,
+        marks=Series({row: int(mark_of(points[row].summary)) for row in rows}),
     )
-    shown = [(one, found) for one, found in there if (found.abs() > _NOTHING).any()]
-    drawn: dict[str, Callable[[], Drawing | None]] = {}
-    for name in _abscissae(keys, free):
-        x = keys[name]
-        others = _others(keys, free, name)
-        joined = all(
-            _is_one_line(curve, x, keys.values()) for curve in _curve_rows(rows, others).values()
-        )
-        for one, found in shown:
-            draw = partial(_curves, x, others, one, found, marks * one.zone, joined=joined)
-            drawn[f"{one.name}_vs_{x.slug}"] = draw
-    if not any(keys[name].numeric for name in free):
-        x = keys[free[0]]
-        others = [keys[name] for name in free[1:]]
-        for one, found in shown:
-            drawn[f"{one.name}_vs_{x.slug}"] = partial(
-                _bars, x, others, one, found, marks * one.zone
+
+
+def _curve_figures(content: ScanContent) -> dict[str, Drawer]:
+    """Curves of each quantity over each numeric key."""
+    figures: dict[str, Drawer] = {}
+    for name in _abscissae(content.keys, content.free):
+        x = content.keys[name]
+        others = _others(content.keys, content.free, name)
+        curves = _curve_rows(content.rows, others).values()
+        joined = all(_is_one_line(curve, x, content.keys.values()) for curve in curves)
+        for quantity, values in content.shown:
+            marks = content.marks_of(quantity)
+            figures[f"{quantity.name}_vs_{x.slug}"] = partial(
+                _curves, x, others, quantity, values, marks, joined=joined
             )
-    if "load.velocity" in free and any(name.split(".")[0] == "material" for name in free):
-        others = _others(keys, free, "load.velocity")
-        fraction = "dissipated_fraction"
-        volume = "plastic_volume_in_spheres"
-        of_volume = r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$"
-        for name, key, column, title, value in (
-            (
-                f"collapse_{fraction}",
-                "velocity_normalised",
-                fraction,
-                QUANTITIES[fraction].title,
-                value_of(fraction),
+    return figures
+
+
+def _bar_figures(content: ScanContent) -> dict[str, Drawer]:
+    """Bars of each quantity by the first key, if no key is numeric."""
+    if content.numeric:
+        return {}
+    x, *others = (content.keys[name] for name in content.free)
+    return {
+        f"{quantity.name}_vs_{x.slug}": partial(
+            _bars, x, others, quantity, values, content.marks_of(quantity)
+        )
+        for quantity, values in content.shown
+    }
+
+
+def _collapse_figures(content: ScanContent) -> dict[str, Drawer]:
+    """Quantities of several velocities and materials on normalised axes."""
+    materials = [name for name in content.free if name.split(".")[0] == "material"]
+    if "load.velocity" not in content.free or not materials:
+        return {}
+    fraction = QUANTITIES["dissipated_fraction"]
+    collapses = {
+        "collapse_dissipated_fraction": _collapse(
+            content,
+            "velocity_normalised",
+            Ordinate(
+                "dissipated_fraction",
+                fraction.title,
+                "dissipated_fraction",
+                value_of("dissipated_fraction"),
             ),
-            (
-                "collapse_plastic_volume",
-                "energy_input_normalised",
-                volume,
-                of_volume,
+        ),
+        "collapse_plastic_volume": _collapse(
+            content,
+            "energy_input_normalised",
+            Ordinate(
+                "plastic_volume",
+                r"Plastic zone volume $V_\mathrm{p}/(\pi D^3/6)$",
+                "plastic_volume_in_spheres",
                 plastic_spheres,
             ),
-        ):
-            table = points_of(
-                values(value_of(key)), values(value), others, marks * (value is plastic_spheres)
-            )
-            if len(table) >= _FEWEST:
-                titles = QUANTITIES[key].title, title
-                drawn[name] = partial(
-                    draw_curves, table, *titles, others, (key, column), joined=False, chosen=False
-                )
-    if len(free) == 2 and all(keys[name].numeric for name in free):
-        maps = {
-            one.name: partial(_map, keys[free[0]], keys[free[1]], one, found)
-            for one, found in shown
-        }
-        drawn |= (
-            {"dissipated_fraction_map": maps["dissipated_fraction"]}
-            if "dissipated_fraction" in maps
-            else {}
-        )
-    return drawn
+        ),
+    }
+    return {name: drawer for name, drawer in collapses.items() if drawer is not None}
+
+
+def _collapse(content: ScanContent, x: str, quantity: Ordinate) -> Drawer | None:
+    """Curves of a quantity over a normalised value of the summaries; None for too few points."""
+    others = _others(content.keys, content.free, "load.velocity")
+    table = points_of(
+        content.values(value_of(x)),
+        content.values(quantity.value),
+        others,
+        content.marks_of(quantity),
+    )
+    if len(table) < _FEWEST:
+        return None
+    titles = (QUANTITIES[x].title, quantity.title)
+    columns = (x, quantity.column)
+    return partial(draw_curves, table, *titles, others, columns, joined=False, chosen=False)
+
+
+def _map_figures(content: ScanContent) -> dict[str, Drawer]:
+    """Map of the dissipated share over two numeric keys."""
+    if len(content.free) != 2 or len(content.numeric) != 2:
+        return {}
+    x, y = (content.keys[name] for name in content.free)
+    for quantity, values in content.shown:
+        if quantity.name == "dissipated_fraction":
+            return {"dissipated_fraction_map": partial(_map, x, y, quantity, values)}
+    return {}
 
 
 def _abscissae(keys: dict[str, VariedKey], free: Sequence[str]) -> list[str]:
