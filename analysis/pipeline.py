@@ -10,15 +10,17 @@ from granwave.analysis.errors import MissingOutputError
 from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
 from granwave.analysis.lammps_output.dumps import read_data
 from granwave.analysis.lammps_output.time_series import check_complete, check_unchanged
+from granwave.analysis.products import Product
 from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import AT_ONCE
-from granwave.analysis.result.not_a_run import is_continuum, why_no_run
+from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.writer import write_result
 from granwave.analysis.summary import Summary, summarise
-from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.deck.deck import read_deck
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import added_by_key, missing_package
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import MOST_DRAWN
@@ -26,10 +28,8 @@ from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
-    FILM_FILE,
     RESULT_FILE,
     SUMMARY_FILE,
-    VIEW_FILE,
 )
 
 logger = logging.getLogger(__name__)
@@ -65,7 +65,7 @@ def analyse(
         True for a bar on a terminal or in a notebook; or a function, called with the name of each
         part before it is made.
     figures
-        Draw them too, and make the film and the page that the case asks for. Of packings with more
+        Draw them too, and make the files that the case asks for besides, such as a film. Of packings with more
         spheres than `MOST_DRAWN` only figures of the run in time are drawn.
     at_once
         Largest number of spheres in memory; larger packings are analysed in parts. The values do
@@ -93,7 +93,7 @@ def analyse(
     if callable(progress):
         results = ResultDirectory.at(directory)
         return _analyse(results, progress, figures, at_once, processes, assembly)
-    parts = 2 + (len(FIGURE_NAMES) if figures else 0)
+    parts = 2 + (len(figure_names()) if figures else 0)
     with progress_bar(progress, total=parts, desc="analysis", leave=False) as bar:
 
         def report(part: str) -> None:
@@ -129,7 +129,7 @@ def _analyse(
     assembly: Assembly | None,
 ) -> Summary:
     directory = results.path
-    if not (directory / CASE_FILE).exists() or is_continuum(directory):
+    if not (directory / CASE_FILE).exists() or results.kind.why_no_run:
         raise MissingOutputError(why_no_run(directory))
     results.check_case()
     deck = read_deck(directory, None if assembly is None else assembly.case)
@@ -154,30 +154,27 @@ def _analyse(
             drawn = _drawn(directory, summary["n_spheres"])
             draw_figures(results, report, drawn, helpers=others, assembly=assembly)
     if figures:
-        _film_and_page(results, report)
+        _make_products(results, report)
     return summary
 
 
-def _film_and_page(results: ResultDirectory, report: Callable[[str], None]) -> None:
-    """Make the film and the page that ``[figures]`` of the case asks for; tell where there is
-    nothing to show.
+def _make_products(results: ResultDirectory, report: Callable[[str], None]) -> None:
+    """Make the files that ``[figures]`` of the case asks for besides figures; log why if one
+    cannot be made.
     """
     with Result(results) as result:
-        options = result.figure_options
-    made: list[tuple[str, Callable[[], object]]] = []
-    if options.film != "none":
-        from granwave.extensions.pictures.films import write_film
-
-        film = FILM_FILE.format(options.film)
-        results.claim([film])
-        made.append((film, lambda: write_film(results.path, results / film)))
-    if options.view:
-        from granwave.extensions.pictures.view.page import write_view
-
-        made.append((VIEW_FILE, lambda: write_view(results)))
-    for name, make in made:
-        report(name)
+        files = result.figure_options.products
+    if not files:
+        return
+    products: dict[str, Product] = added_by_key("products", "figures")
+    for key, file in files.items():
+        if key not in products:
+            logger.warning("%s: not made: no extension that makes it is installed", file)
+            continue
+        report(file)
         try:
-            make()
+            products[key].make(results, file)
         except InputError as error:
-            logger.warning("%s: not made: %s", name, error)
+            logger.warning("%s: not made: %s", file, error)
+        except ModuleNotFoundError as error:
+            logger.warning("%s: not made: %s", file, missing_package(error) or error)

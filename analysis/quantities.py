@@ -2,8 +2,8 @@
 and where it is shown.
 
 A new one is an entry of ``ENTRIES``, and its name in those of the lists below that are to show it.
-It is computed in `granwave.analysis.summary`, or where the finite-element programs sum their runs
-up.
+It is computed in `granwave.analysis.summary`. Extensions have entries of their own, see `Extension`;
+each says where it is shown.
 """
 
 from __future__ import annotations
@@ -13,6 +13,8 @@ from collections.abc import Container
 from fnmatch import fnmatchcase
 from functools import cache
 from typing import Any
+
+from granwave.lammps_inputs.extensions import added
 
 SHARES = (
     50,
@@ -42,6 +44,11 @@ class Quantity:
     axis: str = ""  # title, without the unit, of an axis of figures of scans
     symbol: str = ""  # and its symbol (LaTeX)
     note: str = ""  # a sentence for the reference, of a value whose label is enough in a report
+    # of an extension: value of REPORT_COLUMNS that it follows in reports; empty: it is in none
+    after: str = ""
+    # of an extension: it has a column at the end of a scan, and figures whose names begin so
+    scan_column: bool = False
+    scan_figure: str = ""
 
     def __post_init__(self) -> None:
         """Fill in what was left out."""
@@ -129,12 +136,8 @@ def _zone_sizes() -> tuple[Quantity, ...]:
 ENTRIES = (
     # the run
     Quantity("name", note="Name of the case."),
-    Quantity("kind", note="Of finite-element runs: continuum or sphere-contact."),
     Quantity("n_spheres", "Spheres", note="With strikers, and cylinders where there are any."),
     Quantity("n_cylinders", "Cylinders among the grains", short="cylinders", note="Only of packings that hold any."),
-    Quantity("n_elements", "Elements", note="Of the finite-element mesh."),
-    Quantity("n_bodies", "Bodies",
-             note="Of the contact of two spheres: 1 where both are equal, and one on the plane of symmetry is enough."),
     Quantity("n_contacts", "Contacts at the start",
              "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps."),
     Quantity("n_loaded_contacts", "Contacts that bore a force",
@@ -149,8 +152,6 @@ ENTRIES = (
     Quantity("wall_time_s", digits=".1f", note="Of the time integration."),
     Quantity("sphere_steps_per_s", short="speed", digits=".3g", phrase="{} sphere-steps/s",
              note="Spheres times steps over wall time."),
-    Quantity("element_steps_per_s", short="speed", digits=".3g", phrase="{} element-steps/s",
-             note="Elements times steps over wall time."),
     Quantity("n_ranks", "MPI ranks", note="That the run had."),
     Quantity("versions", note="Of the programs that the result depends on."),
     # energies
@@ -232,16 +233,6 @@ ENTRIES = (
     Quantity("energy_absorbed_J", "Taken by absorbing spheres", note="Part of the dissipated energy."),
     Quantity("energy_bar_J", "Energy of the bar", note="At the end, kinetic and elastic."),
     Quantity("energy_incident_bar_J", "Energy of the incident bar", note="At the end, kinetic and elastic."),
-    Quantity("energy_punch_J", "Energy of the punch", note="At the end: what is left of the punch's kinetic energy."),
-    Quantity("energy_viscous_J", "Viscous energy", note="That the artificial viscosity of the elements took."),
-    Quantity("energy_hourglass_J", "Hourglass energy", note="In the hourglass control of the elements."),
-    Quantity("energy_contact_J", "Energy of the contact",
-             note="That the contact of the punch took; of two spheres: in the penalty springs of their contact."),
-    Quantity("energy_damping_J", "Energy taken by damping",
-             note="That damping took, which keeps the pressing of two spheres static."),
-    Quantity("hourglass_share", note="Energy of the hourglass control over the work done."),
-    Quantity("kinetic_share_max", short="kinetic energy", digits=".1e", phrase="{} of the internal, at most",
-             note="Largest kinetic over internal energy from first yield on: small if the contact is static."),
     # contacts
     Quantity("peak_force_N", "Peak contact force, walls left out", "Of all contacts between two spheres at any time; "
              "in the continuum that of the punch.", short="peak force, walls left out", digits=".6g", axis="Peak force between spheres",
@@ -273,16 +264,9 @@ ENTRIES = (
     Quantity("plastic_zone_volume_m3", "Plastic zone volume", "Of all spheres that yielded; in the continuum the "
              "largest volume at yield at one instant. Not to be compared with each other.", short="plastic zone",
              digits=".4g", phrase="{} m3 at one instant", axis="Plastic zone", symbol=r"V_\mathrm{p}"),
-    Quantity("plastic_zone_time_s", "Time of the largest plastic zone",
-             note="When the volume at yield was largest, in the continuum."),
-    Quantity("plastic_zone_volume_ever_m3", "Volume that ever yielded", short="plastic zone", digits=".4g",
-             phrase="{} m3 that ever yielded", note="Of the elements that yielded at any time, in the continuum."),
     Quantity("plastic_zone_depth_m", "Outermost yield, depth", _OUTERMOST, digits=".4g",
              axis="Depth of the outermost yield", symbol=r"z_\mathrm{p}"),
     Quantity("plastic_zone_radius_m", "Outermost yield, radius", _OUTERMOST, digits=".4g"),
-    Quantity("plastic_zone_strain", "Strain of the plastic zone",
-             note="Equivalent strain that 1 % of the volume that ever yielded exceeds, in the continuum."),
-    Quantity("largest_strain", note="Of any element; it depends on the size of the elements at the punch's edge."),
     *_zone_sizes(),
     Quantity("zone_cut", "Bounds that the zone reaches",
              "A sphere (element) that yielded touches them: the outermost yield is cut there.", short="zone reaches"),
@@ -344,7 +328,6 @@ ENTRIES = (
              "first passes 10 % of its largest. Needs nine layers. Null of cylinders beside each other."),
     Quantity("impactor_velocity_m_s", "Struck sphere at the end", digits=".5g",
              note="Along the impact or load.direction; negative: it moves back."),
-    Quantity("punch_peak_displacement_m", "Largest displacement of the punch", note="Into the block."),
     Quantity("restitution", axis="Coefficient of restitution", symbol="e",
              note="Of a single sphere on a rigid wall, or of two spheres of which one is struck."),
     Quantity("restitution_error", "Error bar of the restitution", digits=".2g",
@@ -370,47 +353,24 @@ ENTRIES = (
     Quantity("line_*_largest_speed_skewness", "Largest speeds of a line, skewness", "Corrected for their number."),
     Quantity("line_*_largest_speed_normal_p", "Largest speeds of a line, p of normality",
              "Of the test of Shapiro and Wilk: small where they are not normally distributed."),
-    # static contact of two spheres
-    Quantity("effective_radius_m", note="R*, 1/R* = 1/R1 + 1/R2."),
-    Quantity("effective_modulus_Pa", note="E*, 1/E* = (1 - nu1^2)/E1 + (1 - nu2^2)/E2."),
-    Quantity("yield_overlap_m", "Overlap at first yield"),
-    Quantity("yield_force_N", "Force at first yield"),
-    Quantity("max_overlap_m", "Largest overlap", digits=".4g"),
-    Quantity("max_force_N", "Largest force", short="force there", digits=".5g", axis="Force at the largest overlap",
-             note="Of the run."),
-    Quantity("contact_radius_m", digits=".4g", note="Largest of the run."),
-    Quantity("mean_pressure_Pa", note="At the end of the first loading: force over the area of contact."),
-    Quantity("force_deviation_max_percent", short="force less the law", digits="+.1f", phrase="{} % at most",
-             note="Largest deviation of the force of first loading from the law's."),
-    Quantity("force_deviation_rms_percent", short="force less the law", digits=".1f", phrase="{} % rms",
-             axis="Force less the law (%, rms)", note="The same, root mean square."),
-    Quantity("*_deviation_*max_percent", note="The same of force, contact_radius or mean_pressure, perhaps within a "
-             "range of overlaps over that at first yield: elastic, 1_to_10, 10_to_50, 50_to_178, beyond_178."),
-    Quantity("*_deviation_*rms_percent", note="The same, root mean square."),
-    Quantity("n_unloadings", "Unloadings", note="Cycles of unloading and reloading."),
-    Quantity("unloading_exponent_min", short="unloading exponents", digits=".2f", phrase="from {}",
-             note="n of F/F_max = ((alpha - alpha_R)/(alpha_max - alpha_R))^n, fitted to each unloading."),
-    Quantity("unloading_exponent_max", short="unloading exponents", digits=".2f", phrase="to {}",
-             note="The same, the largest."),
-    Quantity("unloading_misfit_percent",
-             note="Largest deviation of an unloading from its fit, over its largest force."),
-    Quantity("unloading_law_difference_percent",
-             note="Largest deviation of an unloading from the law's, over the law's peak."),
-    Quantity("unloading_plastic_share", note="Plastic work of a cycle over the elastic energy released, at most."),
-    Quantity("residual_overlap_deviation_percent_of_peak",
-             note="Residual overlap less the law's, over the cycle's largest overlap."),
-    Quantity("reloading_difference_percent",
-             note="Largest difference between reloading and unloading, over the largest force."),
-    Quantity("face_force_difference_max_percent",
-             note="Force at the pressed face against that in the contact: small if static."),
-    Quantity("face_force_difference_rms_percent", note="The same, root mean square."),
-    Quantity("face_force_difference_mean_percent", note="The same, mean."),
-    Quantity("penetration_share_max", note="Largest penetration of the contact's penalty springs over the overlap."),
 )  # fmt: skip
 
-QUANTITIES = {entry.name: entry for entry in ENTRIES}
+_OF_THE_CORE = {entry.name: entry for entry in ENTRIES}
 
-_FAMILIES = tuple(entry for entry in ENTRIES if "*" in entry.name)
+
+@cache
+def entries() -> tuple[Quantity, ...]:
+    """Return the entries of all values, those of extensions after `ENTRIES`."""
+    found = list(ENTRIES)
+    for more in added("quantities"):
+        found += more
+    return tuple(found)
+
+
+@cache
+def quantities() -> dict[str, Quantity]:
+    """Return the entries of all values by name; of two of a name that of the core counts."""
+    return {entry.name: entry for entry in reversed(entries())}
 
 
 @cache
@@ -418,35 +378,49 @@ def quantity(name: str) -> Quantity:
     """Entry of a value of a summary; of a value without one, as other programs may leave, what its
     name tells.
     """
-    if name in QUANTITIES:
-        return QUANTITIES[name]
-    family = next((entry for entry in _FAMILIES if fnmatchcase(name, entry.name)), Quantity(name))
+    if name in quantities():
+        return quantities()[name]
+    families = (entry for entry in entries() if "*" in entry.name)
+    family = next((entry for entry in families if fnmatchcase(name, entry.name)), Quantity(name))
     return dataclasses.replace(family, name=name, label="", short="")
 
 
 def _changed(name: str, **changes: str) -> Quantity:
     """An entry that one place shows in another way."""
-    return dataclasses.replace(QUANTITIES[name], **changes)
+    return dataclasses.replace(_OF_THE_CORE[name], **changes)
 
 
 def _quantities(*names: str | Quantity) -> tuple[Quantity, ...]:
-    return tuple(QUANTITIES[name] if isinstance(name, str) else name for name in names)
+    return tuple(_OF_THE_CORE[name] if isinstance(name, str) else name for name in names)
 
 
-#: Columns of the tables of results in reports, as far as there are values.
+#: Columns of the tables of results in reports, see `report_columns`.
 REPORT_COLUMNS = (
     "dissipated_fraction", "plastic_fraction", "friction_fraction", "rolling_fraction", "twisting_fraction",
     "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction", "transmission", "load_power_W", "absorbed_power_W",
     "peak_force_N", "peak_force_with_walls_N", "n_plastic_contacts", "n_dissipating_contacts",
-    "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m",
+    "n_plastic_spheres", "n_dissipating_spheres", "plastic_zone_volume_m3", "plastic_zone_depth_m",
     "plastic_zone_radius_m", "zone_depth_90_m", "zone_depth_90_interpolated_m",
     "zone_radius_90_m", "zone_radius_90_interpolated_m", "zone_volume_90_m3", "zone_cut",
     "wave_return_share", "wall_peak_force_N", "wall_impulse_Ns", "base_arrival_s", "unprotected_peak_force_N",
     "peak_reduction", "ground_peak_force_N", "target_peak_displacement_m", "energy_target_J", "impactor_velocity_m_s",
     "wave_speed_m_s", "energy_input_J", "energy_input_normalised", "velocity_normalised", "contacts_beyond_law",
-    "energy_balance_error", "deck_changed", "n_spheres", "n_elements", "end_time_s", "wall_time_s",
+    "energy_balance_error", "deck_changed", "n_spheres", "end_time_s", "wall_time_s",
 )  # fmt: skip
+
+
+@cache
+def report_columns() -> tuple[str, ...]:
+    """Return the columns of the tables of results in reports, as far as there are values; those of
+    extensions stand ``after`` others.
+    """
+    columns = list(REPORT_COLUMNS)
+    for entry in entries():
+        if entry.after in columns:
+            columns.insert(columns.index(entry.after) + 1, entry.name)
+    return tuple(columns)
+
 
 #: Shown only where there is friction.
 FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
@@ -463,34 +437,29 @@ RUN_ROWS = _quantities(
     "transmission", "load_power_W", "absorbed_power_W", "wall_time_s", "sphere_steps_per_s",
 )  # fmt: skip
 
-#: The same of continuum runs and of contacts of two spheres.
-CONTINUUM_ROWS = _quantities(
-    "n_elements", _changed("end_time_s", digits=".4g"), "end_reason", "n_steps", "energy_input_J",
-    "energy_input_normalised", _changed("dissipated_fraction", phrase="{} of it, plastically"), "energy_balance_error",
-    "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3", "plastic_zone_depth_m", "plastic_zone_radius_m",
-    "max_overlap_m", "max_force_N", "contact_radius_m", "force_deviation_max_percent", "force_deviation_rms_percent",
-    "unloading_exponent_min", "unloading_exponent_max", "kinetic_share_max", "wall_time_s", "element_steps_per_s",
-)  # fmt: skip
-
-#: Columns at the terminal at the end of a scan: numbers, with the unit in the head.
+#: Columns at the terminal at the end of a scan, see `scan_columns`.
 SCAN_COLUMNS = _quantities(
     _changed("restitution", digits=".5f"), "transmission", "dissipated_fraction",
     "n_plastic_spheres", "plastic_zone_volume_m3", "zone_depth_90_interpolated_m", "zone_volume_90_m3",
     "zone_cut", _changed("peak_force_N", short="peak force, no walls", digits=".5g"),
     _changed("peak_force_with_walls_N", short="with walls", digits=".5g"),
-    _changed("max_force_N", short="largest force"),
-    _changed("force_deviation_rms_percent", short="less the law (%, rms)", digits=".2f"),
 )  # fmt: skip
 
-#: Quantities that figures of scans show, by what names of figures begin with.
+
+@cache
+def scan_columns() -> tuple[Quantity, ...]:
+    """Return the columns at the terminal at the end of a scan: numbers, with the unit in the head."""
+    return (*SCAN_COLUMNS, *(entry for entry in entries() if entry.scan_column))
+
+
+#: Quantities that figures of scans show, by what names of figures begin with, see `scan_figures`.
 SCAN_FIGURES = {
     "peak_reduction": "peak_reduction", "restitution": "restitution",
     "transmission": "transmission", "dissipated_fraction": "dissipated_fraction",
     "plastic_zone_depth": "plastic_zone_depth_m", "zone_depth_90": "zone_depth_90_interpolated_m",
     "zone_radius_90": "zone_radius_90_interpolated_m", "zone_volume_90": "zone_volume_90_m3",
     "plastic_zone_volume": "plastic_zone_volume_m3", "plastic_spheres": "n_plastic_spheres",
-    "peak_force": "peak_force_N", "max_force": "max_force_N", "force_deviation": "force_deviation_rms_percent",
-    "wave_speed": "wave_speed_m_s",
+    "peak_force": "peak_force_N", "wave_speed": "wave_speed_m_s",
 }  # fmt: skip
 
 #: What figures show of results of 1.0 and earlier, which lack a value of `SCAN_FIGURES`.
@@ -500,11 +469,19 @@ _EARLIER = {
 }
 
 
+@cache
+def all_scan_figures() -> dict[str, str]:
+    """Return the quantities that figures of scans show, by what names of figures begin with."""
+    return SCAN_FIGURES | {
+        entry.scan_figure: entry.name for entry in entries() if entry.scan_figure
+    }
+
+
 def scan_figures(there: Container[str]) -> dict[str, str]:
     """Return the quantities of figures of a scan by the names of figures, of a scan whose summaries
     have the values ``there``.
     """
     return {
         name: _EARLIER[key] if key in _EARLIER and key not in there else key
-        for name, key in SCAN_FIGURES.items()
+        for name, key in all_scan_figures().items()
     }

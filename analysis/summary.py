@@ -6,6 +6,7 @@ What they are called, and where they are shown: `granwave.analysis.quantities`.
 from __future__ import annotations
 
 import json
+import logging
 import math
 from functools import partial
 from pathlib import Path
@@ -34,6 +35,7 @@ from granwave.analysis.result.contacts import LISTED_FROM
 from granwave.analysis.result.hdf5_file import AT_ONCE
 from granwave.analysis.result.reader import Result, misfit
 from granwave.lammps_inputs.contact.law import velocity_normalised
+from granwave.lammps_inputs.extensions import joined, loaded
 from granwave.lammps_inputs.files import plain, replace_text
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -42,6 +44,8 @@ from granwave.lammps_inputs.packing.walls import PLATE, SIDE_WALLS
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import SUMMARY_FILE
+
+logger = logging.getLogger(__name__)
 
 Summary = dict[str, Any]
 _ROUNDING = 1e-12  # of the input
@@ -94,6 +98,7 @@ def summarise(
     results = ResultDirectory.at(directory)
     with Result(results, at_once, assembly) as result:
         summary = summary_of(result, processes)
+        summary |= _added_values(result, summary)
     text = json.dumps(plain(summary), indent=2, allow_nan=False)
     results.claim([SUMMARY_FILE])
     replace_text(results / SUMMARY_FILE, text + "\n")
@@ -158,6 +163,27 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         "deck_changed": result.results.changed_deck() or None,
         "versions": result.versions,
     }
+
+
+def _added_values(result: Result, own: Summary) -> Summary:
+    """Return the values of extensions by name; those of one that fails are left out.
+
+    Raises
+    ------
+    InputError
+        Two values have the same name.
+    """
+    values = {}
+    for extension, summary_values in loaded("summary").items():
+        try:
+            found = dict(summary_values(result))
+            json.dumps(plain(found), allow_nan=False)
+            values[extension] = found
+        except Exception as error:  # of anyone's package; it costs no other value
+            reason = f"{type(error).__name__}: {error}"
+            logger.warning("values of the extension %s are left out: %s", extension, reason)
+    added = joined("value of summary.json", dict.fromkeys(own), values)
+    return {name: added[name] for name in added if name not in own}
 
 
 def _last(result: Result, name: str, default: float | None = None) -> float | None:

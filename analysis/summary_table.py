@@ -9,7 +9,8 @@ from typing import Any, NamedTuple
 
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.measures.zone_size import bounds_in_words
-from granwave.analysis.quantities import CONTINUUM_ROWS, FRICTION_SHARES, RUN_ROWS, SHARES, quantity
+from granwave.analysis.quantities import FRICTION_SHARES, RUN_ROWS, SHARES, Quantity, quantity
+from granwave.lammps_inputs.extensions import load
 from granwave.lammps_inputs.packing.cylinders import GRAINS, in_grains
 
 _ZONE_AFTER = "plastic_zone_radius_m"  # the row that the size of the plastic zone follows
@@ -35,15 +36,27 @@ def lines(rows: Sequence[tuple[str, str]]) -> str:
     return "\n".join(f"{label:<{width}}  {text}" for label, text in rows)
 
 
-def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list[SummaryRow]:
-    """Rows of the main values of a summary, or of that of a run of finite elements, as far as there
-    are values.
+def rows_of(reference: str) -> Sequence[Quantity]:
+    """Return the quantities of a reference, such as `ResultKind.rows`; those of a run without one."""
+    rows: Sequence[Quantity] = load(reference) if reference else RUN_ROWS
+    return rows
+
+
+def summary_rows(
+    summary: Mapping[str, Any], shown: Sequence[Quantity] = RUN_ROWS
+) -> list[SummaryRow]:
+    """Return rows of the main values of a summary, as far as there are values.
+
+    Parameters
+    ----------
+    shown
+        Quantities of the rows.
     """
-    left_out = () if continuum or summary.get("friction_fraction") else FRICTION_SHARES
+    left_out = () if summary.get("friction_fraction") else FRICTION_SHARES
     rows = [SummaryRow("case", str(summary["name"]), ("name",))]
     before = ""
     called = grains_called_in([summary])
-    for entry in CONTINUUM_ROWS if continuum else RUN_ROWS:
+    for entry in shown:
         value = None if entry.name in left_out else summary.get(entry.name)
         if value is not None:
             growing = _GROWING.get(entry.name) in (summary.get("zone_growing") or ())
@@ -62,9 +75,9 @@ def summary_rows(summary: Mapping[str, Any], *, continuum: bool = False) -> list
     return rows
 
 
-def summary_table(summary: Mapping[str, Any], *, continuum: bool = False) -> str:
-    """The main values of a summary as text; see `summary_rows`."""
-    return lines([(row.label, row.text) for row in summary_rows(summary, continuum=continuum)])
+def summary_table(summary: Mapping[str, Any], shown: Sequence[Quantity] = RUN_ROWS) -> str:
+    """Return the main values of a summary as text; see `summary_rows`."""
+    return lines([(row.label, row.text) for row in summary_rows(summary, shown)])
 
 
 def explanation(key: str) -> str:

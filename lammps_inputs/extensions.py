@@ -1,4 +1,4 @@
-"""Extensions: features outside the core, found by entry points of the group ``granwave.extensions``.
+"""Extensions: features outside the core, by entry points of the group ``granwave.extensions``.
 
 An entry point names one `Extension`, an object that says what the extension adds. The core goes
 through these objects and knows no extension by its name; granwave's own extensions are registered
@@ -13,19 +13,37 @@ from __future__ import annotations
 
 import dataclasses
 import importlib
+import itertools
 import logging
 import os
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from functools import cache
 from importlib.metadata import EntryPoint, entry_points
 from pathlib import Path
-from typing import Any
+from typing import Any, Protocol, TypeVar
+
+from granwave.lammps_inputs.errors import InputError
 
 GROUP = "granwave.extensions"
 WITHOUT = "GRANWAVE_WITHOUT"
 ALL = "all"
 
 _LOG = logging.getLogger(__name__)
+
+
+class ListEntry(Protocol):
+    """An entry of a list that extensions add to."""
+
+    @property
+    def name(self) -> str:
+        """Name, unique in the list."""
+
+    @property
+    def after(self) -> str:
+        """Name of the entry that it stands behind; empty: at the end."""
+
+
+Listed = TypeVar("Listed", bound=ListEntry)
 
 
 @dataclasses.dataclass(frozen=True)
@@ -48,14 +66,18 @@ class Extension:
     extra
         Extra of the distribution that installs these packages, as ``granwave[design]``.
     folder
-        Folder with built-in cases in ``cases/`` and scans in ``scans/``.
+        Folder with built-in cases in ``cases/``, scans in ``scans/``, and examples of keys in
+        ``key_examples.toml``: a table for each table of each kind of file.
     lattices
-        Reference: mapping of names to `granwave.lammps_inputs.lattices.PackingKind`.
+        Reference: mapping of names to `granwave.lammps_inputs.packing_kind.PackingKind`.
     loads
         Reference: sequence of subclasses of `granwave.lammps_inputs.case.loads.load.Load`.
     result_kinds
         Reference: sequence of `granwave.lammps_inputs.result_kinds.ResultKind`, one for each kind
         of directories of results that it writes.
+    case_keys
+        Reference: mapping of dotted keys of its cases to `granwave.analysis.formatting.values.Naming`,
+        their labels and units.
     quantities
         Reference: sequence of `granwave.analysis.quantities.Quantity`: values that it writes.
     summary
@@ -67,9 +89,12 @@ class Extension:
         Files that a run leaves besides figures, as ``[figures]`` of its case asks: reference to a
         sequence of `granwave.analysis.products.Product`.
     exports
-        Formats of ``granwave export``: reference to a function by name of the format.
+        Formats of ``granwave export``: reference to a
+        `granwave.analysis.exports.formats.ExportFormat` by name of the format.
     studies
         Studies of runs by name: module, see `granwave.analysis.studies.registry`.
+    comparisons
+        Studies that every report and suite makes of all its runs, by name: module, likewise.
     report
         Reference: sequence of `granwave.analysis.reports.kinds.ReportKind`, one for each kind of
         results that a report shows in its own way.
@@ -77,13 +102,13 @@ class Extension:
         Reference: sequence of `granwave.workflows.solvers.CaseKind`: cases that are not of
         spheres.
     file_kinds
-        Reference: sequence of `granwave.workflows.cli.file_kinds.FileKind`: files that users
-        write, with the tables of their keys.
+        Reference: sequence of `granwave.workflows.file_kinds.FileKind`: files that users write,
+        with the tables of their keys.
     commands
         Reference: sequence of `granwave.workflows.cli.commands.Command`.
     check
-        Reference: function of an assembly that returns what ``granwave check`` says beside the
-        plan, a `granwave.workflows.cli.check_parts.CheckPart`.
+        Reference: function of an assembly that returns what ``granwave check`` shows in addition
+        to the plan, a `granwave.workflows.check_part.CheckPart`.
     python
         Names of ``import granwave``: reference to a function or class by name.
     """
@@ -97,12 +122,14 @@ class Extension:
     lattices: str = ""
     loads: str = ""
     result_kinds: str = ""
+    case_keys: str = ""
     quantities: str = ""
     summary: str = ""
     figures: Mapping[str, str] = dataclasses.field(default_factory=dict)
     products: str = ""
     exports: Mapping[str, str] = dataclasses.field(default_factory=dict)
     studies: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    comparisons: Mapping[str, str] = dataclasses.field(default_factory=dict)
     report: str = ""
     case_kinds: str = ""
     file_kinds: str = ""
@@ -117,18 +144,43 @@ def extensions() -> tuple[Extension, ...]:
 
     One that cannot be loaded is left out with a warning.
     """
-    left_out = {name.strip() for name in os.environ.get(WITHOUT, "").split(",")}
-    if ALL in left_out:
+    unwanted = {name.strip() for name in os.environ.get(WITHOUT, "").split(",")}
+    if ALL in unwanted:
         return ()
     found: dict[str, Extension] = {}
-    for point in sorted(entry_points(group=GROUP), key=lambda point: point.name):
-        extension = None if point.name in left_out else _load(point)
+    for point in _points():
+        extension = None if point.name in unwanted else _load(point)
         if extension is not None:
             found[extension.name] = extension
     while lacking := [name for name, one in found.items() if set(one.uses) - found.keys()]:
         for name in lacking:
             del found[name]
     return tuple(found.values())
+
+
+def left_out() -> tuple[Extension, ...]:
+    """Return the extensions that are installed but not among `extensions`, for messages."""
+    names = {extension.name for extension in extensions()}
+    others = (_load(point) for point in _points() if point.name not in names)
+    return tuple(extension for extension in others if extension is not None)
+
+
+def distribution_of(extension: Extension) -> str:
+    """Return name and version of the distribution that brings an extension; empty: not known."""
+    for point in _points():
+        if point.name == extension.name and point.dist is not None:
+            return f"{point.dist.name} {point.dist.version}"
+    return ""
+
+
+def _distribution_name(extension: Extension) -> str:
+    return distribution_of(extension).partition(" ")[0] or "granwave"
+
+
+@cache
+def _points() -> tuple[EntryPoint, ...]:
+    """Return the entry points of all installed extensions by name."""
+    return tuple(sorted(entry_points(group=GROUP), key=lambda point: point.name))
 
 
 def _load(point: EntryPoint) -> Extension | None:
@@ -164,9 +216,95 @@ def added(field: str) -> Iterator[Any]:
     field
         Name of a field that holds one reference, such as ``commands``.
     """
-    for extension in extensions():
-        if reference := getattr(extension, field):
-            yield load(reference)
+    yield from loaded(field).values()
+
+
+def loaded(field: str) -> dict[str, Any]:
+    """Return what a field of all extensions stands for, by the names of the extensions.
+
+    Parameters
+    ----------
+    field
+        Name of a field that holds one reference, such as ``lattices``.
+
+    Raises
+    ------
+    InputError
+        A reference cannot be loaded; the message says which extension to leave out.
+    """
+    return {
+        extension.name: _loaded(extension, field, getattr(extension, field))
+        for extension in extensions()
+        if getattr(extension, field)
+    }
+
+
+def _loaded(extension: Extension, field: str, reference: str) -> Any:
+    """Return the object of a reference of an extension."""
+    try:
+        return load(reference)
+    except ModuleNotFoundError as error:
+        reason = missing_package(error) or str(error)
+    except Exception as error:  # of anyone's package
+        reason = f"{type(error).__name__}: {error}"
+    raise InputError(
+        f"extension {extension.name}: {field} {reference} cannot be loaded: {reason}; "
+        f"fix it, or leave the extension out: {WITHOUT}={extension.name}"
+    )
+
+
+def added_by_key(field: str, noun: str, key: str = "key") -> dict[str, Any]:
+    """Return the objects in the sequences of a field of all extensions by one of their attributes.
+
+    Parameters
+    ----------
+    field
+        Name of a field that is a reference to a sequence, such as ``products``.
+    noun
+        Noun for the objects, in messages.
+    key
+        Name of the attribute.
+
+    Raises
+    ------
+    InputError
+        A reference cannot be loaded, or two objects have the same attribute.
+    """
+    added = {
+        extension: {getattr(entry, key): entry for entry in entries}
+        for extension, entries in loaded(field).items()
+    }
+    return joined(noun, {}, added)
+
+
+def with_added(own: Iterable[Listed], field: str) -> tuple[Listed, ...]:
+    """Return entries of the core and those that extensions add, in the order of lists.
+
+    An entry whose ``after`` is the name of another stands behind that one, others at the end.
+
+    Parameters
+    ----------
+    own
+        Entries of the core, which have a ``name``, as those of extensions.
+    field
+        Name of a field that refers to a sequence of entries, such as ``commands``.
+
+    Raises
+    ------
+    InputError
+        Two entries have the same name.
+    """
+    entries = list(own)
+    for entry in itertools.chain.from_iterable(added(field)):
+        names = [other.name for other in entries]
+        if entry.name in names:
+            raise InputError(
+                f"{field}: {entry.name} is there twice; rename that of an extension, or leave the "
+                f"extension out: {WITHOUT}=NAME (granwave doctor lists the extensions)"
+            )
+        place = names.index(entry.after) + 1 if entry.after in names else len(entries)
+        entries.insert(place, entry)
+    return tuple(entries)
 
 
 def added_by_name(field: str) -> dict[str, str]:
@@ -177,10 +315,47 @@ def added_by_name(field: str) -> dict[str, str]:
     field
         Name of a field that is a mapping, such as ``figures``.
     """
-    found: dict[str, str] = {}
-    for extension in extensions():
-        found |= getattr(extension, field)
-    return found
+    return joined(field, {}, {one.name: getattr(one, field) for one in extensions()})
+
+
+def joined(
+    noun: str, own: Mapping[str, Any], added: Mapping[str, Mapping[str, Any]]
+) -> dict[str, Any]:
+    """Return the entries of the core and those of extensions in one table.
+
+    Parameters
+    ----------
+    noun
+        Noun for the entries, in the message.
+    own
+        Entries of the core by name.
+    added
+        Entries by name, of each extension by its name.
+
+    Raises
+    ------
+    InputError
+        Two entries have the same name; the message says whose they are.
+    """
+    table = dict(own)
+    owners = dict.fromkeys(own, "granwave itself")
+    for extension, entries in added.items():
+        for name, entry in entries.items():
+            if name in table:
+                raise InputError(
+                    f"{noun} {name}: it is in {owners[name]} and in the extension {extension}; "
+                    f"rename one, or leave the extension out: {WITHOUT}={extension}"
+                )
+            table[name] = entry
+            owners[name] = f"the extension {extension}"
+    return table
+
+
+def install_command(extension: Extension) -> str:
+    """Return the command that installs the packages that only an extension needs."""
+    if extension.extra:
+        return f'pip install "{_distribution_name(extension)}[{extension.extra}]"'
+    return f"pip install {' '.join(extension.packages.values())}"
 
 
 def missing_package(error: ModuleNotFoundError) -> str:
@@ -189,5 +364,6 @@ def missing_package(error: ModuleNotFoundError) -> str:
     for extension in extensions():
         if package in extension.packages:
             what = extension.packages[package]
-            return f'{what} is not installed, which {extension.name} needs: pip install "granwave[{extension.extra}]"'
+            command = install_command(extension)
+            return f"{what} is not installed, which {extension.name} needs: {command}"
     return ""

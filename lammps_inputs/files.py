@@ -163,7 +163,17 @@ def read_text(path: Path) -> str:
     ValueError
         It is not UTF-8; the message gives the line.
     """
-    raw = read_regular(path)
+    return decoded(read_regular(path))
+
+
+def decoded(raw: bytes) -> str:
+    """Return the text of bytes in UTF-8, with or without a byte-order mark.
+
+    Raises
+    ------
+    ValueError
+        They are not UTF-8; the message gives the line.
+    """
     try:
         return raw.decode("utf-8-sig")
     except UnicodeDecodeError as error:
@@ -174,7 +184,7 @@ def read_text(path: Path) -> str:
         raise UnicodeError(text) from None
 
 
-def _read_input(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "") -> str:
+def read_user_text(path: Path, what: str, hint: Callable[[Path], str] = lambda _: "") -> str:
     """Read a text file that a user named; raise InputError. ``hint`` returns more words about a
     missing one.
     """
@@ -277,36 +287,13 @@ def available_memory() -> float:
     return float(os.sysconf("SC_PAGE_SIZE")) * os.sysconf("SC_PHYS_PAGES")
 
 
-_BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
 _SPECIAL = re.compile('[,"#]')
 _NUMBER = re.compile(
     r"[-+]?(?:(?:[0-9]+\.?[0-9]*|\.[0-9]+)(?:e[-+]?[0-9]+)?|nan|inf|infinity)", re.IGNORECASE
 )
 _WHOLE = re.compile(r"[-+]?[0-9]+")
 
-Row = tuple[int, list[str]]  # number of the line, and the cells
 _FORMULA = ("=", "+", "-", "@", "\t", "\r")  # first characters of what spreadsheets compute
-
-
-def csv_rows(text: str) -> list[Row]:
-    """Return the rows of a text that are no comments; a row is a line, also where quotes are left
-    open.
-
-    Raises
-    ------
-    ValueError
-        A line cannot be taken apart.
-    """
-    found = []
-    for number, line in enumerate(text.splitlines(), start=1):
-        filled = _BEFORE_COMMENT.match(line)[0]  # type: ignore[index]  # it matches always
-        if not filled.strip():
-            continue
-        try:
-            found.append((number, next(csv.reader([filled], skipinitialspace=True))))
-        except csv.Error as error:
-            raise ValueError(f"line {number}: found no row of a CSV file: {error}") from None
-    return found
 
 
 def read_number(word: str) -> float:
@@ -330,25 +317,8 @@ def read_whole(word: str) -> int:
 
 
 def csv_cell(word: str) -> str:
-    """Return a word without line breaks as a cell that `csv_rows` reads, in quotes if they are
-    needed.
-    """
+    """Return a word without line breaks as a cell of a table, in quotes if needed."""
     return '"' + word.replace('"', '""') + '"' if _SPECIAL.search(word) else word
-
-
-def read_csv_rows(path: Path) -> list[Row]:
-    """Read the rows of a CSV file.
-
-    Raises
-    ------
-    InputError
-        The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
-    """
-    text = _read_input(path, "CSV file")
-    try:
-        return csv_rows(text)
-    except ValueError as error:
-        raise InputError(f"{path}: {error}") from None
 
 
 def write_csv_rows(file: TextIO, rows: Iterable[Iterable[object]]) -> None:
@@ -418,7 +388,7 @@ def read_toml(path: str | Path) -> dict[str, Any]:
         The file is missing, unreadable, not UTF-8, or not TOML.
     """
     path = Path(path)
-    content = _read_input(path, "TOML file", _similar)
+    content = read_user_text(path, "TOML file", _similar)
     try:
         return dict(with_absolute_paths(tomllib.loads(content), path.parent))
     except (

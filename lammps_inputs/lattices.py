@@ -22,12 +22,13 @@ import dataclasses
 import itertools
 import math
 from collections.abc import Iterator
-from functools import cached_property
+from functools import cache, cached_property
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.extensions import joined, loaded
 from granwave.lammps_inputs.packing_kind import (
     TOUCHING,
     Offset,
@@ -70,6 +71,7 @@ _OF_CLOSE_PACKED = ZoneEstimate(PowerLaw(1.30, 0.255), PowerLaw(1.0, 0.265), spr
 _OF_BODY_CENTRED = ZoneEstimate(PowerLaw(1.30, 0.32), PowerLaw(2.2, 0.26), spread=1.4)
 _ALONG_A_LINE = ZoneEstimate(PowerLaw(75.0, 0.0), PowerLaw(0.0, 0.0), spread=1.0)
 
+#: Lattices of the core.
 KINDS: dict[str, PackingKind] = {
     "fcc": PackingKind(
         label="FCC",
@@ -159,16 +161,27 @@ _FREE = PackingKind(
 )
 
 
+@cache
+def lattice_kinds() -> dict[str, PackingKind]:
+    """Return the lattices by name: those of the core, then those of extensions.
+
+    Raises
+    ------
+    InputError
+        Two lattices have the same name, or an extension cannot be loaded.
+    """
+    kinds = joined("packing.kind", KINDS | {FILE: _FREE}, loaded("lattices"))
+    return {name: kind for name, kind in kinds.items() if name != FILE}
+
+
 def kind_names() -> tuple[str, ...]:
     """Return the names of all kinds of packings: lattices, and grains of a file."""
-    return (*KINDS, FILE)
+    return (*lattice_kinds(), FILE)
 
 
 def kind_of(name: str) -> PackingKind:
-    """Return the kind of packing of this name: a lattice of `KINDS`, or the one of grains of a
-    file.
-    """
-    return _FREE if name == FILE else KINDS[name]
+    """Return the kind of packing of this name: a lattice, or the one of grains of a file."""
+    return _FREE if name == FILE else lattice_kinds()[name]
 
 
 def section_planes(kind: str) -> tuple[SectionPlane, ...]:
@@ -190,7 +203,7 @@ class Lattice:
     Attributes
     ----------
     kind
-        A key of `KINDS`.
+        Name of a lattice, as of `lattice_kinds`.
     size
         Spheres along x, rows along y, layers along z, as far as the kind has these axes: (nx, ny,
         nz), (nx, ny), (nx, nz) or (n,).
@@ -220,7 +233,7 @@ class Lattice:
     @property
     def rule(self) -> PackingKind:
         """Properties of the kind."""
-        return KINDS[self.kind]
+        return lattice_kinds()[self.kind]
 
     @property
     def shape(self) -> tuple[int, int, int]:

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.checks.warnings import warn_about
 from granwave.lammps_inputs.errors import InputError, fault_of
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.found_contacts import with_contacts
 from granwave.lammps_inputs.packing.places import centred
 
 
@@ -77,6 +78,7 @@ def assembly_from_dict(
     """Make a case as `case_from_dict` does, and return all its bodies."""
     errors = ErrorList(str(source), tuple(overridden), case_keys())
     parts = parse_case(data, source, errors)
+    with_contacts(parts, errors)
     check_together(PartialCase(parts), errors)
     errors.report(parts["name"])
     parts["striker"] = centred(parts["striker"], parts["packing"], parts["boundary"])

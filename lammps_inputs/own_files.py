@@ -19,18 +19,10 @@ from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import is_special
 from granwave.lammps_inputs.marker import Marker, State, read_marker, state
+from granwave.lammps_inputs.result_kinds import ResultKind, kind_in, kind_named, read_files
 from granwave.lammps_inputs.run_directory import files_of
 
 AnyPath: TypeAlias = str | os.PathLike[str]  # a path, or an open directory of results
-_CONTENTS = {
-    run_directory.RUN: "a run",
-    run_directory.CONTINUUM: "a run",
-    run_directory.SCAN: "a scan",
-    run_directory.SUITE: "a suite of scans",
-    run_directory.SPECTRA: "bands or modes",
-    run_directory.INFERENCE: "inferred forces",
-    run_directory.DESIGN: "a search for a design",
-}  # what a directory holds, one group each
 _SHOWN = 3  # names in a message
 _OF_A_SCAN = (
     "jobs-*.json",
@@ -123,8 +115,16 @@ class OwnFiles(os.PathLike[str]):
             path.unlink(missing_ok=True)
         self._marker = None
 
-    def refuse_special(self, names: Iterable[str] = run_directory.READ_FILES) -> None:
-        """Raise InputError for files that are pipes or devices, which opening would wait for."""
+    def refuse_special(self, names: Iterable[str] | None = None) -> None:
+        """Raise InputError for files that are pipes or devices, which opening would wait for.
+
+        Parameters
+        ----------
+        names
+            Names of the files; None: all that are opened for reading where they are there.
+        """
+        if names is None:
+            names = read_files()
         errors = [
             f"{self.path / file}: is a pipe or a device, expected a file; remove it, or put back "
             "the file of the run"
@@ -256,16 +256,16 @@ class OwnFiles(os.PathLike[str]):
         return any(self.own_path(file) is not None for file in files_of(self.path, name))
 
     @property
-    def content(self) -> str:
-        """Content of the directory by its marker, such as ``a run``; empty if nothing is known."""
-        return _CONTENTS.get(self.marker.kind, "")
+    def kind(self) -> ResultKind:
+        """Kind of the results, by the marker or else by what the directory holds."""
+        return kind_in(self.path, self.marker.kind)
 
     def refuse_other_kind(self, kind: str) -> None:
         """Raise InputError if the directory holds results of another group than ``kind``, such as a
         scan instead of a run.
         """
-        there = self.content
-        here = _CONTENTS.get(kind)
+        there = kind_named(self.marker.kind).content
+        here = kind_named(kind).content
         if there and here and there != here and self.result_names():
             raise InputError(
                 f"{self.path}: holds {there}, expected {here} or nothing; "

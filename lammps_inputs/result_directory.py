@@ -131,7 +131,7 @@ class ResultDirectory(OwnFiles):
         Parameters
         ----------
         kind
-            Kind of results, see `granwave.lammps_inputs.run_directory`.
+            Kind of results, see `granwave.lammps_inputs.result_kinds`.
         names
             Names of the files that will be written.
         case
@@ -321,9 +321,7 @@ class ResultDirectory(OwnFiles):
         fault = self.changed_file(names)
         if not fault:
             return ""
-        if self.marker.kind == run_directory.CONTINUUM:
-            return f"{fault}: run the case again with resume=True"
-        return f"{fault}: make it anew with  granwave analyse {self.path}"
+        return f"{fault}: {self.kind.remedy.format(self.path)}"
 
     def fault(self) -> str:
         """Describe the first fault in the results of a finished run; empty if none.

@@ -1,4 +1,4 @@
-"""File and folder names of a run, a scan and other results, and kinds of results.
+"""File and folder names of runs and scans.
 
 Which files granwave may overwrite and delete follows from the marker, see
 `granwave.lammps_inputs.own_files`.
@@ -26,7 +26,6 @@ LOG_FILE = "log.lammps"
 RECORD_FILE = "run.json"
 RESULT_FILE = "result.h5"
 SUMMARY_FILE = "summary.json"
-CONTACT_TABLE = "contact.csv"  # of two finite-element spheres
 CHECKPOINT_FILE = "checkpoint-{}.restart"  # with the step
 FIGURES_DIRECTORY = "figures"
 EXPORT_DIRECTORY = "export"
@@ -87,33 +86,8 @@ POINT_LOG = "point.log"
 POINT_STOP = ".stop"
 POINT_FILES = (POINT_FILE, POINT_CASE, POINT_LOG, POINT_STOP)
 
-# Of a search for a design, whose report is SCAN_REPORT and whose runs are in POINTS.
-DESIGN_STUDY = "study.json"
-DESIGN_TABLE = "designs.csv"
-DESIGN_OUTCOME = "design.json"
-BEST_DESIGNS = tuple(f"best-{n}.toml" for n in range(1, 11))
-
-# Of a fit of the contact law.
-FIT_TOML, FIT_PAIR, FIT_TABLE, FIT_MISFIT = FIT_FILES = (
-    "fit.toml",
-    "pair.toml",
-    "fit.csv",
-    "misfit.csv",
-)
-
-# Of an inference of contact forces; its summary is SUMMARY_FILE.
-INFERRED_FORCES = "forces.csv"
-INFERRED_GRAINS = "grains.csv"
-MADE_MEASUREMENT = "measurement.csv"
-MADE_CASE = "measurement.toml"
-
-# Of small waves about a static state; each command leaves NAME.csv and NAME.json, and a group in
-# the file.
-SPECTRA_FILE = "spectra.h5"
-#: Commands of small waves; each leaves its values in a file of its name, .json.
-SPECTRA_KINDS = ("bands", "modes", "transmission")
-
-#: Files that are opened for reading where they are there; all others are entered in the marker.
+#: Files of runs and scans that are opened for reading where they are there, see
+#: `granwave.lammps_inputs.result_kinds`; all others are entered in the marker.
 READ_FILES = (
     MARKER,
     LOCK_FILE,
@@ -126,7 +100,6 @@ READ_FILES = (
     RECORD_FILE,
     RESULT_FILE,
     SUMMARY_FILE,
-    CONTACT_TABLE,
     SCAN_FILE,
     SCAN_INDEX,
     SUITE_INDEX,
@@ -134,14 +107,6 @@ READ_FILES = (
     SCAN_DATA,
     STUDY_ROWS,
     *POINT_FILES,
-    DESIGN_STUDY,
-    DESIGN_TABLE,
-    DESIGN_OUTCOME,
-    *FIT_FILES,
-    INFERRED_FORCES,
-    INFERRED_GRAINS,
-    SPECTRA_FILE,
-    *(f"{kind}.json" for kind in SPECTRA_KINDS),
     *(
         f"{DUMPS}/{name}"
         for name in (ENERGY_FILE, WALLS_FILE, PROBES_FILE, COUNT_FILE, STATIC_STAGE_FILE)
@@ -152,16 +117,11 @@ READ_FILES = (
     ),
 )
 
-# Kinds of results.
+# Kinds of results of the core, see `granwave.lammps_inputs.result_kinds`.
 RUN = "run"
-CONTINUUM = "continuum"
 SCAN = "scan"
 SUITE = "suite"
-FIT = "fit"
 OTHER = "other"
-INFERENCE = "inference"
-SPECTRA = "spectra"
-DESIGN = "design"
 
 
 def newer_format(found: object, version: object) -> str:
@@ -208,8 +168,3 @@ def files_of(directory: Path, name: str) -> list[str]:
 def is_scan(directory: str | os.PathLike[str]) -> bool:
     """Return True for the directory of a scan."""
     return (Path(directory) / SCAN_INDEX).is_file()
-
-
-def is_design(directory: str | Path) -> bool:
-    """Return True for the directory of a search for a design; False where it cannot be looked into."""
-    return os.access(Path(directory) / DESIGN_OUTCOME, os.R_OK)

@@ -203,10 +203,11 @@ def script_of(
 
 @pytest.hookimpl(trylast=True)  # after the choice of markers
 def pytest_collection_modifyitems(config: pytest.Config, items: list[pytest.Item]) -> None:
-    """Put the longest tests first, so that all processes end at about the same time; with
-    ``--one-of-each`` leave out all but the first case of each test function.
+    """Put groups of tests first, since one process takes all of a group, so that all processes end
+    at about the same time; with ``--one-of-each`` leave out all but the first case of each test
+    function.
     """
-    items.sort(key=lambda item: "test_scan_slurm" not in item.nodeid)
+    items.sort(key=lambda item: item.get_closest_marker("xdist_group") is None)
     if config.getoption("--one-of-each"):
         first: dict[str, pytest.Item] = {}
         for item in items:

@@ -19,24 +19,17 @@ from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.load_case import load_assembly as load_assembly_file
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import CASE_FILE
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
+from granwave.workflows.file_kinds import SCAN, file_kinds, other_than_a_case
+from granwave.workflows.solvers import GRANULAR, case_kinds, solver_of
 
 CASES = "cases"
 SCANS = "scans"
-# commands that run scans, and searches for a design
-SCAN = "scan"
-DESIGN = "design"
 _PACKINGS = "Packings"
 _CHAINS = "Chains and single contacts"
-_ELEMENTS = "Finite elements (granwave continuum)"
 _SCANS = "Scans"
 _SUITES = "Suites of scans"
-GROUPS = (_PACKINGS, _CHAINS, _ELEMENTS, _SCANS, _SUITES)  # of the list of built-in studies
 _SUFFIX = ".toml"
 _WHAT = {CASES: "case", SCANS: "scan"}
-_NOUNS = {GRANULAR.verb: "a granular case", CONTINUUM.verb: "a continuum case"}
-_OF_SCAN = ("case", "scans", "grid", "zip", "points")
-_OF_CASE = ("packing", "block", "punch", "sphere")
 
 
 @cache
@@ -130,24 +123,20 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
         There is none, or another command runs it.
     """
     path = find(study, SCANS if verbs == (SCAN,) else CASES, directory)
-    if "infer" in (tables := read_toml(path)) and "packing" not in tables:
-        raise InputError(
-            f"{study}: tells how forces are inferred; run  granwave infer GRAINS.csv --case {study}"
-        )
-    if (verb := verb_of(path)) not in verbs:
+    try:
+        verb = verb_of(path)
+    except InputError as error:
+        raise InputError(item.inside(study) for item in error.items) from None
+    if verb not in verbs:
         raise _other_word(study, verb, verbs[0])
     return path
 
 
 def verb_of(path: Path) -> str:
-    """Return the command that runs a file: run, continuum, scan or design."""
+    """Return the command that reads a file, as run or scan."""
     tables = read_toml(path)
-    if "base" in tables and "variables" in tables:
-        return DESIGN
-    of_scan = any(name in tables for name in _OF_SCAN) and not any(
-        name in tables for name in _OF_CASE
-    )
-    return SCAN if of_scan else solver_of(tables).verb
+    other = other_than_a_case(tables)
+    return solver_of(tables).verb if other is None else other.command
 
 
 def _all_names() -> list[str]:
@@ -155,8 +144,12 @@ def _all_names() -> list[str]:
 
 
 def _other_word(study: str, found: str, wanted: str) -> InputError:
-    nouns = _NOUNS if not {SCAN, DESIGN} & {found, wanted} else dict.fromkeys(_NOUNS, "a case")
-    nouns = nouns | {SCAN: "a scan", DESIGN: "a search for a design"}
+    """Return the error of a file that another command reads."""
+    cases = {kind.verb: kind.noun for kind in reversed(case_kinds())}
+    others = {kind.command: kind.noun for kind in file_kinds() if kind.recognises is not None}
+    if found in others or wanted in others:
+        cases = dict.fromkeys(cases, "a case")
+    nouns = cases | others
     return InputError(
         f"{study}: is {nouns[found]}, expected {nouns[wanted]}: granwave {found} {study}"
     )
@@ -195,18 +188,26 @@ class Entry(NamedTuple):
 
 
 def entries() -> list[Entry]:
-    """Return all built-in studies, in the order of `GROUPS`."""
+    """Return all built-in studies, in the order of their groups."""
     found = []
     for kind, name in [(one, name) for one in _WHAT for name in names(one)]:
         tables = read_toml(_files(kind)[name])
-        if kind == SCANS:
-            group = _SUITES if "scans" in tables else _SCANS
-        elif "packing" in tables:
-            group = _CHAINS if kind_of(tables["packing"]["kind"]).is_chain else _PACKINGS
-        else:
-            group = _ELEMENTS
+        group = _group_of_scan(tables) if kind == SCANS else _group_of_case(tables)
         found.append(Entry(_WHAT[kind], name, group, title(name)))
-    return sorted(found, key=lambda entry: GROUPS.index(entry.group))
+    headings = dict.fromkeys(kind.heading for kind in case_kinds() if kind is not GRANULAR)
+    groups = (_PACKINGS, _CHAINS, *headings, _SCANS, _SUITES)
+    return sorted(found, key=lambda entry: groups.index(entry.group))
+
+
+def _group_of_scan(tables: Mapping[str, Any]) -> str:
+    return _SUITES if "scans" in tables else _SCANS
+
+
+def _group_of_case(tables: Mapping[str, Any]) -> str:
+    kind = solver_of(tables)
+    if kind is not GRANULAR:
+        return kind.heading
+    return _CHAINS if kind_of(tables["packing"]["kind"]).is_chain else _PACKINGS
 
 
 def text(name: str) -> str:

@@ -1,25 +1,23 @@
-"""Solvers by kind of case: LAMMPS for packings, finite elements for continuum problems."""
+"""Solvers by kind of case: LAMMPS for packings, others for the cases of extensions."""
 
 from __future__ import annotations
 
 import dataclasses
-import importlib
-from collections.abc import Callable, Iterable, Mapping
+import itertools
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from pathlib import Path
 from typing import Any, Protocol
 
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.contact.initial_dents import earlier_result
-from granwave.lammps_inputs.directories import check_disk
-from granwave.lammps_inputs.errors import raise_all
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import WITHOUT, added, left_out, load
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
-
-_OF_CONTINUUM = ("block", "punch")
-_OF_SPHERE_CONTACT = ("sphere", "partner")
+from granwave.workflows.check_part import CheckPart
 
 
 class AnyCase(Protocol):
@@ -61,8 +59,14 @@ class CaseKind:
     ----------
     verb
         Command that runs them.
+    noun
+        Noun with its article, for messages: "a continuum case".
+    tables
+        Tables by which a case of this kind is recognised: it has one of them.
+    file_kind
+        Name of the `granwave.workflows.file_kinds.FileKind` that lists their keys.
     parts
-        Unit of their size: spheres or elements.
+        Unit of their size, as spheres or elements.
     versions
         Names, in `granwave.workflows.run.record.versions`, of the programs that their results
         depend on.
@@ -71,8 +75,8 @@ class CaseKind:
     stored
         Function that makes the case of a run that was made, as `stored_case`.
     assemble
-        Function that makes of a case what `size` and `cost` take: all bodies of a packing; a case
-        of finite elements is that itself.
+        Function that makes of a case what `size` and `cost` take: all bodies of a packing; other
+        cases may be that themselves.
     size
         Function that returns the number of parts.
     cost
@@ -83,13 +87,24 @@ class CaseKind:
         Function of a case, its cost and the directory of its results or None that raises
         InputError if this machine lacks the memory or the disk space.
     run
-        Function that runs a case of finite elements into a directory, as `run_continuum`; None for
-        those that `granwave.workflows.run.driver.run_case` runs.
+        Function of a case and the directory of its results that runs it and returns its summary;
+        keywords ``figures``, ``force``, ``resume`` and ``progress`` as of
+        `granwave.workflows.run.driver.run_case`, which runs packings: theirs is None.
     parallel
         True if cases can run on several ranks.
+    heading
+        Heading of built-in cases in their list; packings have several.
+    modules
+        Modules that a process loads once for many runs.
+    check_part
+        Function of an assembled case that returns what ``granwave check`` shows of it in addition
+        to its size and cost; None: nothing.
     """
 
     verb: str
+    noun: str
+    tables: tuple[str, ...]
+    file_kind: str
     parts: str
     versions: tuple[str, ...]
     read: Callable[..., Any]
@@ -101,6 +116,13 @@ class CaseKind:
     afford: Callable[[Any, Any, Path | None], None]
     run: Callable[..., dict[str, Any]] | None = None
     parallel: bool = False
+    heading: str = ""
+    modules: tuple[str, ...] = ()
+    check_part: Callable[[Any], CheckPart] | None = None
+
+    def recognises(self, tables: Mapping[str, Any]) -> bool:
+        """Return True for the tables of a case of this kind."""
+        return any(name in tables for name in self.tables)
 
     def load(self, path: str | Path, overrides: Iterable[str] | Mapping[str, Any] = ()) -> Any:
         """Read a case file; ``overrides`` as in `granwave.lammps_inputs.load_case`."""
@@ -108,45 +130,51 @@ class CaseKind:
         return self.read(apply_overrides(read_toml(path), changes), path, overridden=changes)
 
 
+def case_kinds() -> tuple[CaseKind, ...]:
+    """Return all kinds of cases, that of packings first."""
+    return (GRANULAR, *_of_extensions())
+
+
+def _of_extensions() -> Iterator[CaseKind]:
+    return itertools.chain.from_iterable(added("case_kinds"))
+
+
+def case_commands() -> tuple[str, ...]:
+    """Return the commands that run cases, that of packings first."""
+    return tuple(dict.fromkeys(kind.verb for kind in case_kinds()))
+
+
+def has_tables_of_a_case(tables: Mapping[str, Any]) -> bool:
+    """Return True if a file has a table by which cases of some kind are recognised."""
+    return any(kind.recognises(tables) for kind in case_kinds())
+
+
 def solver_of(tables: Mapping[str, Any]) -> CaseKind:
-    """Return the kind of a case from its tables."""
-    if any(name in tables for name in _OF_SPHERE_CONTACT):
-        return SPHERE_CONTACT
-    return CONTINUUM if any(name in tables for name in _OF_CONTINUUM) else GRANULAR
+    """Return the kind of a case from its tables.
 
-
-def _afford_mesh(case: Any, expected: Any, directory: Path | None) -> None:
-    from granwave.extensions.continuum.frame import check_memory
-
-    checks: list[Callable[[], None]] = [lambda: check_memory(case)]
-    if directory is not None:
-        checks.append(lambda: check_disk(directory, expected.disk, remedy="take fewer elements"))
-    raise_all(checks)
-
-
-def _continuum_kind(package: str, case: str, run: str) -> CaseKind:
-    """Make a kind whose modules are imported on demand, from the names of its class and its
-    function.
+    Raises
+    ------
+    InputError
+        The kind is known to an extension that is left out.
     """
+    for kind in _of_extensions():
+        if kind.recognises(tables):
+            return kind
+    if not GRANULAR.recognises(tables):
+        _refuse_left_out(tables)
+    return GRANULAR
 
-    def part(module: str, name: str) -> Any:
-        return getattr(
-            importlib.import_module(f"granwave.extensions.continuum.{package}.{module}"), name
-        )
 
-    return CaseKind(
-        verb="continuum",
-        parts="elements",
-        versions=("granwave",),
-        read=lambda data, source, **options: part("case", case).from_dict(data, source, **options),
-        stored=lambda data, source: part("case", case).from_dict(data, source),
-        assemble=lambda found: found,
-        size=lambda found: found.run.elements,
-        cost=lambda found, *_: part("mesh", "plan")(found),
-        check=lambda _: None,  # such a case names no files
-        afford=_afford_mesh,
-        run=lambda *given, **how: part("run", run)(*given, **how),
-    )
+def _refuse_left_out(tables: Mapping[str, Any]) -> None:
+    """Raise InputError for a kind of case of an extension that is left out."""
+    for extension in left_out():
+        kinds = load(extension.case_kinds) if extension.case_kinds else ()
+        for name in (name for kind in kinds for name in kind.tables):
+            if name in tables:
+                raise InputError(
+                    f"[{name}]: this kind of case is not known; it belongs to the extension "
+                    f"{extension.name}, which {WITHOUT} leaves out: remove it from there"
+                )
 
 
 def _check_files(case: Case) -> None:
@@ -156,6 +184,9 @@ def _check_files(case: Case) -> None:
 
 GRANULAR = CaseKind(
     verb="run",
+    noun="a granular case",
+    tables=("packing",),
+    file_kind="case",
     parts="spheres",
     versions=("granwave", "lammps", "plugin_built_for_lammps"),
     read=case_from_dict,
@@ -167,5 +198,3 @@ GRANULAR = CaseKind(
     afford=lambda _, expected, directory: afford(expected, directory),
     parallel=True,
 )
-CONTINUUM = _continuum_kind("punch", "ContinuumCase", "run_continuum")
-SPHERE_CONTACT = _continuum_kind("sphere_contact", "SphereContactCase", "run_sphere_contact")

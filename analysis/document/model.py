@@ -23,7 +23,7 @@ import numpy as np
 
 from granwave.analysis.formatting.numbers import interval, plain
 from granwave.analysis.formatting.values import as_label, grains_called_in, printed_unit
-from granwave.analysis.quantities import ENTRIES, quantity
+from granwave.analysis.quantities import entries, quantity
 from granwave.analysis.summary_table import meaning_of
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
 
@@ -257,7 +257,7 @@ def meanings(summaries: Sequence[Mapping[str, Any]]) -> tuple[Group, ...]:
     """Meanings of the values that any of these summaries has, folded away; nothing if there are
     none.
     """
-    explained = [entry for entry in ENTRIES if entry.meaning]
+    explained = [entry for entry in entries() if entry.meaning]
     shown = [
         entry
         for entry in explained

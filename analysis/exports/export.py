@@ -5,16 +5,11 @@ Files are written to a scratch directory, and moved into place when all are comp
 
 from __future__ import annotations
 
-import json
-import os
-import re
-import shutil
-import tempfile
-from collections.abc import Callable, Iterator
-from contextlib import contextmanager
 from pathlib import Path
 
-from granwave.analysis.errors import MissingOutputError, OutputFormatError, did_you_mean
+from granwave.analysis.errors import OutputFormatError, did_you_mean
+from granwave.analysis.exports.formats import ExportFormat, of_result, staged
+from granwave.analysis.exports.names import CSV, NETCDF, export_names
 from granwave.analysis.exports.to_tables import (
     OUTDATED_CSV,
     write_run_csv,
@@ -23,29 +18,34 @@ from granwave.analysis.exports.to_tables import (
     write_scan_netcdf,
 )
 from granwave.analysis.result.not_a_run import around, similar
-from granwave.analysis.result.reader import Result
-from granwave.analysis.result.values import wrong_value
 from granwave.analysis.scans.table import read_scan
-from granwave.extensions.pictures import ovito_scene, to_vtp
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import discard, naming
+from granwave.lammps_inputs.extensions import extensions, joined, load
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY, is_scan
 
-OVITO_SCRIPT = "open_in_ovito.py"
-
-#: Formats, as given by --to, and their files and programs.
-FORMATS = {
-    "csv": "tables with units in their headers (pandas, spreadsheets)",
-    "netcdf": "result.nc (xarray)",
-    "ovito": f"{OVITO_SCRIPT}, which opens spheres and contacts together",
-    "vtp": "spheres.pvd and contacts.pvd (ParaView)",
+_OWN = {
+    CSV: ExportFormat(
+        "tables with units in their headers (pandas, spreadsheets)",
+        of_result(write_run_csv, OUTDATED_CSV),
+        write_scan_csv,
+    ),
+    NETCDF: ExportFormat("result.nc (xarray)", of_result(write_run_netcdf), write_scan_netcdf),
 }
-_RUN_WRITERS = {"csv": write_run_csv, "netcdf": write_run_netcdf, "vtp": to_vtp.export_run}
-_SCAN_WRITERS = {"csv": write_scan_csv, "netcdf": write_scan_netcdf}
-_OUTDATED = {"csv": OUTDATED_CSV, "vtp": to_vtp.OUTDATED}
-_NOTHING = r"(?!)"
+
+
+def export_format(name: str) -> ExportFormat:
+    """Return the format of a name, one of `export_names`.
+
+    Raises
+    ------
+    InputError
+        Two formats have this name.
+    """
+    added = {one.name: one.exports for one in extensions()}
+    entry: ExportFormat | str = joined("export format", _OWN, added)[name]
+    return load(entry) if isinstance(entry, str) else entry
 
 
 def export(directory: str | Path, to: str, output: str | Path | None = None) -> list[Path]:
@@ -58,7 +58,7 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
     directory
         Directory of a run or, for csv and netcdf, of a scan, whose table is exported.
     to
-        One of `FORMATS`.
+        One of `export_names`.
     output
         Directory to write to; by default ``directory/export``.
 
@@ -74,8 +74,9 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
         library is missing, or the output cannot be written; nothing was written.
     """
     directory = Path(directory)
-    if to not in FORMATS:
-        hint = did_you_mean(to.lower(), FORMATS, 0.4) or f"expected one of {', '.join(FORMATS)}"
+    names = export_names()
+    if to not in names:
+        hint = did_you_mean(to.lower(), names, 0.4) or f"expected one of {', '.join(names)}"
         raise InputError(f"--to {to}: no such form; {hint}")
     if not directory.exists():
         raise InputError(
@@ -95,137 +96,19 @@ def export(directory: str | Path, to: str, output: str | Path | None = None) -> 
 
 
 def _export(directory: Path, to: str, output: Path) -> list[Path]:
-    outdated = _OUTDATED.get(to, _NOTHING)
-    if is_scan(directory):
-        if to not in _SCAN_WRITERS:
-            raise InputError(
-                f"{directory}: is a scan, and --to {to} shows a single run; give the directory of a point, "
-                f"{directory / 'points'}/ID (scan.csv tells which), or use --to {' or '.join(_SCAN_WRITERS)}"
-            )
-        try:
-            scan = read_scan(directory)
-        except OutputFormatError as error:
-            raise InputError(str(error)) from None
-        with staged(output) as (path_of, placed):
-            _SCAN_WRITERS[to](scan, path_of)
-        return placed
-    if to == "ovito":
-        return _export_recipe(directory, output)
+    chosen = export_format(to)
+    if not is_scan(directory):
+        return chosen.run(directory, output)
+    if chosen.scan is None:
+        able = " or ".join(name for name in export_names() if export_format(name).scan)
+        raise InputError(
+            f"{directory}: is a scan, and --to {to} shows a single run; give the directory of a point, "
+            f"{directory / 'points'}/ID (scan.csv tells which), or use --to {able}"
+        )
     try:
-        result = Result(directory)
-    except (MissingOutputError, OutputFormatError) as error:
+        scan = read_scan(directory)
+    except OutputFormatError as error:
         raise InputError(str(error)) from None
-    _refuse_wrong_values(result)
-    with result, staged(output, outdated) as (path_of, placed):
-        try:
-            _RUN_WRITERS[to](result, path_of)
-        except OSError as error:
-            if error.errno is not None or "errno" in str(error):  # an error of writing
-                raise
-            raise InputError(result.damaged(error)) from None
-    return placed
-
-
-def _refuse_wrong_values(result: Result) -> None:
-    """Close a result and raise InputError if it holds values that no run leaves."""
-    try:
-        fault = wrong_value(result.file)
-    except (KeyError, OSError, RuntimeError) as error:  # checksums of HDF5
-        fault = " ".join(str(error).split())
-    if fault:
-        message = result.damaged(fault)
-        result.close()
-        raise InputError(message)
-
-
-def _export_recipe(directory: Path, output: Path) -> list[Path]:
-    if ovito_scene.in_parts(directory):
-        raise InputError(
-            f"{directory}: each rank wrote its own dumps (output.parts), which OVITO does not join; use --to vtp"
-        )
-    if missing := ovito_scene.missing_files(directory):
-        raise InputError(
-            f"{directory}: {', '.join(missing)} missing; OVITO reads what LAMMPS wrote: expected the directory of a "
-            "finished run"
-        )
-    source = Path(ovito_scene.__file__).read_text(encoding="utf-8")
-    run = os.path.relpath(directory.resolve(), output.resolve())
     with staged(output) as (path_of, placed):
-        text = source.replace(f"RUN = {json.dumps(ovito_scene.RUN)}", f"RUN = {json.dumps(run)}", 1)
-        path_of(OVITO_SCRIPT).write_text(text, encoding="utf-8")
+        chosen.scan(scan, path_of)
     return placed
-
-
-@contextmanager
-def staged(
-    output: Path, outdated: str = _NOTHING
-) -> Iterator[tuple[Callable[[str], Path], list[Path]]]:
-    """Give a scratch directory whose files are moved to ``output`` at the end, in order, or none on
-    an error.
-
-    Parameters
-    ----------
-    output
-        Output directory; created if necessary, and removed again on failure if created here.
-    outdated
-        Regular expression; files of earlier exports whose full names match, and that were not
-        written now, are removed.
-
-    Yields
-    ------
-    function, list
-        Scratch path for a file of a name; and the paths of the files, once they are in place.
-
-    Raises
-    ------
-    InputError
-        The directory cannot be written to, or a file exists that granwave did not write; no file
-        was moved.
-    """
-    made = [path for path in (output, *output.parents) if not path.exists()]
-    names: list[str] = []
-    placed: list[Path] = []
-    results = ResultDirectory(output)
-    try:
-        output.mkdir(parents=True, exist_ok=True)
-        scratch = Path(tempfile.mkdtemp(prefix=".granwave-export-", dir=output))
-    except OSError as error:
-        _remove_empty(made)
-        raise InputError(
-            f"{output}: cannot be written to ({error.strerror}); "
-            "choose another directory with directory=..."
-        ) from None
-
-    def path_of(name: str) -> Path:
-        names.append(name)
-        return scratch / name
-
-    try:
-        with naming(output):
-            yield path_of, placed
-            results.claim(names)
-            for name in names:
-                os.replace(scratch / name, output / name)
-                placed.append(output / name)
-            own = [name for name in results.marker.files if name not in names]
-            results.clear([name for name in own if re.fullmatch(outdated, name)])
-    except OSError as error:  # one that names no file is of the last begun
-        if error.filename == str(output) and names:
-            error.filename = str(output / names[-1])
-        elif error.filename is not None:
-            error.filename = str(error.filename).replace(str(scratch), str(output))
-        raise
-    finally:
-        for path in scratch.iterdir():
-            discard(path)
-        shutil.rmtree(scratch, ignore_errors=True)
-        if not placed:
-            _remove_empty(made)
-
-
-def _remove_empty(directories: list[Path]) -> None:
-    for directory in directories:
-        try:
-            directory.rmdir()
-        except OSError:
-            return

@@ -241,7 +241,9 @@ def _create(path_of: Callable[[str], Path], name: str) -> Iterator[h5netcdf.File
     try:
         import h5netcdf
     except ImportError as error:
-        raise InputError(f"--to netcdf needs h5netcdf ({error}): pip install h5netcdf") from None
+        raise InputError(
+            f'--to netcdf needs h5netcdf ({error}): pip install "granwave[export]"'
+        ) from None
     # libver allows attributes longer than 64 kB
     with unfailing(path_of(name)) as stream, h5netcdf.File(stream, "w", libver="v110") as file:
         yield file

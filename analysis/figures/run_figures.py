@@ -10,7 +10,7 @@ import pickle
 import sys
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, nullcontext
-from functools import partial
+from functools import cache, partial
 from logging.handlers import BufferingHandler
 from pathlib import Path
 from typing import BinaryIO
@@ -20,8 +20,8 @@ from granwave.analysis.figures.side_by_side import Helpers
 from granwave.analysis.figures.side_by_side import helpers as start_helpers
 from granwave.analysis.figures.style import Drawing, FigureFolder, files_of, style
 from granwave.analysis.result.reader import Result
-from granwave.extensions.pictures import packing3d
-from granwave.lammps_inputs.case.run import Figures
+from granwave.lammps_inputs.case.run import Figures, figure_names
+from granwave.lammps_inputs.extensions import added_by_name, load
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly
 
@@ -38,11 +38,17 @@ class RunFigure:
         Function that draws it from a result, or returns None if it does not apply.
     look
         What to look for in it: the rest of its caption in reports.
+    shares_work_with
+        Names of other figures that are drawn in the same process, since they share the work.
+    takes_long
+        True if it takes so long that it is drawn first.
     """
 
     caption: str
     function: Callable[[Result], Drawing | None]
     look: str
+    shares_work_with: tuple[str, ...] = ()
+    takes_long: bool = False
 
     def draw(self, result: Result) -> Drawing | None:
         """Draw it, with the grains called what they are: spheres, cylinders or grains; None if it
@@ -54,7 +60,7 @@ class RunFigure:
         return drawing
 
 
-#: Figures in the order of reports: name, function, caption, what to look for; with * on each of the three planes.
+#: Figures of the core: name, function, caption, what to look for; with * on each of the three planes.
 _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
     ("peak_force_*", sections.peak_force_section, "Peak contact force, walls left out",
      "Bright lines are rows of contacts that carry the wave."),
@@ -85,10 +91,6 @@ _TABLE: tuple[tuple[str, Callable[..., Drawing | None], str, str], ...] = (
      "Compare the two peaks of force: their ratio is the peak reduction."),
     ("impactor_velocity", histories.impactor_velocity, "Velocity of the sphere that is struck or loaded",
      "Below zero the sphere rebounds; where the curve is level, it touches nothing."),
-    ("packing_3d", packing3d.packing_3d, "Packing cut open, peak contact force, walls left out",
-     "A quarter is cut away at the impact; bright spheres carried the largest forces."),
-    ("packing_3d_dissipation", packing3d.packing_3d_dissipation, "Packing cut open, dissipation",
-     "A quarter is cut away at the impact; bright spheres dissipated most."),
     ("probes", histories.probes, "Probes",
      "The delay from curve to curve gives the speed of the wave, and the height of the peaks its decay."),
     ("wave_front", sections.wave_front, "Wave front",
@@ -127,11 +129,15 @@ _PLANES = {
 }
 
 
+#: Figures of the core that take long.
+_LONG = ("wave_front", "directions")
+
+
 def _figures() -> Iterator[tuple[str, RunFigure]]:
-    """Yield the figures of the table by name."""
+    """Yield the figures of the core by name."""
     for name, function, caption, look in _TABLE:
         if not name.endswith("*"):
-            yield name, RunFigure(caption, function, look)
+            yield name, RunFigure(caption, function, look, takes_long=name in _LONG)
             continue
         for plane, where in _PLANES.items():
             yield (
@@ -140,11 +146,26 @@ def _figures() -> Iterator[tuple[str, RunFigure]]:
             )
 
 
-#: Figures by name, in the order of reports.
-FIGURES: dict[str, RunFigure] = dict(_figures())
+@cache
+def run_figures() -> dict[str, RunFigure]:
+    """Return the figures by name, those of extensions too, in the order of reports."""
+    figures = dict(_figures())
+    for name, reference in added_by_name("figures").items():
+        figures[name] = _added(reference)
+    return {name: figures[name] for name in figure_names()}
 
-#: Figures that take long; the two of a packing cut open share the work of finding what is seen of it.
-_LONG = (("packing_3d", "packing_3d_dissipation"), ("wave_front",), ("directions",))
+
+def _added(reference: str) -> RunFigure:
+    """Return a figure of an extension; one that cannot be loaded fails when it is drawn."""
+    try:
+        figure: RunFigure = load(reference)
+    except Exception as error:  # of anyone's package; it costs no other figure
+        return RunFigure(f"{reference}, which cannot be loaded", partial(_fail, error), "")
+    return figure
+
+
+def _fail(error: Exception, result: Result) -> None:
+    raise error
 
 
 def draw_figures(
@@ -192,10 +213,10 @@ def draw_figures(
     if options is None:
         with Result(directory) as result:
             options = result.figure_options
-    chosen = tuple(options.only or FIGURES) if names is None else names
+    chosen = tuple(options.only or run_figures()) if names is None else names
     folder = FigureFolder(directory)
     if names is None:
-        folder.remove(*(name for name in FIGURES if name not in chosen))
+        folder.remove(*(name for name in run_figures() if name not in chosen))
     started = nullcontext(helpers) if helpers else start_helpers(len(chosen))
     with painter(directory, options, assembly) as draw, started as others:
         request = (Path(directory).absolute(), chosen, options)
@@ -212,11 +233,14 @@ def _shares(names: Sequence[str]) -> list[list[int]]:
     before the others.
     """
     numbers = {name: number for number, name in enumerate(names)}
-    long = [[numbers[name] for name in share if name in numbers] for share in _LONG]
-    taken = {number for share in long for number in share}
-    return [share for share in long if share] + [
-        [number] for number in numbers.values() if number not in taken
-    ]
+    figures = {name: run_figures()[name] for name in names}
+    shares: list[list[int]] = []
+    left = sorted(names, key=lambda name: not figures[name].takes_long)
+    while left:
+        together = [left[0], *figures[left[0]].shares_work_with]
+        shares.append([numbers[name] for name in together if name in numbers])
+        left = [name for name in left if name not in together]
+    return shares
 
 
 @contextmanager
@@ -240,7 +264,7 @@ def painter(
     """
 
     def draw(name: str) -> dict[str, bytes] | None:
-        return files_of(partial(FIGURES[name].draw, result), name, options.formats)
+        return files_of(partial(run_figures()[name].draw, result), name, options.formats)
 
     with Result(directory, assembly=assembly) as result, style(options.width):
         result.figure_options = options

@@ -6,31 +6,49 @@ value as JSON; it is empty if the case of the point lacks the key.
 
 from __future__ import annotations
 
+import dataclasses
 import json
 from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from typing import Any
 
 from granwave.analysis.formatting.numbers import plain
 from granwave.lammps_inputs.case.case import unit_of as granular_unit_of
-from granwave.lammps_inputs.case.loads.registry import LOADS
+from granwave.lammps_inputs.case.loads.registry import load_kinds
+from granwave.lammps_inputs.extensions import added
 from granwave.lammps_inputs.packing.cylinders import GRAINS, SPHERES, grains_called
 
 NONE = "none"
 _NAMES = ("preset", "name")  # keys that identify a material
-# Keys of continuum cases, whose schema belongs to their solver; a test compares both.
-CONTINUUM_UNITS = {
-    "block.diameter": "m",
-    "block.height": "m",
-    "punch.diameter": "m",
-    "punch.mass": "kg",
-    "punch.velocity": "m/s",
-    "punch.taper": "m",
-    "run.edge_size": "m",
-    "run.frame_interval": "s",
-}
 #: Key whose unit follows from the kind of the load, and the key of that.
 AMPLITUDE = "load.amplitude"
 LOAD_KIND = "load.kind"
+
+
+@dataclasses.dataclass(frozen=True)
+class Naming:
+    """Label, symbol (in mathtext), unit in print, and the size of this unit in SI units.
+
+    Attributes
+    ----------
+    si
+        SI unit of a key of an extension's cases; that of other keys is in the schema of the case.
+    """
+
+    label: str
+    symbol: str = ""
+    unit: str = ""
+    scale: float = 1.0
+    si: str = ""
+
+
+@cache
+def more_keys() -> dict[str, Naming]:
+    """Return the naming of keys of the cases of extensions, by dotted key."""
+    found: dict[str, Naming] = {}
+    for keys in added("case_keys"):
+        found |= keys
+    return found
 
 
 def as_label(value: Any) -> str:
@@ -99,21 +117,22 @@ def _text(value: Any) -> str:
 
 
 def unit_of(key: str) -> str:
-    """Return the unit of a dotted key, such as ``load.velocity`` or ``punch.mass``; empty if it has
-    none.
+    """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none.
 
     That of `AMPLITUDE` follows from the kind of the load: `amplitude_unit`.
     """
     if key == AMPLITUDE:
         return ""
-    return granular_unit_of(key) or CONTINUUM_UNITS.get(key, "")
+    if unit := granular_unit_of(key):
+        return unit
+    return more_keys()[key].si if key in more_keys() else ""
 
 
 def amplitude_unit(kinds: Iterable[str]) -> str:
     """Return the unit of `AMPLITUDE` for loads of these kinds; empty if they differ, or none has an
     amplitude.
     """
-    units = {LOADS[kind].amplitude_unit if kind in LOADS else "" for kind in kinds}
+    units = {load_kinds()[kind].amplitude_unit if kind in load_kinds() else "" for kind in kinds}
     return units.pop() if len(units) == 1 else ""
 
 

@@ -406,9 +406,14 @@ def bounds_in_words(bounds: object) -> str:
     return (", ".join(map(str, bounds)) or "none") if isinstance(bounds, list | tuple) else ""
 
 
-def zone_warning(summary: Mapping[str, Any]) -> str:
-    """Return the caveats on the sizes of a plastic zone in a line; empty if there are none."""
-    what = "block" if summary.get("kind") == "continuum" else "packing"
+def zone_warning(summary: Mapping[str, Any], body: str = "packing") -> str:
+    """Return the caveats on the sizes of a plastic zone in a line; empty if there are none.
+
+    Parameters
+    ----------
+    body
+        Noun of what the zone lies in.
+    """
     is_chain = (
         summary.get("zone_radius_99_m", 0.0) is None and summary.get("zone_depth_99_m") is not None
     )
@@ -419,7 +424,7 @@ def zone_warning(summary: Mapping[str, Any]) -> str:
     found = []
     if summary.get("zone_cut"):
         found.append(
-            f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {what}"
+            f"the plastic zone reaches the {' and the '.join(summary['zone_cut'])} of the {body}"
         )
     share = summary.get("wave_return_share")
     if isinstance(share, int | float) and share > NOTED_SHARE:
@@ -427,4 +432,4 @@ def zone_warning(summary: Mapping[str, Any]) -> str:
         microseconds = 1e6 * summary["wave_return_s"]
         came = f"a wave came back from the {bounds} ({microseconds:.3g} us)"
         found.append(f"up to {100 * share:.3g} % was dissipated after {came}")
-    return f"{', '.join(found)}; a larger {what} does without" if found else ""
+    return f"{', '.join(found)}; a larger {body} does without" if found else ""

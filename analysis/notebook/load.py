@@ -1,19 +1,16 @@
-"""Scans and inferred forces for scripts and notebooks, and loading of a directory of results by
-what it holds.
-"""
+"""Scans for scripts and notebooks, and loading of a directory of results by what it holds."""
 
 from __future__ import annotations
 
-import dataclasses
 import html
 from collections.abc import Iterator, Mapping
 from functools import cached_property
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
-from granwave.analysis.errors import MissingDataError, OutputFormatError
-from granwave.analysis.notebook.run import Run, Values, frame_of
-from granwave.analysis.quantities import SCAN_COLUMNS
+from granwave.analysis.errors import MissingDataError, MissingOutputError
+from granwave.analysis.notebook.run import Run, frame_of
+from granwave.analysis.quantities import scan_columns
 from granwave.analysis.scans.result import PointResult, ScanResult
 from granwave.analysis.scans.table import (
     Columns,
@@ -22,17 +19,15 @@ from granwave.analysis.scans.table import (
     scan_statistics,
     scan_table,
 )
-from granwave.extensions.inference.forces.tables import in_words
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json
+from granwave.lammps_inputs.extensions import load as load_reference
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 if TYPE_CHECKING:
     import pandas
     import xarray
     from matplotlib.axes import Axes
-    from pandas import DataFrame
-    from xarray import Dataset
 
 _POINT = "point"  # name of the index of the table
 _SHOWN: dict[str, Any] = {
@@ -184,7 +179,9 @@ class ScanRuns:
         """Columns of the table that are shown."""
         table = self.table
         shown = [
-            one.name for one in SCAN_COLUMNS if one.name in table and table[one.name].notna().any()
+            one.name
+            for one in scan_columns()
+            if one.name in table and table[one.name].notna().any()
         ]
         status = [] if len(self) == len(self.points) else ["status"]
         return table[[*self.varied, *status, *shown]]
@@ -200,118 +197,24 @@ def _run(point: PointResult) -> Run:
     return Run(point.directory, point.labels)
 
 
-class InferredForces(Values):
-    """Inferred contact forces: a mapping of the values of their ``summary.json``, with tables.
-
-    Parameters
-    ----------
-    summary
-        Content of summary.json.
-    forces, grains, measurement
-        Columns of the tables.
-
-    Attributes
-    ----------
-    forces
-        Rows of forces.csv, one for each candidate contact.
-    grains
-        Rows of grains.csv, the residuals of each grain.
-    measurement
-        The measurement that was made of a run; None for a table.
-    """
-
-    def __init__(
-        self, summary: Mapping[str, Any], forces: Any, grains: Any, measurement: Any = None
-    ) -> None:
-        import pandas
-
-        super().__init__(summary)
-        self.forces: DataFrame = pandas.DataFrame(dict(forces))
-        self.grains: DataFrame = pandas.DataFrame(dict(grains))
-        self.measurement: DataFrame | None = (
-            None if measurement is None else pandas.DataFrame(dict(measurement))
-        )
-
-    def __repr__(self) -> str:
-        return in_words(self)
-
-
-def load_inferred(directory: Path, summary: Mapping[str, Any]) -> InferredForces:
-    """Return the forces that ``granwave infer`` left in a directory.
-
-    Raises
-    ------
-    OutputFormatError
-        A table is missing or damaged.
-    """
-    import pandas
-
-    made = directory / files.MADE_MEASUREMENT
-    try:
-        forces, grains = (
-            pandas.read_csv(directory / name)
-            for name in (files.INFERRED_FORCES, files.INFERRED_GRAINS)
-        )
-        return InferredForces(
-            summary, forces, grains, pandas.read_csv(made) if made.is_file() else None
-        )
-    except (OSError, ValueError) as error:
-        raise OutputFormatError(
-            f"{directory}: {files.INFERRED_FORCES} or {files.INFERRED_GRAINS} cannot be read: {error}"
-        ) from None
-
-
-@dataclasses.dataclass(frozen=True)
-class Designs:
-    """Result of a search for a design.
-
-    Attributes
-    ----------
-    directory
-        Directory of the results.
-    """
-
-    directory: Path
-
-    @cached_property
-    def table(self) -> pandas.DataFrame:
-        """Table of all designs: designs.csv, units are part of the names."""
-        import pandas
-
-        return pandas.read_csv(self.directory / files.DESIGN_TABLE)
-
-    @cached_property
-    def outcome(self) -> dict[str, Any]:
-        """Content of design.json."""
-        return read_json(self.directory / files.DESIGN_OUTCOME) or {}
-
-    @property
-    def best(self) -> dict[str, Any] | None:
-        """The best design: its variables, objective, mass, height and checks; None if none meets
-        the limits.
-        """
-        found: dict[str, Any] | None = self.outcome.get("best")
-        return found
-
-    def _repr_html_(self) -> str:
-        return self.table.to_html()
-
-
-def load(
-    directory: str | Path,
-) -> Run | ScanRuns | InferredForces | Designs | Dataset | dict[str, Dataset]:
+def load(directory: str | Path) -> Any:
     """Load the results of a run, a scan, a search for a design, an inference, or of bands, modes
     and transmission.
 
     The last three are datasets, as `bands` returns them; of several in one directory a dictionary
     by their names.
 
+    Returns
+    -------
+    Run, ScanRuns, Designs, InferredForces, Dataset or dict
+        The results, by what the directory holds.
+
     Raises
     ------
     InputError
         The directory holds a suite of scans; the message names them.
     MissingOutputError
-        It holds no such results.
+        It holds no such results, or those of an extension that is missing.
     OutputFormatError
         The results are damaged.
     """
@@ -323,11 +226,7 @@ def load(
         raise InputError(
             f"{path}: is a suite of scans; load one of them: {scans or 'none is there yet'}"
         )
-    if files.is_design(path):
-        return Designs(path)
-    if any((path / f"{kind}.json").is_file() for kind in files.SPECTRA_KINDS):
-        from granwave.analysis.notebook.datasets import load_spectra
-
-        return load_spectra(path)
-    run = Run(path)
-    return load_inferred(path, run.summary) if run.summary.get("kind") == files.INFERENCE else run
+    kind = ResultDirectory(path).kind
+    if not kind.installed:
+        raise MissingOutputError(f"{path}: {kind.why_no_run}")
+    return load_reference(kind.loader)(path) if kind.loader else Run(path)

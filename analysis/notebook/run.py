@@ -21,12 +21,13 @@ from granwave.analysis.errors import (
 from granwave.analysis.exports.to_tables import CSV_TABLES, place_of_column
 from granwave.analysis.lammps_output.dumps import read_frame_forces
 from granwave.analysis.quantities import quantity
-from granwave.analysis.result.not_a_run import is_continuum, why_no_run
+from granwave.analysis.result.not_a_run import why_no_run
 from granwave.analysis.result.reader import Result
 from granwave.analysis.result.trajectory import GROUP
-from granwave.analysis.summary_table import SummaryRow, explanation, lines, summary_rows
+from granwave.analysis.summary_table import SummaryRow, explanation, lines, rows_of, summary_rows
 from granwave.lammps_inputs.deck.columns import FORCES_AT_FRAMES
 from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.result_kinds import ResultKind
 from granwave.lammps_inputs.run_directory import CASE_FILE, RESULT_FILE, SUMMARY_FILE
 
 if TYPE_CHECKING:
@@ -185,11 +186,11 @@ class Run(Values):
 
     @property
     def _rows(self) -> list[SummaryRow]:
-        return summary_rows(self.summary, continuum=self._is_continuum)
+        return summary_rows(self.summary, rows_of(self._kind.rows))
 
     @cached_property
-    def _is_continuum(self) -> bool:
-        return "n_elements" in self.summary or is_continuum(self.directory)
+    def _kind(self) -> ResultKind:
+        return ResultDirectory(self.directory).kind
 
     def unit(self, key: str) -> str:
         """Return the SI unit of a value, "1" if dimensionless.
@@ -212,7 +213,7 @@ class Run(Values):
         MissingOutputError
             There is no result.h5.
         OutputFormatError
-            It is damaged, or of a continuum run, which h5py reads.
+            It is damaged, or of a run that is not of spheres, which h5py reads.
         """
         return Result(self.directory)
 
@@ -364,21 +365,21 @@ class Run(Values):
 
     @cached_property
     def figures(self) -> tuple[str, ...]:
-        """Names of the figures that apply to this run; none of continuum runs.
+        """Names of the figures that apply to this run; none of a run that is not of spheres.
 
         Those that are not in its directory yet are drawn to find out, which takes seconds once.
         """
-        from granwave.analysis.figures.run_figures import FIGURES
+        from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.style import Drawing, FigureFolder, attempt, style
 
-        if self._is_continuum:
+        if not self._kind.of_spheres:
             return ()
         folder = FigureFolder(self.directory)
         there = set(folder.names()) - folder.not_drawn().keys()
         with style():
             return tuple(
                 name
-                for name, figure in FIGURES.items()
+                for name, figure in run_figures().items()
                 if name in there
                 or isinstance(attempt(f"figure {name}", partial(figure.draw, self.result)), Drawing)
             )
@@ -397,14 +398,17 @@ class Run(Values):
         MissingDataError
             There is no figure of this name, or it does not apply to this run.
         """
-        from granwave.analysis.figures.run_figures import FIGURES
+        from granwave.analysis.figures.run_figures import run_figures
         from granwave.analysis.figures.series import draw_axes, no_figure
 
-        if self._is_continuum or name not in FIGURES:
-            raise no_figure(self.name, name, () if self._is_continuum else FIGURES)
-        axes = draw_axes(lambda: FIGURES[name].draw(self.result), self.result.figure_options.width)
+        if not self._kind.of_spheres:
+            raise no_figure(self.name, name, ())
+        if name not in run_figures():
+            raise no_figure(self.name, name, run_figures())
+        figure = run_figures()[name]
+        axes = draw_axes(lambda: figure.draw(self.result), self.result.figure_options.width)
         if axes is None:
             raise MissingDataError(
-                f"{self.name}: figure {name} does not apply to this run ({FIGURES[name].caption})"
+                f"{self.name}: figure {name} does not apply to this run ({figure.caption})"
             )
         return axes

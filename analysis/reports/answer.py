@@ -27,11 +27,11 @@ from granwave.analysis.document.model import (
     value_column,
 )
 from granwave.analysis.formatting.values import grains_called_in
-from granwave.analysis.reports import other_kinds
-from granwave.analysis.reports.figures import of_other_kinds, overlay, picture_in
-from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
-from granwave.analysis.reports.other_kinds import by_kind, printed, share
+from granwave.analysis.reports.figures import overlay, picture_in
+from granwave.analysis.reports.inputs import ReportInputs, ReportScan
+from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.reports.results import compact_table, value_rows
+from granwave.analysis.reports.sentences import by_part, printed, sentences, share
 from granwave.analysis.reports.setting import is_chain, quantity_in, target_of
 from granwave.analysis.result.reader import Result
 from granwave.analysis.scans.keys import WORTH, Means, VariedKey
@@ -44,11 +44,6 @@ _MOST_COLUMNS = 5  # of the table of means, keys and quantities together
 _MOST_NAMED = 4  # runs whose values a sentence lists
 _MOST_ROWS = 14  # of that table; two keys with more are crossed
 _MOST_OPEN = 3  # scans whose figures and tables are not folded away
-_MAIN_FIGURES = (
-    "bands", "density_of_states", "amplitude_sweep", "transmission", "packing_3d", "force_map", "wave_front",
-    "peak_force_principal", "along_chain", "plastic_strain", "von_mises", "force_network", "peak_force_depth",
-    "energies",
-)  # fmt: skip
 _OF_THICK_PACKINGS = ("packing_3d", "wave_front", "peak_force_principal")
 _THIN = 40.0  # length over width of a row from which pictures of its grains are lines
 _REACHED = 1e-3  # of the largest peak force: contacts that the wave has reached
@@ -114,7 +109,7 @@ def answer_blocks(
         drawn = overlay(runs)
         first = drawn.pop(0) if drawn and isinstance(drawn[0], Gallery) else None
         blocks += [Beside(first, table) if isinstance(first, Gallery) else table, *drawn]
-    for alike in by_kind(inputs.runs):
+    for alike in by_part(inputs.runs):
         said = [f"{run.label}: {in_words(run)}" for run in alike[:_MOST_NAMED]]
         blocks += [*(Note(text, "lead") for text in said), compact_table(alike)]
     return blocks
@@ -142,9 +137,11 @@ def _names(item: ReportRun | ReportScan) -> list[str]:
     best first.
     """
     if isinstance(item, ReportRun):
-        left_out = {*of_other_kinds(item), *(_OF_THICK_PACKINGS if _is_thin(item) else ())}
+        left_out = item.kind.figures_of_others(item)
+        if _is_thin(item):
+            left_out = left_out.union(_OF_THICK_PACKINGS)
         first = ("target",) if target_of(item.case) else ()
-        names = [name for name in (*first, *_MAIN_FIGURES) if name not in left_out]
+        names = [name for name in (*first, *item.kind.main_figures) if name not in left_out]
     else:
         means = item.means
         main = [name for name, key in means.quantities()[:1] if means.varies(key)]
@@ -290,7 +287,7 @@ def _in_newtons(force: float) -> str:
 def in_words(run: ReportRun) -> str:
     """Return what came out of a run; the answer that it was made for comes first."""
     if not run.has_balance:
-        return other_kinds.in_words(run)
+        return run.kind.in_words(run)
     summary = run.summary
     values = printed(run.summary)
     lost = run.number("dissipated_fraction")
@@ -301,10 +298,7 @@ def in_words(run: ReportRun) -> str:
         values["kept"] = values["energy_input_J"]
     if absorbed <= WORTH:
         values.pop("absorbed_fraction", None)
-    if run.number("max_force_N") is not None:
-        values.setdefault("peak_force_N", values["max_force_N"])
-    if run.kind == "run":
-        _name_peak_forces(run, values)
+    run.kind.name_values(run, values)
     if not (run.number("zone_depth_90_m") and run.number("zone_radius_90_m") is not None):
         values.pop("zone_depth_90_m", None)
     if force := run.number("wall_peak_force_N"):
@@ -336,17 +330,7 @@ def in_words(run: ReportRun) -> str:
         else []
     )
     sensors = [_SENSORS.format(*ends)] if ends else []
-    return other_kinds.sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
-
-
-def _name_peak_forces(run: ReportRun, values: dict[str, str]) -> None:
-    """Tell the largest force between spheres from that of all contacts, walls included."""
-    pairs = values.pop("peak_force_N", "")
-    if run.number("peak_force_N"):
-        values["between_spheres"] = pairs
-    every = run.number("peak_force_with_walls_N")
-    if every and every != run.number("peak_force_N"):
-        values["with_walls"] = values["peak_force_with_walls_N"]
+    return sentences([*_SENTENCES, *lines, *sensors, _AT_BOTTOM], values)
 
 
 def _beside(force: float, bare: float | None) -> str:

@@ -21,12 +21,13 @@ from granwave.analysis.document.model import (
     Link,
     Note,
 )
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import Drawing, FigureFolder, lay_out, legend_above, style
 from granwave.analysis.formatting.values import as_label, grains_called_in
 from granwave.analysis.quantities import readable
-from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
+from granwave.analysis.reports.inputs import ReportInputs, ReportScan
+from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.scans.keys import key_of
 from granwave.lammps_inputs.case.run import FILM_FORMATS
 from granwave.lammps_inputs.files import regular
@@ -51,20 +52,7 @@ _COLOURS = 256
 _MOST_INSTANTS = 2000  # points of a curve
 _UNLIKE = 5.0  # longest over shortest run from which on the axis of time is logarithmic
 
-_CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {
-    "bands": "Band diagram: frequency against wave vector",
-    "group_velocity": "Group velocity against frequency",
-    "slowness": "Slowness of long waves over the directions of a plane",
-    "equal_frequency": "Lines of equal frequency over a plane of wave vectors",
-    "mode_shapes": "Displacements of the modes at the last corner of the first stretch",
-    "density_of_states": "Density of states",
-    "participation": "Participation ratio against frequency",
-    "force_network": "Inferred contact forces",
-    "residuals": "What the forces of each grain leave unexplained",
-    "force_errors": "Standard errors of the forces against the forces",
-    "modulus": "Misfit against Young's modulus",
-    "noise": "Error of the forces against the noise of the measurement",
-    # those of scans last
+_OF_SCANS = {  # captions
     "collapse_dissipated_fraction": (
         "Dissipated fraction against normalised velocity, of all materials. Where similarity holds, all points lie on "
         "one curve"
@@ -77,31 +65,6 @@ _CAPTIONS = {name: figure.caption for name, figure in FIGURES.items()} | {
         "Dissipated fraction by both of what varies, a cell each. Colours that change along one side only tell that "
         "the other key hardly matters"
     ),
-}
-_LOOK = {  # the rest of a caption: what to look for
-    "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of long waves. On the "
-    "right, where it is known, the attenuation from plane to plane.",
-    "group_velocity": "So fast energy travels at each frequency; near zero, at the edges of bands, it stays.",
-    "slowness": "The farther out, the slower the wave in that direction; a circle is one speed in all directions.",
-    "equal_frequency": "Energy goes across the lines: where they are straight, a wave does not spread.",
-    "mode_shapes": "Bars are the grains of one cell: those without a bar stand still.",
-    "density_of_states": "Empty stretches are gaps.",
-    "participation": "Near 1 all grains move alike; low values are modes of few grains.",
-    "force_network": "Lines are as wide as the force is large.",
-    "residuals": "A grain far above the others was measured badly, or misses a contact.",
-    "force_errors": "Forces below twice their error may be none.",
-    "modulus": "The narrower the minimum, the better strains and accelerations determine the modulus.",
-    "noise": "The larger the slope, the more exactly strains and accelerations must be measured.",
-    "plastic_strain": "The coloured region is the plastic zone.",
-    "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed elastic.",
-    "plastic_zone_volume": "Where the zone at one instant falls after a peak, the wave has passed.",
-    "punch": "Where the velocity is level, the punch has left the block.",
-    "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
-} | {name: figure.look for name, figure in FIGURES.items()}
-_BY_KIND = {  # figures of results that may share a directory
-    "bands": ("bands", "group_velocity", "slowness", "equal_frequency", "mode_shapes"),
-    "modes": ("density_of_states", "participation"),
-    "transmission": ("transmission",),
 }
 _QUANTITIES = {  # captions of figures of scans that differ from their names
     "plastic_zone_depth": "Depth of the outermost yield",
@@ -135,7 +98,9 @@ def figures_section(
         left_out = {
             path.stem for path in shown if path.parent == item.directory / FIGURES_DIRECTORY
         }
-        left_out |= set(above) if isinstance(item, ReportScan) else of_other_kinds(item)
+        left_out |= (
+            set(above) if isinstance(item, ReportScan) else item.kind.figures_of_others(item)
+        )
         parts = _pictures(
             item, inputs, f"{number}-{item.label}", f"{what} {item.label}", WIDTH, left_out
         )
@@ -148,17 +113,6 @@ def figures_section(
     return DocumentSection(
         "Figures", SLUG, tuple(blocks) or (Note("There are no figures."),) * (not shown)
     )
-
-
-def of_other_kinds(run: ReportRun) -> set[str]:
-    """Return the names of figures of bands, modes or transmission that belong to other results in a
-    run's directory.
-    """
-    if run.kind != "spectra":
-        return set()
-    return {
-        name for kind, names in _BY_KIND.items() if kind != run.summary["kind"] for name in names
-    }
 
 
 def overlay(runs: Sequence[ReportRun]) -> list[Block]:
@@ -244,12 +198,28 @@ def shrunk(path: Path, width: int) -> tuple[bytes, tuple[int, int], float]:
     return stream.getvalue(), image.size, inches
 
 
+def _captions(item: ReportRun | ReportScan) -> dict[str, str]:
+    """Return the captions of figures by name, in the order of a report."""
+    captions = {name: figure.caption for name, figure in run_figures().items()}
+    if isinstance(item, ReportRun):
+        captions |= item.kind.captions
+    return captions | _OF_SCANS
+
+
+def _look(item: ReportRun | ReportScan, name: str) -> str:
+    """Return what to look for in a figure; empty where its caption says enough."""
+    if isinstance(item, ReportRun) and name in item.kind.looks:
+        return item.kind.looks[name]
+    return run_figures()[name].look if name in run_figures() else ""
+
+
 def _caption(item: ReportRun | ReportScan, stem: str, *, in_words: bool) -> tuple[str, str]:
     """Return the caption of a figure from the name of its file, and, ``in_words``, what a figure of
     a scan shows.
     """
-    if stem in _CAPTIONS:
-        return _CAPTIONS[stem], ""
+    captions = _captions(item)
+    if stem in captions:
+        return captions[stem], ""
     what, against, key = stem.partition(_AGAINST)
     if not against:
         return readable(stem), ""
@@ -322,7 +292,7 @@ def _pictures(
     """Return pages, films and PNG figures of a run or scan, in the order of the figures of a run,
     then by name.
     """
-    order = list(_CAPTIONS)
+    order = list(_captions(item))
     paths = sorted(
         (item.directory / FIGURES_DIRECTORY).glob("*.png"),
         key=lambda path: (order.index(path.stem) if path.stem in order else len(order), path.name),
@@ -373,7 +343,7 @@ def _picture(
     called = grains_called_in(run.summary for run in runs)
     caption, said = _caption(item, path.stem, in_words=in_words)
     caption = in_grains(caption, called)
-    look = in_grains(_LOOK.get(path.stem, ""), called)
+    look = in_grains(_look(item, path.stem), called)
     data = path.with_suffix(".csv")
     link = inputs.link(data, f"{FIGURES_DIRECTORY}/{data.name}") if data.is_file() else None
     alone = len(inputs.items) == 1 and path.parent.parent == inputs.items[0].directory

@@ -1,151 +1,34 @@
-"""Inputs of a report: runs, scans and continuum runs, read from their directories."""
+"""Inputs of a report: runs and scans, read from their directories."""
 
 from __future__ import annotations
 
 import dataclasses
-import json
 import logging
 import os
-import sys
-from collections.abc import Collection, Iterator, Mapping, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from functools import cached_property
 from pathlib import Path
-from typing import Any, Literal
 from urllib.parse import quote
 
-from granwave.analysis.document.model import Link, is_number
+from granwave.analysis.document.model import Link
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
-from granwave.analysis.quantities import REPORT_COLUMNS, quantity
-from granwave.analysis.result.not_a_run import (
-    OF_A_RUN,
-    UNFINISHED,
-    around,
-    no_results,
-    resumed,
-    similar,
-)
-from granwave.analysis.result.reader import Result
-from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.analysis.reports.kinds import ReportRun, no_numbers, report_kind_in
+from granwave.analysis.result.not_a_run import around, similar
 from granwave.analysis.scans.keys import Means, means_of
 from granwave.analysis.scans.result import PointResult, ScanResult
-from granwave.analysis.studies.registry import is_study_file
-from granwave.extensions.waves.spectra.files import recorded
-from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
+from granwave.analysis.studies.registry import STUDIES, is_study_file
 from granwave.lammps_inputs.errors import InputError, InputFault
-from granwave.lammps_inputs.files import read_json, read_tables, regular
+from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
-    CASE_FILE,
     POINTS,
-    RECORD_FILE,
     SCAN_INDEX,
-    SPECTRA_KINDS,
     SUITE_INDEX,
     SUMMARY_FILE,
     is_scan,
 )
 
 _LOG = logging.getLogger(__name__)
-_ACCEPTED = "energy_balance_accepted"
-# accepted error of results of finite elements that do not record it
-_ACCEPTED_OF_ELEMENTS = 2e-2
-_LONGEST = 60  # characters of a faulty value in a message
-
-Kind = Literal["run", "continuum", "spectra"]
-
-_REFUSED = (
-    BALANCE_REFUSED,
-    "refused",
-)  # end_reason of runs, and of finite elements, whose balance did not close
-
-
-@dataclasses.dataclass(frozen=True)
-class ReportRun:
-    """A run with a summary, given directly or as a point of a scan.
-
-    Attributes
-    ----------
-    label
-        Label in the report; it says so where the run was refused.
-    kind
-        Kind of the run, on which the keys of its summary depend; ``spectra``: bands, modes or
-        transmission, of which the summary says which.
-    status
-        ``done``, or ``refused`` if the energy balance did not close.
-    case
-        Resolved case by dotted key, such as ``load.velocity``, without ``name`` and derived values;
-        a value may be a table, such as ``boundary.bottom``. Empty if unknown.
-    record
-        Content of run.json; empty if there is none.
-    """
-
-    label: str
-    kind: Kind
-    results: ResultDirectory
-    status: str
-    summary: Mapping[str, Any]
-    case: Mapping[str, Any]
-    record: Mapping[str, Any]
-
-    @property
-    def directory(self) -> Path:
-        """Path of its directory."""
-        return self.results.path
-
-    @property
-    def is_inference(self) -> bool:
-        """True for forces inferred from measured grains, which have no energy balance and no case."""
-        return self.summary.get("kind") == "inference"
-
-    @property
-    def has_balance(self) -> bool:
-        """True for what was integrated in time, and so has energies."""
-        return self.kind != "spectra" and not self.is_inference
-
-    @property
-    def accepted_error(self) -> float:
-        """Largest error of the energy balance, over the input, with which the run was accepted.
-
-        Results of versions that did not record it were judged by the limits of those versions.
-        """
-        for source in (self.summary, self.record):
-            value: Any = source.get(_ACCEPTED)
-            if is_number(value):
-                return float(value)
-        if self.kind == "continuum":
-            return _ACCEPTED_OF_ELEMENTS
-        aimed: Any = self.case.get("run.energy_tolerance")
-        return max(BALANCE_TOLERANCE, aimed) if is_number(aimed) else BALANCE_TOLERANCE
-
-    def number(self, key: str) -> float | None:
-        """Return a value of the summary if it is a number, else None."""
-        value = self.summary.get(key)
-        return value if is_number(value) else None
-
-    @cached_property
-    def damaged(self) -> bool:
-        """True if the result.h5 of a granular run is damaged; it may have been removed to keep only
-        the summary.
-        """
-        if self.kind != "run":
-            return False
-        try:
-            Result(self.results).close()
-        except MissingOutputError:
-            return False
-        except OutputFormatError:
-            return True
-        return False
-
-    @property
-    def versions(self) -> dict[str, str]:
-        """Versions of the programs that produced the run, by name."""
-        found = self.summary.get("versions")
-        return (
-            {str(name): str(value) for name, value in found.items()}
-            if isinstance(found, dict)
-            else {}
-        )
 
 
 @dataclasses.dataclass(frozen=True)
@@ -300,7 +183,7 @@ def _parts(directory: Path) -> list[Path]:
 
 
 def _read(path: Path, label: str, study_files: Collection[str]) -> list[ReportRun | ReportScan]:
-    """Read a directory; several for bands, modes and transmission in one."""
+    """Read a directory; several runs where it holds several."""
     if not path.exists():
         raise InputError(
             f"{path}: no such directory{similar(path)}; expected the directory of a run or of a scan"
@@ -311,114 +194,11 @@ def _read(path: Path, label: str, study_files: Collection[str]) -> list[ReportRu
         )
     if is_scan(path):
         return [_read_scan(path, label, study_files)]
+    results = ResultDirectory(path)
     try:
-        found = sorted(entry.name for entry in path.iterdir())
+        return [*report_kind_in(results).read(results, label)]
     except OSError as error:
         raise InputError(f"{path}: cannot be read: {error.strerror}") from None
-    if not any(name in found for name in OF_A_RUN):
-        if kinds := [name for name in SPECTRA_KINDS if f"{name}.json" in found]:
-            return [
-                _read_spectrum(path, label if len(kinds) == 1 else f"{label} ({name})", name)
-                for name in kinds
-            ]
-        expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
-        raise InputError(no_results(path, found, "neither a run nor a scan", expected))
-    if SUMMARY_FILE not in found:
-        state = (read_json(path / RECORD_FILE) or {}).get("state")
-        if state in UNFINISHED:
-            raise InputError(
-                f"{path}: the run is not finished (state {state}), so there is no {SUMMARY_FILE}; "
-                f"go on with  {resumed(path)}"
-            )
-        raise InputError(
-            f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"
-        )
-    results = ResultDirectory(path)
-    return [_read_run(results, label, _summary(results))]
-
-
-def _read_spectrum(path: Path, label: str, kind: str) -> ReportRun:
-    """Read bands, modes or a transmission; the case and the versions are those of spectra.h5."""
-    tables, versions = recorded(path)
-    values = read_json(path / f"{kind}.json")
-    if values is None:
-        raise InputError(
-            f"{path / f'{kind}.json'}: cannot be read; make it anew with  granwave {kind} CASE -o {path} --force"
-        )
-    return ReportRun(
-        label,
-        "spectra",
-        ResultDirectory(path),
-        "done",
-        {**values, "kind": kind, "versions": versions},
-        by_key(tables),
-        {},
-    )
-
-
-def _summary(results: ResultDirectory) -> dict[str, Any]:
-    results.refuse_special()
-    path = results.path
-    try:
-        summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
-        wrong = (
-            ""
-            if isinstance(summary, dict)
-            else f"found a {type(summary).__name__}, expected a table of values"
-        )
-        wrong = wrong or "".join(_no_numbers(summary)[:1])
-    except (OSError, ValueError, RecursionError) as error:
-        wrong = f"cannot be read ({error})"
-    if wrong:
-        raise InputError(
-            f"{path / SUMMARY_FILE}: {wrong}; make it anew with  granwave analyse {path}"
-        )
-    return dict(summary)
-
-
-def _no_numbers(summary: Mapping[str, Any]) -> list[str]:
-    """Describe the quantities of a summary that are not numbers; null is allowed, for those that do
-    not apply.
-    """
-    found = []
-    for key, value in summary.items():
-        if value is None or not (quantity(key).unit or key in REPORT_COLUMNS):
-            continue
-        if (
-            isinstance(value, list)
-            and not quantity(key).unit
-            and all(isinstance(item, str) for item in value)
-        ):
-            continue  # words, such as the bounds that a zone reaches
-        if not is_number(value) or abs(value) > sys.float_info.max:
-            text = repr(value)
-            more = "..." if len(text) > _LONGEST else ""
-            found.append(f"{key}: found {text[:_LONGEST]}{more}, expected a number")
-    return found
-
-
-def _read_run(results: ResultDirectory, label: str, summary: Mapping[str, Any]) -> ReportRun:
-    results.check_case()
-    if changed := results.changed_result():
-        raise InputError(changed)
-    case = by_key(read_tables(results / CASE_FILE) or results.tables_as_run() or {})
-    record = read_json(results / RECORD_FILE) or {}
-    continuum = "n_elements" in summary or any(key.startswith(("punch.", "block.")) for key in case)
-    refused = record.get("state") == "refused" or summary.get("end_reason") in _REFUSED
-    label, status = (f"{label} (refused)", "refused") if refused else (label, "done")
-    kind: Kind = "continuum" if continuum else "run"
-    return ReportRun(label, kind, results, status, summary, case, record)
-
-
-def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
-    """Return the values of a case by dotted key."""
-    found: dict[str, Any] = {}
-    for name, value in tables.items():
-        if isinstance(value, dict) and name != "resolved":
-            found |= {f"{name}.{key}": part for key, part in value.items()}
-        elif name not in ("name", "resolved"):
-            found[name] = value
-    return found
 
 
 def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportScan:
@@ -438,13 +218,14 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportSc
         done = (
             result.status == "done"
             and result.directory is not None
-            and not _no_numbers(result.summary)
+            and not no_numbers(result.summary)
         )
         whole = result.directory if done else None
         if whole and result.id not in runs:
             try:
                 place = ResultDirectory(whole)
-                runs[result.id] = _read_run(place, f"{label} #{result.number}", result.summary)
+                kind = report_kind_in(place)
+                runs[result.id] = kind.run_of(place, f"{label} #{result.number}", result.summary)
             except InputError as error:
                 errors += error.items
                 continue
@@ -454,6 +235,11 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportSc
     suite = read_json(path.parent / SUITE_INDEX) or {}
     of_suite = suite.get("study", ()) if path.name in suite.get("scans", ()) else ()
     named = dict.fromkeys(str(name) for name in [*source.studies, *of_suite])
+    unknown = [name for name in named if not is_study_file(name) and name not in STUDIES]
+    for name in unknown:
+        _LOG.warning(
+            "%s: its study %s is left out, for no extension that is installed makes it", path, name
+        )
     unasked = [name for name in named if is_study_file(name) and name not in study_files]
     for name in unasked:
         _LOG.warning(
@@ -463,7 +249,10 @@ def _read_scan(path: Path, label: str, study_files: Collection[str]) -> ReportSc
             name,
         )
     return ReportScan(
-        label, source, tuple(points), tuple(name for name in named if name not in unasked)
+        label,
+        source,
+        tuple(points),
+        tuple(name for name in named if name not in {*unknown, *unasked}),
     )
 
 

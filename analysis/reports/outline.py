@@ -31,7 +31,8 @@ from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.measures.zone_size import NOTED_SHARE, Mark, bounds_in_words, mark_of
 from granwave.analysis.reports.answer import answer_blocks, main_figures
 from granwave.analysis.reports.figures import figures_section
-from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
+from granwave.analysis.reports.inputs import ReportInputs, ReportScan
+from granwave.analysis.reports.kinds import ReportRun, report_kinds
 from granwave.analysis.reports.results import SLUG as RESULTS
 from granwave.analysis.reports.results import failures_section, results_section, status_cell
 from granwave.analysis.reports.setting import first_line, setting_of, settings_blocks, symbols_note
@@ -48,7 +49,6 @@ from granwave.lammps_inputs.case.contact import ALL_LAWS, LINE
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
-_KIND = {"run": "granular run", "continuum": "continuum run", "spectra": "small waves"}
 _IN_TITLE = 3  # names in the title
 #: Notes on runs, before their names.
 _REFUSED = "Refused, as the energy balance did not close"
@@ -71,12 +71,6 @@ _GOOD = "Every run finished, its energy balance closed, and no contact left the 
 _ERROR = (
     "Error: the largest |kinetic + elastic + dissipated - input| of the ledger, over the input."
 )
-_LIMITS = {
-    "run": "Kinetic includes rotation; elastic what is stored tangentially and in the support; dissipated friction, "
-    "viscous losses, the support's damper and absorbing spheres. A granular run above the accepted error is refused "
-    "(the published variant of the law, which cannot close, excepted).",
-    "continuum": "A continuum run above the accepted error is stopped.",
-}
 _BALANCE = "balance"
 _MOST_OPEN = 12  # runs whose table is not folded
 _PARTS = ("kinetic", "elastic", "dissipated", "punch", "viscous", "hourglass")
@@ -254,9 +248,9 @@ def _input_row(item: ReportRun | ReportScan, inputs: ReportInputs) -> tuple[str 
     name = Cell(item.label, item.label)
     where = Cell(place.text, place.text, link=place)
     if isinstance(item, ReportRun):
-        kind = "inferred forces" if item.is_inference else _KIND[item.kind]
         case = show(item.summary["name"]) if item.summary.get("name") is not None else ""
-        return name, kind, case, setting_of(item.case), status_cell(item.status), where
+        setting = setting_of(item.case)
+        return name, item.kind.noun, case, setting, status_cell(item.status), where
     done = sum(point.run is not None for point in item.points)
     failed = item.count("failed")
     tone: Tone = "good" if done == len(item.points) else "bad" if failed else "note"
@@ -303,7 +297,7 @@ def verdict(run: ReportRun) -> tuple[str, Tone]:
     error = _error_of(run)
     if error > run.accepted_error:
         return f"poor: above {_limit(run)}", "bad"
-    if run.kind == "run" and error > BALANCE_TOLERANCE:
+    if run.kind.accepted_error is None and error > BALANCE_TOLERANCE:
         return f"accepted: at most {_limit(run)}, run.energy_tolerance", "good"
     return "good", "good"
 
@@ -318,12 +312,8 @@ def balance_section(inputs: ReportInputs) -> DocumentSection:
     if not runs:
         nothing = () if any(inputs.results()) else (Note("There is no finished run."),)
         return DocumentSection("Energy balance", _BALANCE, nothing)
-    text = " ".join(
-        [
-            _ERROR,
-            *(words for kind, words in _LIMITS.items() if any(run.kind == kind for run in runs)),
-        ]
-    )
+    there = {run.kind for run in runs}
+    text = " ".join([_ERROR, *(kind.limits for kind in report_kinds() if kind in there)])
     table = _table(runs)
     shown = (
         Group("Energies of all runs", (table,), folded=True) if len(runs) > _MOST_OPEN else table

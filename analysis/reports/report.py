@@ -1,4 +1,4 @@
-"""Report on any number of runs, scans and continuum runs, as one HTML page, PDF or Markdown.
+"""Report on any number of runs and scans, as one HTML page, PDF or Markdown.
 
 Equal inputs give equal bytes: a report has no date, does not depend on the order of files on the
 disk, and shows paths relative to itself.
@@ -25,13 +25,13 @@ from markupsafe import Markup, escape
 from granwave.analysis.document.model import DocumentTable, Figure, Report, cleaned
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.reports.outline import build_report
 from granwave.analysis.studies.registry import find_studies
-from granwave.extensions.design.report import design_report
 from granwave.lammps_inputs.directories import output_path, refuse_other_file
 from granwave.lammps_inputs.errors import InputError, InputFault, RunError
 from granwave.lammps_inputs.files import head, replace_bytes, replace_text
-from granwave.lammps_inputs.run_directory import is_design
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 Filters = Mapping[str, Callable[..., Any]]  # by the name in a template
 _FOLDER = Path(__file__).with_name("templates")
@@ -185,7 +185,8 @@ def pdf_file(report: Report) -> bytes:
         import plutoprint
     except ImportError as error:
         raise InputError(
-            f"PDF: needs PlutoPrint, which cannot be loaded ({error}); install it, pip install plutoprint, or write "
+            f"PDF: needs PlutoPrint, which cannot be loaded ({error}); install it, "
+            'pip install "granwave[pdf]", or write '
             ".html and print that from a browser"
         ) from None
 
@@ -269,9 +270,8 @@ def write_report(
     """
     output = output_path(output)
     errors = _errors_in(output)
-    if len(directories) == 1 and is_design(directories[0]) and not errors:
-        report = design_report(Path(directories[0]))
-    else:
+    report = None if errors else _whole_report(directories)
+    if report is None:
         named, faults = find_studies(studies, Path())
         errors += [f"--study: {fault}" for fault in faults]
         try:
@@ -289,6 +289,16 @@ def write_report(
     except OSError as error:
         raise RunError(f"{output}: cannot be written: {error.strerror or error}") from None
     return output
+
+
+def _whole_report(directories: Sequence[str | Path]) -> Report | None:
+    """Return the report of a directory that has one of its own, and is given alone; else None."""
+    if len(directories) != 1:
+        return None
+    results = ResultDirectory(directories[0])
+    kinds = {kind.result_kind: kind for kind in report_kinds()}
+    kind = kinds.get(results.kind.name)
+    return None if kind is None else kind.whole_report(results.path)
 
 
 def _errors_in(output: Path) -> list[str | InputFault]:

@@ -32,9 +32,10 @@ from granwave.analysis.document.model import (
 )
 from granwave.analysis.formatting.values import grains_called_in, unique_labels, unit_in_cases
 from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
-from granwave.analysis.quantities import FRICTION_SHARES, REPORT_COLUMNS
-from granwave.analysis.reports import other_kinds
-from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
+from granwave.analysis.quantities import FRICTION_SHARES, report_columns
+from granwave.analysis.reports.inputs import ReportInputs, ReportScan
+from granwave.analysis.reports.kinds import ReportRun
+from granwave.analysis.reports.sentences import by_part
 from granwave.analysis.reports.setting import differing, is_chain, target_of
 from granwave.analysis.scans.table import (
     CONFIDENCE,
@@ -62,7 +63,7 @@ _STATUS = "Status"
 _NUMBER = TableColumn("#", numeric=True, key=True)
 _MATERIAL = "material.name"
 _OF_MATERIAL = "material."
-#: Values that packings and blocks do not share, or mean otherwise.
+#: Values that kinds of runs do not share, or mean otherwise.
 _OF_ONE_KIND = (
     "plastic_zone_volume_m3", "plastic_zone_depth_m", "plastic_zone_radius_m", "zone_cut", "energy_input_normalised",
     "wave_return_share",
@@ -132,7 +133,7 @@ def results_section(inputs: ReportInputs) -> DocumentSection:
         blocks.append(
             _runs_table(runs, differing(runs), _worth_showing([run.summary for run in runs]))
         )
-    for alike in (runs, *other_kinds.by_kind(inputs.runs)):
+    for alike in (runs, *by_part(inputs.runs)):
         if alike and len(alike) <= MOST_SIDE_BY_SIDE:
             blocks.append(_side_by_side(alike))
     for scan in inputs.scans:
@@ -149,10 +150,11 @@ def compact_table(runs: Sequence[ReportRun]) -> DocumentTable:
     """Make a table of runs with some keys that differ, and the first values, of those that all runs
     have.
 
-    Inferences, or small waves of one kind, have their values below each other.
+    Runs without an energy balance have their values below each other.
     """
     if not runs[0].has_balance:
-        return other_kinds.table_of(runs, other_kinds.TITLES[str(runs[0].summary.get("kind"))])
+        kind = runs[0].kind
+        return kind.table_of(runs, kind.title(runs[0]))
     keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
@@ -175,7 +177,7 @@ def compact_table(runs: Sequence[ReportRun]) -> DocumentTable:
 def value_rows(run: ReportRun) -> DocumentTable:
     """Make a table of the main values of a run, a row each."""
     if not run.has_balance:
-        return other_kinds.table_of([run], f"Run {run.label}")
+        return run.kind.table_of([run], f"Run {run.label}")
     summary = run.summary
     driven = run.number("transmission") is not None
     plate, bottom, ground = map(
@@ -349,7 +351,9 @@ def _worth_showing(summaries: Sequence[Mapping[str, Any]]) -> list[str]:
     several = any(summary.get(share) for summary in summaries for share in shares)
     left_out = () if several else FRICTION_SHARES
     there = (
-        key for key in REPORT_COLUMNS if any(summary.get(key) is not None for summary in summaries)
+        key
+        for key in report_columns()
+        if any(summary.get(key) is not None for summary in summaries)
     )
     return [key for key in there if key not in left_out]
 
@@ -387,9 +391,7 @@ def _side_by_side(runs: Sequence[ReportRun]) -> DocumentTable:
     called = grains_called_in([run.summary for run in runs])
     for key in keys:
         cells = [_result_cell(key, run.summary) for run in runs]
-        label = (not runs[0].has_balance and other_kinds.label_in(runs[0], key)) or label_of(
-            key, called
-        )
+        label = runs[0].kind.label(runs[0], key) or label_of(key, called)
         row = [
             Cell(label, label, meaning=meaning_in(key, called)),
             Cell(unit_of_value(key)),
@@ -428,7 +430,7 @@ def _replicates(scan: ReportScan) -> list[DocumentTable]:
         (TableColumn("Replicates", numeric=True), [value_cell(row[COUNT]) for row in rows])
     )
     for key in _worth_showing(
-        [{key: row.get(key + MEAN) for key in REPORT_COLUMNS} for row in rows]
+        [{key: row.get(key + MEAN) for key in report_columns()} for row in rows]
     ):
         columns.append(
             (

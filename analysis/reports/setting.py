@@ -11,11 +11,12 @@ from typing import Any
 from granwave.analysis.document.model import Block, Group, Note, show, text_table
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.formatting.values import grains_called_in, unit_in_cases
-from granwave.analysis.reports.inputs import ReportInputs, ReportRun, ReportScan
+from granwave.analysis.reports.inputs import ReportInputs, ReportScan
+from granwave.analysis.reports.kinds import ReportRun, Symbol, report_kinds
 from granwave.lammps_inputs.case.boundary import SUPPORTS
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Wording
-from granwave.lammps_inputs.case.loads.registry import LOADS
+from granwave.lammps_inputs.case.loads.registry import load_kinds
 from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
@@ -45,7 +46,6 @@ _NORMALISED = (
     "the normalised velocity, (2/sqrt 3) (2/(1.6 pi))^2 E*^2 sqrt(rho) sigma_y^-2.5 v, with E* of two grains, density "
     "rho and yield strength sigma_y"
 )
-_OF_PUNCH = "the unit of energies of the punch, with its diameter D and the block's yield strength and modulus"
 _OF_LAW = ("material", "contact", "packing.diameter", "packing.shape", "packing.length")
 _REMARKS = ("material.source",)  # keys of the case that change nothing
 
@@ -125,7 +125,7 @@ def symbols_note(inputs: ReportInputs) -> list[Note]:
     velocities.
     """
     runs = [run for run in inputs.whole() if run.has_balance][:_MOST_SYMBOLS]
-    packings = [run for run in runs if run.kind == "run"]
+    packings = [run for run in runs if run.kind.of_spheres]
     unlike = {
         str([item for item in run.case.items() if item[0].startswith(_OF_LAW)]): run
         for run in packings
@@ -143,15 +143,16 @@ def symbols_note(inputs: ReportInputs) -> list[Note]:
     if any(run.number("dissipated_fraction") for run in packings):
         put_in += ", and e_dis what is dissipated of it"
     called = grains_called_in([run.summary for run in packings])
-    rows: list[tuple[str, Sequence[float], str, str]] = [
+    rows: list[Symbol] = [
         ("F_y", [law.yield_force for law in laws], "N", f"the force at which a contact of two {called} first yields"),
         ("alpha_y", [law.yield_overlap for law in laws], "m", "the overlap at which it does"),
         ("F_y alpha_y", [law.yield_force * law.yield_overlap for law in laws], "J", "the unit of energies"),
         ("F_max", largest if not laws and any(largest) else (), "N", f"the largest force between two {called} in the run"),
         ("e_in", given if all(given) else (), "J", put_in),
         ("v\u0304_0", [one for one in velocities if one is not None], "", _NORMALISED),
-        ("sigma_y^2 D^3/E", list(filter(None, map(_unit_of_block, runs))), "J", _OF_PUNCH),
     ]  # fmt: skip
+    for kind in report_kinds():
+        rows += kind.symbols([run for run in runs if run.kind is kind])
     said = [
         f"{symbol} = {range_in(values, unit)} is {what}."
         for symbol, values, unit, what in rows
@@ -177,30 +178,12 @@ def range_in(values: Sequence[float], unit: str) -> str:
 
 def _of_item(item: ReportRun | ReportScan) -> str:
     if isinstance(item, ReportRun):
-        if item.is_inference:
-            return _of_inference(item)
-        loaded = item.kind != "spectra"  # else the load plays no part
-        case = {
-            key: value
-            for key, value in item.case.items()
-            if loaded or not key.startswith(("load.", "striker"))
-        }
-        return setting_of(case, grains_called_in([item.summary]))
+        said = item.kind.setting(item)
+        return said or setting_of(item.case, grains_called_in([item.summary]))
     runs = [point.run for point in item.points if point.run]
     text = setting_of(_shared(runs), grains_called_in([run.summary for run in runs]))
     varied = f"{', '.join(item.source.varied)} varied" if item.source.varied else ""
     return "; ".join(filter(None, (text, varied)))
-
-
-def _of_inference(run: ReportRun) -> str:
-    grains = run.summary.get("n_grains")
-    source = run.summary.get("measurement")
-    count = grains[0] if isinstance(grains, list) and grains else grains
-    friction = run.number("friction")
-    parts = [f"forces of {count} grains of {source}", str(run.summary.get("state", ""))]
-    if friction is not None:
-        parts.append(f"friction {show(friction)}" if friction else "no friction")
-    return ", ".join(part for part in parts if part)
 
 
 def _shared(runs: Sequence[ReportRun]) -> dict[str, Any]:
@@ -214,11 +197,9 @@ def _shared(runs: Sequence[ReportRun]) -> dict[str, Any]:
 
 
 def _body(case: Mapping[str, Any]) -> str:
-    if "punch.diameter" in case:
-        mass = f" and {show(case['punch.mass'])} kg" if "punch.mass" in case else ""
-        return f"punch of {quantity_in(case['punch.diameter'], 'm')}{mass} on a block"
-    if "sphere.radius" in case:
-        return f"two spheres in contact, R = {quantity_in(case['sphere.radius'], 'm')}"
+    for report_kind in report_kinds():
+        if body := report_kind.body(case):
+            return body
     kind = case.get("packing.kind")
     size = case.get("packing.size")
     if kind is None:
@@ -247,10 +228,11 @@ def is_chain(case: Mapping[str, Any]) -> bool:
 
 
 def _load(case: Mapping[str, Any]) -> str:
-    load = LOADS.get(str(case.get("load.kind")), ImpactLoad)
-    if "punch.velocity" in case:
-        case = {"load.velocity": case["punch.velocity"], **case}
-    return load.phrase(case, Wording(quantity_in, show))
+    load = load_kinds().get(str(case.get("load.kind")), ImpactLoad)
+    keys: dict[str, Any] = {}
+    for kind in report_kinds():
+        keys |= kind.load_keys(case)
+    return load.phrase({**keys, **case}, Wording(quantity_in, show))
 
 
 def _static(case: Mapping[str, Any]) -> str:
@@ -302,12 +284,6 @@ def _law_of(run: ReportRun) -> Any:
         return sphere_contact(case) if case is not None and case.contact.yields else None
     except (GranwaveError, TypeError, AttributeError):
         return None
-
-
-def _unit_of_block(run: ReportRun) -> float:
-    keys = ("punch.diameter", "material.yield_strength", "material.youngs_modulus")
-    diameter, strength, modulus = (run.case.get(key) for key in keys)
-    return strength**2 * diameter**3 / modulus if strength and diameter and modulus else 0.0
 
 
 def settings_blocks(inputs: ReportInputs) -> list[Block]:

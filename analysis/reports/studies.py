@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import importlib
 from collections.abc import Mapping, Sequence
 from functools import partial
 from operator import itemgetter
@@ -21,7 +22,6 @@ from granwave.analysis.document.model import (
     Note,
     TableColumn,
     column_table,
-    named,
     percent,
     significant,
     value_cell,
@@ -30,12 +30,12 @@ from granwave.analysis.figures.style import NotDrawn, attempt, style
 from granwave.analysis.formatting.numbers import plain
 from granwave.analysis.notebook import run as notebook
 from granwave.analysis.reports.figures import picture_of
-from granwave.analysis.reports.inputs import ReportInputs, ReportRun
+from granwave.analysis.reports.inputs import ReportInputs
+from granwave.analysis.reports.kinds import ReportRun
 from granwave.analysis.result.writer import BALANCE_REFUSED
-from granwave.analysis.studies.registry import COMPARISON, OF_SPHERE_CONTACTS, is_study_file
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun, read_run
+from granwave.analysis.studies.registry import COMPARISON, STUDIES, is_study_file
+from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Kind, Row, Study, make_studies
-from granwave.extensions.continuum.packing_and_block.impacts import collect, not_ideal
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY, RESULT_FILE
 
 SLUG = "studies"
@@ -145,7 +145,7 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
     """
     offered: dict[str, dict[Path, Any]] = {}
     undone: dict[str, list[Mapping[str, Any]]] = {}
-    read: dict[Path, FinishedRun | SphereContactRun | None] = {}
+    read: dict[Path, AnyRun[Any] | None] = {}
     asked: list[tuple[ReportRun | None, Mapping[str, Any], Sequence[str]]] = [
         (run, {}, named) for run in inputs.runs
     ]
@@ -169,23 +169,33 @@ def studies_of(inputs: ReportInputs, named: Sequence[str] = ()) -> list[Study]:
                 if run.directory not in read:
                     read[run.directory] = _read(run)
                 found = read[run.directory]
-                wanted = SphereContactRun if name in OF_SPHERE_CONTACTS else FinishedRun
-                if isinstance(found, wanted):
+                if isinstance(found, _run_type(name)):
                     offered.setdefault(name, {})[run.directory] = found
-                elif run.kind == "run":
+                elif run.kind.of_spheres:
                     offered.setdefault(name, {})
     return make_studies({name: list(runs.values()) for name, runs in offered.items()}, undone)
 
 
-def _read(run: ReportRun) -> FinishedRun | SphereContactRun | None:
+def _run_type(study: str) -> type[AnyRun[Any]]:
+    """Return the class of the runs that a study is made of."""
+    if study not in STUDIES:
+        return FinishedRun
+    kind: type[AnyRun[Any]] = getattr(
+        importlib.import_module(STUDIES[study]), "RUN_TYPE", FinishedRun
+    )
+    return kind
+
+
+def _read(run: ReportRun) -> AnyRun[Any] | None:
     """Read a run for studies; None if there are none of its kind, or it was refused or cannot be
     read.
     """
     whole = run.status == "done" and (run.directory / RESULT_FILE).is_file()
-    if (run.kind != "run" and not whole) or run.summary.get("end_reason") == BALANCE_REFUSED:
+    if not run.kind.of_spheres and not whole:
         return None
-    found = read_run(run.label, run.directory, run.summary)
-    return found if isinstance(found, FinishedRun | SphereContactRun) else None
+    if run.summary.get("end_reason") == BALANCE_REFUSED:
+        return None
+    return run.kind.study_run(run)
 
 
 def row_tables(study: Study) -> list[DocumentTable | Note]:
@@ -255,9 +265,6 @@ def pictures_of(study: Study, inputs: ReportInputs, section: str) -> tuple[Galle
 
 
 _COMPARISON = "comparison"
-_ELSEWHERE = (
-    "Impacts on ideal packings are compared here; all other runs are in the tables above and below"
-)
 
 
 def comparison_section(inputs: ReportInputs) -> DocumentSection:
@@ -266,8 +273,8 @@ def comparison_section(inputs: ReportInputs) -> DocumentSection:
     Runs that are left out are named with the reason.
     """
     blocks: list[Block] = []
-    runs = _compared(inputs)
-    for study in _studies(runs):
+    runs = _whole_runs(inputs)
+    for study in _comparisons(runs):
         if study.pictures or study.failed:
             with style():
                 pictures = pictures_of(study, inputs, _COMPARISON)
@@ -278,35 +285,32 @@ def comparison_section(inputs: ReportInputs) -> DocumentSection:
                 f"Left out here, as the energy balance did not close: {', '.join(refused)}.", "bad"
             )
         )
-    if blocks and (others := _left_out(runs)):
-        listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in others.items())
-        blocks.append(Note(f"{_ELSEWHERE}: {listed}.", "note"))
+    if blocks:
+        for path in COMPARISON.values():
+            blocks += importlib.import_module(path).remarks(runs)
     return DocumentSection("Comparison", _COMPARISON, tuple(blocks))
 
 
 def comparison_of(inputs: ReportInputs) -> list[Study]:
-    """Comparison of a report's runs; empty if none can be compared."""
-    return _studies(_compared(inputs))
+    """Comparisons of a report's runs; empty if none can be compared."""
+    return _comparisons(_whole_runs(inputs))
 
 
-def _studies(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Study]:
-    impacts = collect(runs)
-    if len(impacts.granular) + len(impacts.continuum) < 2:
+def _comparisons(runs: Sequence[AnyRun[Any]]) -> list[Study]:
+    compared = {
+        name: runs
+        for name, path in COMPARISON.items()
+        if importlib.import_module(path).can_compare(runs)
+    }
+    return make_studies(compared)
+
+
+def _whole_runs(inputs: ReportInputs) -> list[AnyRun[Any]]:
+    """Return the runs with a closed balance, as comparisons take them; none where there is no
+    comparison.
+    """
+    if not COMPARISON:
         return []
-    return make_studies(dict.fromkeys(COMPARISON, runs))
-
-
-def _compared(inputs: ReportInputs) -> list[FinishedRun | ContinuumRun]:
-    """Return the runs of grains and of blocks with a closed balance."""
     whole = [run for run in inputs.whole() if run.has_balance and run.status != "refused"]
-    found = [read_run(run.label, run.directory, run.summary) for run in whole]
-    return [run for run in found if isinstance(run, FinishedRun | ContinuumRun)]
-
-
-def _left_out(runs: Sequence[FinishedRun | ContinuumRun]) -> dict[str, list[str]]:
-    """Return the labels of the runs that the comparison does not show, by the reason."""
-    found: dict[str, list[str]] = {}
-    for run in runs:
-        if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
-            found.setdefault(reason, []).append(run.label)
-    return found
+    runs = [run.kind.study_run(run) for run in whole]
+    return [run for run in runs if run is not None]

@@ -16,13 +16,11 @@ import h5py
 
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import run_directory as files
-from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_json, read_toml
+from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.result_directory import ResultDirectory
 
 OF_A_RUN = (files.CASE_FILE, files.SUMMARY_FILE, files.RECORD_FILE, files.RESULT_FILE)
 UNFINISHED = ("running", "interrupted", "failed")  # states of run.json with nothing to report
-_OF_A_CONTINUUM = {"block", "punch", "sphere", "partner"}  # tables of its case
 _MOST_NAMED = 5  # files in a message
 
 
@@ -46,29 +44,18 @@ def why_no_run(path: Path) -> str:
             return f"{path}: is a scan of which no point is done; run it first (granwave scan ... -o {path} --resume)"
         which = f"{files.SCAN_TABLE} tells which is which"
         return f"{path}: is a scan, expected a run; give the directory of a point, such as {done} ({which})"
-    results = ResultDirectory(path)
-    if results.marker.kind in (files.SPECTRA, files.INFERENCE):
-        return f"{path}: holds {results.content}, expected a run"
+    if reason := ResultDirectory(path).kind.why_no_run:
+        return f"{path}: {reason}"
     found = sorted(entry.name for entry in path.iterdir())
     if not any(name in found for name in OF_A_RUN):
         expected = f"expected {files.RESULT_FILE} in it, as  granwave run CASE -o {path}  leaves it"
         return no_results(path, found, "no run", expected)
-    if is_continuum(path):
-        return f"{path}: is a continuum run, expected a run of spheres; h5py reads its {files.RESULT_FILE}"
     if files.CASE_FILE not in found:
         return f"{path}: {files.CASE_FILE} is missing, so the run there cannot be read; run the case again with force=True"
     state = (read_json(path / files.RECORD_FILE) or {}).get("state")
     if state in UNFINISHED:
         return f"{path}: the run is not finished (state {state}); go on with  {resumed(path)}"
     return f"{path / files.RESULT_FILE} is missing: make it with  granwave analyse {path}"
-
-
-def is_continuum(path: Path) -> bool:
-    """Return True if a directory holds the case of a continuum run."""
-    try:
-        return not _OF_A_CONTINUUM.isdisjoint(read_toml(path / files.CASE_FILE))
-    except InputError:
-        return False
 
 
 def resumed(path: Path) -> str:

@@ -22,7 +22,7 @@ from granwave.analysis.document.model import is_number
 from granwave.analysis.figures.style import Drawing, FigureFolder, NotDrawn, attempt, style
 from granwave.analysis.formatting.values import grains_called_in, printed_unit
 from granwave.analysis.measures.zone_size import mark_of
-from granwave.analysis.quantities import QUANTITIES, scan_figures
+from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.keys import VariedKey, key_of
 from granwave.analysis.scans.result import REDUCTION, SEED, PointResult, ScanResult, protects
@@ -81,8 +81,8 @@ def ordinates(varied: Sequence[str], done: Sequence[PointResult]) -> list[Ordina
     left_out = set()
     if not all(math.isfinite(_number(point, "restitution")) for point in done):
         left_out.add("restitution")
-    if not any(math.isfinite(_number(point, "plastic_zone_volume_ever_m3")) for point in done):
-        left_out.add("plastic_zone_volume")  # of packings: the number of spheres tells it
+    if any(math.isfinite(_number(point, "n_plastic_spheres")) for point in done):
+        left_out.add("plastic_zone_volume")  # the number of spheres tells it
     if not protects(varied, [point.summary for point in done]):
         left_out.add(REDUCTION)
     return [one for one in found if one.name not in left_out]
@@ -92,7 +92,7 @@ def _ordinate(
     name: str, key: str, scales: Mapping[str, tuple[str, str, dict[int, float]]]
 ) -> Ordinate:
     """A value of the summary, over the scale of its unit where there is one."""
-    entry = QUANTITIES[key]
+    entry = quantity(key)
     number = plastic_spheres if key == "n_plastic_spheres" else value_of(key)
     if entry.symbol and entry.unit in scales:
         symbol, words, scale = scales[entry.unit]
@@ -276,10 +276,10 @@ def _content(result: ScanResult) -> ScanContent | None:
     if len(rows) < _FEWEST or not free:
         return None
     shown = []
-    for quantity in ordinates(result.varied, [points[row] for row in rows]):
-        values = _values(points, rows, quantity.value)
+    for ordinate in ordinates(result.varied, [points[row] for row in rows]):
+        values = _values(points, rows, ordinate.value)
         if (values.abs() > _NOTHING).any():
-            shown.append((quantity, values))
+            shown.append((ordinate, values))
     units = result.units
     return ScanContent(
         points=points,
@@ -299,10 +299,10 @@ def _curve_figures(content: ScanContent) -> dict[str, Drawer]:
         others = _others(content.keys, content.free, name)
         curves = _curve_rows(content.rows, others).values()
         joined = all(_is_one_line(curve, x, content.keys.values()) for curve in curves)
-        for quantity, values in content.shown:
-            marks = content.marks_of(quantity)
-            figures[f"{quantity.name}_vs_{x.slug}"] = partial(
-                _curves, x, others, quantity, values, marks, joined=joined
+        for ordinate, values in content.shown:
+            marks = content.marks_of(ordinate)
+            figures[f"{ordinate.name}_vs_{x.slug}"] = partial(
+                _curves, x, others, ordinate, values, marks, joined=joined
             )
     return figures
 
@@ -313,10 +313,10 @@ def _bar_figures(content: ScanContent) -> dict[str, Drawer]:
         return {}
     x, *others = (content.keys[name] for name in content.free)
     return {
-        f"{quantity.name}_vs_{x.slug}": partial(
-            _bars, x, others, quantity, values, content.marks_of(quantity)
+        f"{ordinate.name}_vs_{x.slug}": partial(
+            _bars, x, others, ordinate, values, content.marks_of(ordinate)
         )
-        for quantity, values in content.shown
+        for ordinate, values in content.shown
     }
 
 
@@ -325,7 +325,7 @@ def _collapse_figures(content: ScanContent) -> dict[str, Drawer]:
     materials = [name for name in content.free if name.split(".")[0] == "material"]
     if "load.velocity" not in content.free or not materials:
         return {}
-    fraction = QUANTITIES["dissipated_fraction"]
+    fraction = quantity("dissipated_fraction")
     collapses = {
         "collapse_dissipated_fraction": _collapse(
             content,
@@ -351,19 +351,19 @@ def _collapse_figures(content: ScanContent) -> dict[str, Drawer]:
     return {name: drawer for name, drawer in collapses.items() if drawer is not None}
 
 
-def _collapse(content: ScanContent, x: str, quantity: Ordinate) -> Drawer | None:
-    """Curves of a quantity over a normalised value of the summaries; None for too few points."""
+def _collapse(content: ScanContent, x: str, ordinate: Ordinate) -> Drawer | None:
+    """Curves of an ordinate over a normalised value of the summaries; None for too few points."""
     others = _others(content.keys, content.free, "load.velocity")
     table = points_of(
         content.values(value_of(x)),
-        content.values(quantity.value),
+        content.values(ordinate.value),
         others,
-        content.marks_of(quantity),
+        content.marks_of(ordinate),
     )
     if len(table) < _FEWEST:
         return None
-    titles = (QUANTITIES[x].title, quantity.title)
-    columns = (x, quantity.column)
+    titles = (quantity(x).title, ordinate.title)
+    columns = (x, ordinate.column)
     return partial(draw_curves, table, *titles, others, columns, joined=False, chosen=False)
 
 
@@ -372,9 +372,9 @@ def _map_figures(content: ScanContent) -> dict[str, Drawer]:
     if len(content.free) != 2 or len(content.numeric) != 2:
         return {}
     x, y = (content.keys[name] for name in content.free)
-    for quantity, values in content.shown:
-        if quantity.name == "dissipated_fraction":
-            return {"dissipated_fraction_map": partial(_map, x, y, quantity, values)}
+    for ordinate, values in content.shown:
+        if ordinate.name == "dissipated_fraction":
+            return {"dissipated_fraction_map": partial(_map, x, y, ordinate, values)}
     return {}
 
 

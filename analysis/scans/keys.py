@@ -18,7 +18,9 @@ from granwave.analysis.formatting.numbers import interval, tick
 from granwave.analysis.formatting.values import (
     AMPLITUDE,
     NONE,
+    Naming,
     grains_called_in,
+    more_keys,
     shown_unit,
     unique_labels,
     unit_of,
@@ -27,17 +29,6 @@ from granwave.analysis.quantities import quantity, scan_figures
 from granwave.analysis.scans.result import REDUCTION, SEED, ScanResult, protects
 from granwave.analysis.scans.table import CONFIDENCE, COUNT, MEAN, physical, scan_statistics
 from granwave.lammps_inputs.packing.cylinders import SPHERES, in_grains
-
-
-@dataclasses.dataclass(frozen=True)
-class Naming:
-    """Label, symbol (in mathtext), unit in print, and the size of this unit in SI units."""
-
-    label: str
-    symbol: str = ""
-    unit: str = ""
-    scale: float = 1.0
-
 
 _NAMES: Mapping[str, Naming] = {
     "load.velocity": Naming("Impact velocity", r"$v_0$", "m/s"),
@@ -74,12 +65,6 @@ _NAMES: Mapping[str, Naming] = {
     "boundary.bottom": Naming("Bottom"),
     "boundary.sides": Naming("Sides"),
     "boundary.forget_gap": Naming("Forgetting gap / diameter"),
-    "punch.velocity": Naming("Velocity of the punch", r"$v_0$", "m/s"),
-    "punch.mass": Naming("Mass of the punch", r"$m$", "kg"),
-    "punch.diameter": Naming("Diameter of the punch", r"$D$", "mm", 1e-3),
-    "punch.taper": Naming("Taper of the punch", unit="mm", scale=1e-3),
-    "run.elements": Naming("Elements"),
-    "run.edge_size": Naming("Elements at the edge", unit="mm", scale=1e-3),
     "run.end_time": Naming("End time", unit="µs", scale=1e-6),
     "run.timestep": Naming("Timestep", unit="ns", scale=1e-9),
 }
@@ -171,7 +156,7 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> VariedKey:
     unit
         SI unit of the labels, where it depends on the scan.
     """
-    naming = _amplitude(labels, unit) if name == AMPLITUDE else _NAMES.get(name)
+    naming = _amplitude(labels, unit) if name == AMPLITUDE else _naming_of(name)
     if name == "packing.size" and (sizes := _sizes(labels)):
         return VariedKey(name, *_size(sizes), tuple(labels))
     if naming is None:
@@ -190,6 +175,11 @@ def key_of(name: str, labels: Sequence[Any], unit: str = "") -> VariedKey:
         for label, text in zip(labels, texts, strict=True)
     )
     return VariedKey(name, naming, values, tuple(labels), unit)
+
+
+def _naming_of(name: str) -> Naming | None:
+    """Return the naming of a key of cases, those of extensions included; None if it has none."""
+    return _NAMES.get(name) or more_keys().get(name)
 
 
 def _amplitude(labels: Sequence[Any], unit: str) -> Naming:
@@ -212,7 +202,7 @@ def _of_entry(name: str) -> Naming | None:
     table, _, rest = name.partition(".")
     number, _, key = rest.partition(".")
     found = _ENTRIES.get((table, key)) or (
-        _NAMES.get(key) or _NAMES.get(f"packing.{key}") if table == "replace" else None
+        _naming_of(key) or _naming_of(f"packing.{key}") if table == "replace" else None
     )
     if not number.isdigit() or found is None:
         return None
@@ -277,7 +267,7 @@ def _sizes(labels: Sequence[Any]) -> list[tuple[int, ...]]:
 WORTH = 1e-12  # smallest value that is not rounding
 _SAME = 1e-6  # relative difference of values that count as equal
 _MAIN = (  # in this order
-    REDUCTION, "restitution", "transmission", "dissipated_fraction", "peak_force_N", "max_force_N", "n_plastic_spheres",
+    REDUCTION, "restitution", "transmission", "dissipated_fraction", "peak_force_N", "n_plastic_spheres",
 )  # fmt: skip
 _TRENDS = ("rises", "falls")
 

@@ -11,9 +11,13 @@ A built-in study is a module with
 and, where they are wanted, `title(group)`, `name(group)` (short, for links and files),
 `tables(group)` (with notes on them) and `verdict(group)`. `missing(group, undone)` are sentences
 for the end of the verdict about points of its scans that failed or were not run, as values of the
-keys that vary. A group is whatever `select` makes of the runs. Without `name` a study has the name
+keys that vary. `RUN_TYPE` is the class of the runs that `select` gets, usually
+`granwave.analysis.studies.runs.FinishedRun`. A group is whatever `select` makes of the runs. Without `name` a study has the name
 of its entry here; several groups are then numbered, and so are their pictures. `make_studies` in
 `study` puts it together.
+
+A comparison, which a report makes of all its runs, has `can_compare(runs)` too, True where there are
+enough of them, and `remarks(runs)`, which yields notes for the end of its section.
 
 Studies of one's own are Python files that a scan file, a suite file or ``granwave report --study``
 names by path.
@@ -46,31 +50,38 @@ from __future__ import annotations
 import importlib.util
 import inspect
 import sys
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import added_by_name
 
 _HERE = "granwave.analysis.studies"
-#: Module of each study, in the order of a report.
-STUDIES: dict[str, str] = {
-    "bands": "granwave.extensions.waves.study",
+_OF_THE_CORE: dict[str, str] = {
     "protected-height": f"{_HERE}.protection.heights",
     "protected-bottoms": f"{_HERE}.protection.bottoms",
     "protected-spectrum": f"{_HERE}.protection.spectrum",
     "protected-checks": f"{_HERE}.protection.checks",
     "tolerance": f"{_HERE}.tolerance",
-    "sphere-contact": "granwave.extensions.continuum.sphere_contact.study",
 }
 
-#: Studies of runs of two finite-element spheres; all others are of packings and chains.
-OF_SPHERE_CONTACTS = ("sphere-contact",)
 
-#: Study that every report makes of all its runs, packings and blocks alike, in a section of its own.
-COMPARISON: dict[str, str] = {"comparison": "granwave.extensions.continuum.packing_and_block.study"}
+def _in_order(added: Mapping[str, str]) -> dict[str, str]:
+    """Return all studies: those of extensions before or after those of the core, by their names."""
+    first = next(iter(_OF_THE_CORE))
+    before = {name: added[name] for name in sorted(added) if name < first}
+    after = {name: added[name] for name in sorted(added) if name > first}
+    return before | _OF_THE_CORE | after
+
+
+#: Module of each study, in the order of a report.
+STUDIES: dict[str, str] = _in_order(added_by_name("studies"))
+
+#: Studies that every report makes of all its runs, in a section of their own.
+COMPARISON: dict[str, str] = added_by_name("comparisons")
 
 SUFFIX = ".py"
 _PARTS = ("rows", "pictures", "tables")

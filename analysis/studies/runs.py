@@ -16,10 +16,7 @@ import numpy as np
 
 from granwave.analysis.result.writer import BALANCE_REFUSED
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.material import read_material
-from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.load_case import read_stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.packing.motion import velocities_of
@@ -34,12 +31,6 @@ _NOT_OF_THE_CASE = (
     "output",
     "sensor",
 )  # tables: how long and how finely it was followed
-
-_OF_A_PUNCH = {  # keys that case.toml holds for a punch on a block
-    "block": ("diameter", "height"),
-    "punch": ("diameter", "mass", "velocity", "taper"),
-    "run": ("elements", "edge_size"),
-}
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -83,16 +74,6 @@ class AnyRun(Generic[AnyCase]):
         )
 
 
-class ContinuumRun(AnyRun[Mapping[str, Any]]):
-    """A finished run of a punch on a block; its case is what case.toml holds, with all values
-    filled in.
-    """
-
-
-class SphereContactRun(AnyRun[Mapping[str, Any]]):
-    """A finished run of two finite-element spheres; its case is what case.toml holds."""
-
-
 class FinishedRun(AnyRun[Case]):
     """A finished run of spheres."""
 
@@ -102,23 +83,9 @@ class FinishedRun(AnyRun[Case]):
         return assemble(self.case)
 
 
-def read_run(
-    label: str, directory: Path, summary: Mapping[str, Any]
-) -> FinishedRun | ContinuumRun | SphereContactRun | None:
-    """Read a finished run; None if its case cannot be read."""
+def read_run(label: str, directory: Path, summary: Mapping[str, Any]) -> FinishedRun | None:
+    """Read a finished run of spheres; None if its case cannot be read."""
     try:
-        if summary.get("kind") == "continuum":
-            tables = read_toml(directory / CASE_FILE)
-            errors = ErrorList("")
-            whole = all(
-                key in tables.get(name, {}) for name, keys in _OF_A_PUNCH.items() for key in keys
-            )
-            sound = (
-                read_material(tables.get("material", {}), errors) is not None and not errors.items
-            )
-            return ContinuumRun(label, directory, tables, summary) if whole and sound else None
-        if summary.get("kind") == "sphere-contact":
-            return SphereContactRun(label, directory, read_toml(directory / CASE_FILE), summary)
         return FinishedRun(label, directory, read_stored_case(directory / CASE_FILE), summary)
     except GranwaveError:
         return None  # the report says so elsewhere
@@ -133,7 +100,7 @@ def finished_runs(found: Iterable[tuple[str, Path, Mapping[str, Any]]]) -> list[
         Label, directory and summary of finished runs.
     """
     runs = (read_run(*one) for one in found if one[2].get("end_reason") != BALANCE_REFUSED)
-    return [run for run in runs if isinstance(run, FinishedRun)]
+    return [run for run in runs if run is not None]
 
 
 def all_but(case: Case, *left_out: str) -> str:

@@ -35,11 +35,11 @@ from granwave.lammps_inputs.run_directory import STUDY_ROWS
 
 if TYPE_CHECKING:
     from granwave.analysis.figures.style import NotDrawn
-    from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, SphereContactRun
+    from granwave.analysis.studies.runs import AnyRun
 
 Kind = Literal["source", "theory", "verification", "alone"]
 Labels = Sequence[Mapping[str, Any]]  # of points of scans: values of the keys that vary
-Runs: TypeAlias = "Sequence[FinishedRun | ContinuumRun | SphereContactRun]"
+Runs: TypeAlias = "Sequence[AnyRun[Any]]"
 
 
 @dataclasses.dataclass(frozen=True)

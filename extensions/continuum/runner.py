@@ -27,6 +27,7 @@ from granwave.analysis.progress_bar import progress_bar
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import COMPRESSION
 from granwave.analysis.versions import versions_of
+from granwave.extensions.continuum.files import CONTINUUM
 from granwave.extensions.continuum.frame import ElementCase, check_memory
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError, RunError
@@ -35,7 +36,6 @@ from granwave.lammps_inputs.own_files import AnyPath, figure_files
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import (
     CASE_FILE,
-    CONTINUUM,
     FIGURES_DIRECTORY,
     RESULT_FILE,
     SUMMARY_FILE,

@@ -6,7 +6,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.notebook.load import Designs
+from granwave.extensions.design.notebook import Designs
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError

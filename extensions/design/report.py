@@ -32,6 +32,7 @@ from granwave.analysis.document.model import (
     value_column,
 )
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.figures.series import label, panels
 from granwave.analysis.figures.style import (
     BLUE,
@@ -45,13 +46,14 @@ from granwave.analysis.figures.style import (
 )
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.reports.figures import picture_of
-from granwave.analysis.reports.inputs import by_key
+from granwave.analysis.reports.kinds import ReportKind, ReportRun, by_key
 from granwave.analysis.reports.setting import quantity_in, setting_of
 from granwave.analysis.result.reader import Result
-from granwave.extensions.pictures.packing3d import packing_3d
+from granwave.extensions.design.files import DESIGN, DESIGN_OUTCOME, DESIGN_TABLE, has_outcome
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json, read_toml
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import CASE_FILE, DESIGN_OUTCOME, DESIGN_TABLE
+from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_ROWS = 10
 _MOST_WORDS = 4  # of a variable that a figure lists
@@ -278,11 +280,12 @@ def _drawn(found: Mapping[str, Any], table: pd.DataFrame, directory: Path) -> di
 
 
 def _packing(found: Mapping[str, Any], directory: Path) -> Drawing | None:
-    if not found["best"]:
+    figure = run_figures().get("packing_3d")
+    if figure is None or not found["best"]:
         return None
     try:
         with Result(directory / found["best"]["directory"]) as result:
-            return packing_3d(result)
+            return figure.draw(result)
     except (MissingOutputError, OutputFormatError):
         return None
 
@@ -386,3 +389,28 @@ def _scaled(column: pd.Series[Any]) -> np.ndarray:
     )
     span = np.ptp(numbers)
     return (numbers - numbers.min()) / span if span else np.full(len(numbers), 0.5)
+
+
+class DesignKind(ReportKind):
+    """A search for a design, whose report is of a search alone."""
+
+    result_kind = DESIGN
+    noun = "search for a design"
+
+    def whole_report(self, directory: Path) -> Report | None:
+        """Return the report of a finished search."""
+        return design_report(directory) if has_outcome(directory) else None
+
+    def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
+        """Refuse the directory: it has no run of its own."""
+        if has_outcome(results.path):
+            reason = "is a search for a design, which has a report of its own; give it alone"
+        else:
+            reason = (
+                "is a search for a design that is not finished; go on with  "
+                f"granwave design FILE -o {results} --resume"
+            )
+        raise InputError(f"{results}: {reason}")
+
+
+REPORT_KINDS = (DesignKind(),)

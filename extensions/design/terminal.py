@@ -10,6 +10,7 @@ from typing import Any
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.quantities import quantity
 from granwave.analysis.summary_table import lines
+from granwave.extensions.design.files import DESIGN_OUTCOME
 from granwave.extensions.design.search.design_file import load_problem
 from granwave.extensions.design.search.driver import run_design
 from granwave.extensions.design.search.points import default_jobs
@@ -27,7 +28,7 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_json
 from granwave.lammps_inputs.planning.plan import plan
-from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, SCAN_REPORT
+from granwave.lammps_inputs.run_directory import SCAN_REPORT
 from granwave.workflows.cli.terminal import print_json
 
 _DRAWN = 64  # designs that a plan is made of

@@ -9,12 +9,14 @@ from typing import Any
 
 import numpy as np
 
-from granwave.analysis.notebook.load import InferredForces
 from granwave.analysis.notebook.run import Run
 from granwave.extensions.inference import run as inference
+from granwave.extensions.inference.notebook import InferredForces
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import home, words_of_python
+
+_OPTIONS = ("noise", "time", "case", "repeat", "frame-rate", "position-noise")
 
 
 def infer(
@@ -67,7 +69,7 @@ def infer(
         The measurement, the case or an argument is wrong, or the equations do not determine the
         forces.
     """
-    with words_of_python():
+    with words_of_python(*_OPTIONS):
         if not isinstance(measurement, str | Path | Run):
             raise InputError(
                 f"measurement: found {show(measurement)}, expected the path of a table, or a run"

@@ -10,10 +10,11 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+from granwave.extensions.inference.files import INFERENCE
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import INFERENCE, RESULT_FILE
+from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 if TYPE_CHECKING:
     from granwave.extensions.inference.forces.output import Inferred

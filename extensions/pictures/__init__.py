@@ -7,4 +7,14 @@ extension = Extension(
     title="cut packings, films, views, files for ParaView and OVITO",
     packages={"imageio_ffmpeg": "imageio-ffmpeg", "k3d": "k3d", "vtk": "vtk", "vtkmodules": "vtk"},
     extra="pictures",
+    figures={
+        "packing_3d": "granwave.extensions.pictures.packing3d:PEAK_FORCE",
+        "packing_3d_dissipation": "granwave.extensions.pictures.packing3d:DISSIPATION",
+    },
+    products="granwave.extensions.pictures.products:PRODUCTS",
+    exports={
+        "ovito": "granwave.extensions.pictures.exports:OVITO",
+        "vtp": "granwave.extensions.pictures.exports:VTP",
+    },
+    commands="granwave.extensions.pictures.commands:COMMANDS",
 )

@@ -12,6 +12,7 @@ from matplotlib.colors import to_rgb
 from numpy.typing import NDArray
 
 from granwave.analysis.figures.impact_arrow import draw_arrow, impact_arrow
+from granwave.analysis.figures.run_figures import RunFigure
 from granwave.analysis.figures.sections import (
     Colouring,
     colour_bar,
@@ -241,3 +242,20 @@ def plane_lines(
     corners[:, first] = [low[first], high[first], high[first], low[first]]
     corners[:, second] = [low[second], low[second], high[second], high[second]]
     return np.concatenate([corners, corners[:1]])
+
+
+#: Figures of a run; the two share the work of finding which spheres are seen.
+PEAK_FORCE = RunFigure(
+    "Packing cut open, peak contact force, walls left out",
+    packing_3d,
+    "A quarter is cut away at the impact; bright spheres carried the largest forces.",
+    shares_work_with=("packing_3d_dissipation",),
+    takes_long=True,
+)
+DISSIPATION = RunFigure(
+    "Packing cut open, dissipation",
+    packing_3d_dissipation,
+    "A quarter is cut away at the impact; bright spheres dissipated most.",
+    shares_work_with=("packing_3d",),
+    takes_long=True,
+)

@@ -45,7 +45,9 @@ def export_run(result: Result, path_of: Callable[[str], Path]) -> None:
     try:
         import vtkmodules.vtkIOXML  # noqa: F401
     except ImportError as error:
-        raise InputError(f"--to vtp needs VTK ({error}): pip install vtk") from None
+        raise InputError(
+            f'--to vtp needs VTK ({error}): pip install "granwave[pictures]"'
+        ) from None
 
     radius = result[f"{GROUP}/radius"]
     times = result.frame_times.tolist()

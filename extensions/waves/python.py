@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from granwave.analysis.notebook.run import Run
-from granwave.extensions.waves.spectra.quantities import POINTS
+from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.python.inputs import CaseLike, home, read_case, words_of_python
 from granwave.workflows.solvers import GRANULAR
@@ -65,7 +65,7 @@ def bands(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.datasets.dataset`.
+        See `granwave.extensions.waves.datasets.dataset`.
 
     Raises
     ------
@@ -104,7 +104,7 @@ def modes(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.datasets.dataset`.
+        See `granwave.extensions.waves.datasets.dataset`.
 
     Raises
     ------
@@ -154,7 +154,7 @@ def transmission(
     Returns
     -------
     xarray.Dataset
-        See `granwave.analysis.notebook.datasets.dataset`.
+        See `granwave.extensions.waves.datasets.dataset`.
 
     Raises
     ------
@@ -178,8 +178,8 @@ def _solved(
     **how: Any,
 ) -> Dataset:
     """Return what a function of `granwave.extensions.waves.small_waves` finds of a case or a run."""
-    from granwave.analysis.notebook.datasets import dataset  # loads xarray
     from granwave.extensions.waves import small_waves as spectra
+    from granwave.extensions.waves.datasets import dataset  # loads xarray
 
     with words_of_python():
         packing = source.directory if isinstance(source, Run) and not changes and not keys else None

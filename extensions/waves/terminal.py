@@ -14,7 +14,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 from granwave.workflows import library
-from granwave.workflows.cli.parser import chosen
+from granwave.workflows.cli.commands import chosen
 from granwave.workflows.cli.terminal import print_json, warn
 
 _KILO = 1e-3

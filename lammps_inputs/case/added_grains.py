@@ -42,7 +42,7 @@ from granwave.lammps_inputs.case.packing import PackingSection, check_memory_of_
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
-from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice
+from granwave.lammps_inputs.lattices import FILE, Lattice, lattice_kinds
 
 _POINT = "[x, y, z] in m"
 _PLACES = f'places, {_POINT} each, or "octahedral" or "tetrahedral" for the holes of fcc and hcp'
@@ -317,12 +317,14 @@ def with_added_grains(
         grains=grains,
         period=period,
         cell=packing.cell,
+        contacts=packing.contacts,
+        touch_tolerance=packing.touch_tolerance,
     )
 
 
 def _check_added(packing: PackingSection, added: Sequence[AddedGrains], errors: ErrorList) -> None:
     """Check the keys of ``[[grains]]``, and of the packing that they are added to."""
-    holed = " or ".join(name for name, rule in KINDS.items() if rule.is_close_packed)
+    holed = " or ".join(name for name, rule in lattice_kinds().items() if rule.is_close_packed)
     for key, entry in schema.numbered("grains", added).items():
         both = entry.at is not None
         holes_of = show(entry.at) if isinstance(entry.at, str) else ""

@@ -28,7 +28,7 @@ from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact import RIGID, Contact, Pair
 from granwave.lammps_inputs.case.loads.impact import ImpactLoad
 from granwave.lammps_inputs.case.loads.load import Load
-from granwave.lammps_inputs.case.loads.registry import LoadSection
+from granwave.lammps_inputs.case.loads.registry import load_section
 from granwave.lammps_inputs.case.material import (
     MATERIAL,
     MATERIALS,
@@ -74,11 +74,13 @@ class CaseHead:
     )
 
 
-_TABLES: dict[str, type] = {
+#: Sections of tables by heading, in the order of a case file; that of ``[load]`` is made when it
+#: is needed, as extensions add to it.
+_TABLES: dict[str, type | None] = {
     "[packing]": PackingSection,
     "[material]": Material,
     "[contact]": Contact,
-    "[load]": LoadSection,
+    "[load]": None,
     "[boundary]": Boundary,
     "[run]": RunSettings,
     "[output]": Output,
@@ -95,18 +97,39 @@ _TABLES: dict[str, type] = {
     "[bar]": Bar,
     "[incident_bar]": Bar,
 }
-#: Section of each table of a case file, by heading; tables in a table follow it.
-TABLES = with_inner_tables(_TABLES)
 LISTS = {
-    heading.strip("[]"): section for heading, section in _TABLES.items() if heading.startswith("[[")
-}
-SECTIONS = {
-    name: section
+    heading.strip("[]"): section
     for heading, section in _TABLES.items()
-    if (name := heading.strip("[]")) not in LISTS and section is not Material
+    if section is not None and heading.startswith("[[")
 }
+_NAMES = [heading.strip("[]") for heading in _TABLES]
 OPTIONAL = (PRECOMPRESSION, "bar", "incident_bar")  # of the sections; the others have defaults
-KNOWN = ("name", "material", MATERIALS, *SECTIONS, "pair", *LISTS)
+KNOWN = (
+    "name",
+    "material",
+    MATERIALS,
+    *(name for name in _NAMES if name not in ("material", *LISTS)),
+    "pair",
+    *LISTS,
+)
+
+
+@cache
+def case_tables() -> dict[str, type]:
+    """Return the section of each table of a case file, by heading; tables in a table follow it."""
+    return with_inner_tables(
+        {heading: section or load_section() for heading, section in _TABLES.items()}
+    )
+
+
+@cache
+def case_sections() -> dict[str, type]:
+    """Return the section of each table by name, of those that are there once; without materials."""
+    return {
+        name: case_tables()[heading]
+        for name, heading in zip(_NAMES, _TABLES, strict=True)
+        if name not in ("material", *LISTS)
+    }
 
 
 @cache
@@ -114,16 +137,20 @@ def case_keys() -> tuple[str, ...]:
     """Return the dotted keys of a case; an array of tables is represented by its entry 1."""
     numbered = {f"{name}.1": section for name, section in LISTS.items()}
     selectors = [f"material.{name}" for name in SELECTORS]
-    return (*KNOWN, *keys_of(SECTIONS | {"material": Material}), *selectors, *keys_of(numbered))
+    return (
+        *KNOWN,
+        *keys_of(case_sections() | {"material": Material}),
+        *selectors,
+        *keys_of(numbered),
+    )
 
 
 def unit_of(key: str) -> str:
     """Return the unit of a dotted key, such as ``load.velocity``; empty if it has none."""
     table, _, name = re.sub(r"\.\d+", "", key).rpartition(".")
-    sections = {heading.strip("[]"): section for heading, section in TABLES.items()} | {
-        "pair": Contact
-    }
-    section = Material if table.endswith(".material") else sections.get(table)
+    by_name = {heading.strip("[]"): section for heading, section in case_tables().items()}
+    by_name["pair"] = Contact
+    section = Material if table.endswith(".material") else by_name.get(table)
     field = declared_fields(section).get(name) if section else None
     return "" if field is None else info_of(field).unit
 
@@ -244,6 +271,18 @@ class Case:
     def has_initial_dents(self) -> bool:
         """True if contacts may have dents before the run, given or left by precompression."""
         return bool(self.contact.initial_overlap) or self.precompression is not None
+
+    @property
+    def seeks_balance(self) -> bool:
+        """True if a static stage brings the packing to balance; False: it starts as it was found."""
+        way = self.packing.contact_way
+        return way is None or way.balances or not way.presses
+
+    @property
+    def may_rearrange(self) -> bool:
+        """True if grains may move far on the way to balance."""
+        way = self.packing.contact_way
+        return way is not None and way.rearranges
 
     @property
     def probes(self) -> tuple[Probe, ...]:

@@ -9,38 +9,64 @@
     group                                a word, for [[hold]]
     vx, vy, vz                           initial velocity, m/s
 
-Columns stand in any order under a line of their names. Other formats are read by ASE, in metres,
-with diameters (or radii) and materials from arrays of these names.
+Columns stand in any order under a line of their names. Tables of other programs, and other
+formats, are read by `granwave.lammps_inputs.readers`.
 """
 
 from __future__ import annotations
 
 import dataclasses
-import math
 from bisect import bisect_right
+from collections import Counter
 from collections.abc import Iterable, Mapping, Sequence
 from functools import cached_property
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.hints import POSSIBLE, plain
-from granwave.lammps_inputs.case.material import AXIS_COLUMNS, Shape, read_shapes, shape_columns
+from granwave.lammps_inputs.case.material import Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.case.schema import LABEL_FORM, LARGEST_COUNT, show
-from granwave.lammps_inputs.files import csv_cell, csv_rows, read_number, read_regular, read_text
+from granwave.lammps_inputs.files import csv_cell
+from granwave.lammps_inputs.readers.grain_table import GrainTable
+from granwave.lammps_inputs.readers.registry import read_grain_table
+from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
+from granwave.lammps_inputs.readers.table import read_table_text
 
 _PLACE = ("x", "y", "z")
 _VELOCITY = ("vx", "vy", "vz")
-_NUMBERS = (*_PLACE, "diameter", "length", *AXIS_COLUMNS, *_VELOCITY)
 _WORDS = ("material", "group")
-COLUMNS = (*_PLACE, "diameter", "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS, *_VELOCITY)
-_RADIUS = "radius"  # column in place of the diameter
-_TABLES = (".csv", ".txt", ".dat")  # suffixes of files that are tables; ASE reads the rest
-_SIZES = ("diameter", "length")
-_UNITS = {**dict.fromkeys((*_PLACE, *_SIZES), "m"), **dict.fromkeys(_VELOCITY, "m/s")}
-_STRAIGHT = 1e-9  # components of the edges of a box across its axes, over its largest edge
+_SHAPE_COLUMNS = ("shape", "axis")
+_LARGEST_RATIO = 1000.0  # of the largest grain to the median, beyond which units may be mixed
+
+
+@dataclasses.dataclass(frozen=True)
+class FileReading:
+    """What was read of a file of grains.
+
+    Attributes
+    ----------
+    format
+        Name of the format, with the step.
+    types
+        Number of grains of each type of the file.
+    bounds
+        Lowest and highest x, y, z of the box: (3, 2), m; None if the file has none.
+    periodic
+        Axes along which the box is periodic.
+    density
+        Smallest and largest density in the file, kg/m^3; None if it has none.
+    notes
+        Warnings for the user.
+    """
+
+    format: str
+    types: dict[str, int]
+    bounds: NDArray[np.float64] | None
+    periodic: tuple[bool, bool, bool]
+    density: tuple[float, float] | None
+    notes: Sequence[str]
 
 
 @dataclasses.dataclass(eq=False)
@@ -63,13 +89,21 @@ class Grains:
         Shapes: (n,); by default all are spheres.
     period
         Periods along x and y of the file that they come from, m; None if it has none. Not part of
-        the table, as the three below.
+        the table, as those below.
     file
         Name of the file that they come from; empty if from no file.
     lines
         Lines of the file, from 1, of those that come from a table: (at most n,).
+    half_unit
+        Half a unit of the last place of each coordinate in the file: (at most n, 3), m.
+    cell
+        Vectors after which they repeat, of a file that has them, m.
+    reading
+        What was read of the file; None if they come from no file.
     added_from
         First id of each entry of ``[[grains]]``.
+    found
+        The grains as they were found, of those that were moved until they touch.
     """
 
     position: NDArray[np.float64]
@@ -80,8 +114,12 @@ class Grains:
     shape: Sequence[Shape] = ()
     period: tuple[float, float] | None = None
     file: str = ""
-    lines: Sequence[int] = ()
+    lines: Sequence[int] | NDArray[np.int64] = ()
+    half_unit: NDArray[np.float64] = dataclasses.field(default_factory=lambda: np.zeros((0, 3)))
+    cell: Sequence[Sequence[float]] = ()
+    reading: FileReading | None = None
     added_from: Sequence[int] = ()
+    found: Grains | None = None
 
     def __post_init__(self) -> None:
         """Make the columns tuples."""
@@ -134,7 +172,7 @@ class Grains:
 
     def called(self, number: int) -> str:
         """Return the id of a grain, with its line in the file."""
-        in_table = self.file and number <= len(self.lines)
+        in_table = bool(self.file) and number <= len(self.lines)
         return f"{number} (line {self.lines[number - 1]})" if in_table else f"{number}"
 
     def of_group(self, name: str) -> tuple[int, ...]:
@@ -142,190 +180,212 @@ class Grains:
         return tuple(number for number, group in enumerate(self.group, start=1) if group == name)
 
 
-def read_grains(path: Path, diameter: float | None) -> Grains:
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class GrainChoices:
+    """What becomes of the grains of a file.
+
+    Attributes
+    ----------
+    materials
+        Names of materials by type of the file; empty: types have no meaning.
+    keeps_velocities
+        False: the velocities of the file are left out.
+    up
+        Direction of the file that points up, a key of `TURNS`.
+    """
+
+    materials: Mapping[str, str] = dataclasses.field(default_factory=dict)
+    keeps_velocities: bool = True
+    up: str = "-z"
+
+
+def read_grains(source: GrainSource, choices: GrainChoices | None = None) -> Grains:
     """Read a file of grains.
 
     Parameters
     ----------
-    diameter
-        Diameter of grains for which the file gives none, m; None: the file must give it.
+    source
+        The file, with what the user says of it.
+    choices
+        What becomes of its grains.
 
     Raises
     ------
     ValueError
-        The file is not a table of grains; the message says where and why.
+        The file is no file of grains; the message says where and why.
     OSError
         It cannot be read.
     """
-    is_table = path.suffix.lower() in _TABLES
-    grains = parse_grains(read_text(path), diameter) if is_table else _from_ase(path, diameter)
-    grains.file = str(path)
+    choices = choices or GrainChoices()
+    table = read_grain_table(source)
+    if not choices.keeps_velocities:
+        table.velocity = None
+        table.spin = None
+    if choices.materials:
+        _name_materials(table, choices.materials)
+    if choices.up != "-z":
+        _turn(table, choices.up)
+    grains = _grains(table, source.options.diameter)
+    grains.file = str(source.path)
+    grains.period = table.period
+    grains.cell = table.cell
+    grains.reading = _reading(table, grains, choices.materials)
     return grains
-
-
-def read_cell(path: Path) -> list[list[float]]:
-    """Read the vectors after which the grains of a file of ASE repeat, m; none of a table."""
-    if path.suffix.lower() in _TABLES:
-        return []
-    atoms = _read_ase(path)
-    return [vector.tolist() for vector, repeats in zip(atoms.cell.array, atoms.pbc, strict=True)
-            if repeats and vector.any()]  # fmt: skip
 
 
 def parse_grains(text: str, diameter: float | None) -> Grains:
-    """Read a table of grains; see `read_grains`."""
-    rows = csv_rows(text)
-    if not rows:
+    """Read a table of grains.
+
+    Parameters
+    ----------
+    diameter
+        Diameter of grains for which the table gives none, m; None: the table must give it.
+
+    Raises
+    ------
+    ValueError
+        It is no table of grains; the message says where and why.
+    """
+    return _grains(read_table_text(text, FileOptions(diameter=diameter)).in_order(), diameter)
+
+
+def _turn(table: GrainTable, up: str) -> None:
+    """Turn the grains of a file until a direction of it is up."""
+    if "axis" in table.words or "length" in table.numbers:
         raise ValueError(
-            f"found no grain, expected a line of names ({', '.join(COLUMNS)}) and a row for each grain"
+            f'found packing.up = "{up}" with cylinders, whose axes are not turned; give their '
+            "places with the top at the lowest z"
         )
-    heads = [name.strip() for name in rows[0][1]]
-    names = _column_names(
-        ["diameter" if name == _RADIUS else name for name in heads], rows[0][0], diameter
+    table.turn(up)
+
+
+def _name_materials(table: GrainTable, materials: Mapping[str, str]) -> None:
+    """Give grains the material of their type."""
+    if not table.types:
+        raise ValueError("found no types of grains (packing.types), expected a column of them")
+    there = dict.fromkeys(table.types)
+    missing = [name for name in there if name not in materials]
+    unused = [name for name in materials if name not in there]
+    if missing or unused:
+        what = f"no material of the type {missing[0]}" if missing else f"no type {unused[0]}"
+        raise ValueError(
+            f"found {what} (packing.types), expected one for each of {', '.join(there)}"
+        )
+    table.words["material"] = [materials[name] for name in table.types]
+
+
+def _reading(table: GrainTable, grains: Grains, materials: Mapping[str, str]) -> FileReading:
+    """Return what was read of a file, with its warnings."""
+    types = dict(Counter(table.types))
+    notes = list(table.notes)
+    has_materials = bool(materials) or "material" in table.words
+    if len(types) > 1 and not has_materials:
+        example = ", ".join(f'{show(name)} = "steel"' for name in list(types)[:2])
+        notes.append(
+            f"{len(types)} types of grains become one material; packing.types = {{{example}, ...}} "
+            "names that of each"
+        )
+    if table.spin is not None and table.spin.any():
+        notes.append("angular velocities are left out; grains begin without spin")
+    ratio = float(grains.diameter.max() / np.median(grains.diameter))
+    if ratio >= _LARGEST_RATIO:
+        largest = int(np.argmax(grains.diameter))
+        notes.append(
+            f"{table.place(largest)}: a diameter of {grains.diameter[largest]:g} m is {ratio:.3g} "
+            "times the median; are there two units in the file?"
+        )
+    density = table.density
+    bounds = None if density is None else (float(density.min()), float(density.max()))
+    return FileReading(
+        format=table.format,
+        types=types,
+        bounds=table.bounds,
+        periodic=table.periodic,
+        density=bounds,
+        notes=notes,
     )
-    lines = [number for number, _ in rows[1:]]
-    places = [f"line {number}" for number, _ in rows[1:]]
-    for place, (_, row) in zip(places, rows[1:], strict=True):
-        if len(row) != len(names):
+
+
+def _words_of(table: GrainTable, name: str) -> list[str]:
+    """Return a column of words, empty where the table has none: (n,)."""
+    words = table.words.get(name)
+    if words is None:
+        return [""] * len(table)
+    for row, word in enumerate(words):
+        if not word.isprintable():
             raise ValueError(
-                f"{place}: found {len(row)} values, expected {len(names)}: {', '.join(names)}"
+                f"{table.place(row)}: found {show(word)} for {name}, expected {LABEL_FORM}"
             )
-    columns = zip(*(row for _, row in rows[1:]), strict=True)
-    values: dict[str, list[Any]] = {
-        name: [
-            (_number if name in _NUMBERS else _word)(*cell, name)
-            for cell in zip(column, places, strict=True)
-        ]
-        for name, column in zip(names, columns, strict=False)
-    }
-    if _RADIUS in heads:
-        values["diameter"] = [2 * radius for radius in values["diameter"]]
-    grains = _grains(values, places, diameter)
-    grains.lines = lines
-    return grains
+    return words
 
 
-def _column_names(names: list[str], line: int, diameter: float | None) -> list[str]:
-    for name in names:
-        if name not in COLUMNS:
-            raise ValueError(
-                f"line {line}: found a column {show(name)}, expected names among {', '.join(COLUMNS)}"
-            )
-        if names.count(name) > 1:
-            either = " (or radius for it)" if name == "diameter" else ""
-            raise ValueError(f"line {line}: found the column {name}{either} twice")
-    needed = _PLACE if diameter is not None else (*_PLACE, "diameter")
-    for name in needed:
-        if name not in names:
-            more = ", or packing.diameter for all grains" if name == "diameter" else ""
-            raise ValueError(
-                f"line {line}: found no column {name}, expected {', '.join(needed)}{more}"
-            )
-    return names
-
-
-def _number(value: str, place: str, name: str) -> float:
-    if not value.strip() and name in ("length", *AXIS_COLUMNS):
-        return 0.0  # of a sphere
-    try:
-        number = read_number(value)
-    except ValueError:
-        number = math.nan
-    if not math.isfinite(number):
+def _check_magnitudes(
+    table: GrainTable, name: str, values: NDArray[np.float64], unit: str, *, is_size: bool
+) -> None:
+    """Raise ValueError if a value is impossible in its unit; small places may be rounding."""
+    low, high = POSSIBLE[unit]
+    low = low if is_size else 0.0
+    size = np.abs(values)
+    wrong = ~np.isfinite(values) | ((size > 0) & ((size < low) | (size > high)))
+    if not wrong.any():
+        return
+    row = int(np.argmax(wrong))
+    if not np.isfinite(values[row]):
         raise ValueError(
-            f"{place}: found {show(value.strip())} for {name}, expected a finite number"
+            f"{table.place(row)}: found {values[row]:g} for {name}, expected a finite number"
         )
-    return number
+    expected = f"expected a magnitude from {plain(low)} to {plain(high)} {unit}"
+    raise ValueError(f"{table.place(row)}: found {values[row]:g} {unit} for {name}, {expected}")
 
 
-def _word(value: str, place: str, name: str) -> str:
-    word = value.strip()
-    if not word.isprintable():
-        raise ValueError(f"{place}: found {show(word)} for {name}, expected {LABEL_FORM}")
-    return word
+def _diameters(table: GrainTable, diameter: float | None) -> NDArray[np.float64]:
+    """Return the diameters of the grains: (n,), m."""
+    if table.radius is not None:
+        return 2 * table.radius
+    if diameter is None:
+        raise ValueError("found no diameters, expected these, or packing.diameter for all grains")
+    return np.full(len(table), diameter)
 
 
-def _grains(
-    values: Mapping[str, list[Any]], places: Sequence[str], diameter: float | None
-) -> Grains:
-    """Make the grains of columns of values; ``places`` names the place of each grain in the file."""
-    n = len(places)
+def _grains(table: GrainTable, diameter: float | None) -> Grains:
+    """Make the grains of what a reader returned."""
+    n = len(table)
     if not n:
         raise ValueError("found no grain, expected a row for each below the line of names")
     if n > LARGEST_COUNT:
         raise ValueError(f"found {n} grains, expected at most {LARGEST_COUNT}")
-    sizes = np.array(values.get("diameter", [diameter] * n), dtype=np.float64)
-    if not (sizes > 0).all():
+    sizes = _diameters(table, diameter)
+    if not (sizes > 0).all() and np.isfinite(sizes).all():
         first = int(np.argmin(sizes > 0))
         raise ValueError(
-            f"{places[first]}: found a diameter of {sizes[first]:g} m, expected one above 0"
+            f"{table.place(first)}: found a diameter of {sizes[first]:g} m, expected one above 0"
         )
-    for name, unit in _UNITS.items():
-        low, high = (
-            POSSIBLE[unit] if name in _SIZES else (0.0, POSSIBLE[unit][1])
-        )  # rounding may leave places off 0
-        for place, value in zip(places, values.get(name, ()), strict=False):
-            if value and not low <= abs(value) <= high:
-                expected = f"expected a magnitude from {plain(low)} to {plain(high)} {unit}"
-                raise ValueError(f"{place}: found {value:g} {unit} for {name}, {expected}")
-    position, velocity = (np.array([values.get(name, [0.0] * n) for name in names], dtype=np.float64).T.copy()
-                          for names in (_PLACE, _VELOCITY))  # fmt: skip
-    material, group = (values.get(name, [""] * n) for name in _WORDS)
-    return Grains(position, sizes, material, group, velocity, read_shapes(values, places))
+    for name, values in zip(_PLACE, table.position.T, strict=True):
+        _check_magnitudes(table, name, values, "m", is_size=False)
+    _check_magnitudes(table, "diameter", sizes, "m", is_size=True)
+    if "length" in table.numbers:
+        _check_magnitudes(table, "length", table.numbers["length"], "m", is_size=True)
+    velocity = np.zeros((n, 3)) if table.velocity is None else table.velocity
+    for name, values in zip(_VELOCITY, velocity.T, strict=True):
+        _check_magnitudes(table, name, values, "m/s", is_size=False)
+    return Grains(
+        position=table.position.copy(),
+        diameter=sizes,
+        material=_words_of(table, "material"),
+        group=_words_of(table, "group"),
+        velocity=velocity.copy(),
+        shape=_shapes(table),
+        lines=() if table.lines is None else table.lines,
+        half_unit=table.half_unit,
+    )
 
 
-def _read_ase(path: Path) -> Any:
-    """Read the last frame of a file by ASE."""
-    import ase.io  # takes longer to load than most commands need
-
-    read_regular(path)  # raises if it is missing, or no file
-    try:
-        return ase.io.read(path, index=-1)
-    except Exception as error:  # ASE raises exceptions of all kinds
-        reason = " ".join(str(error).split()) or type(error).__name__
-        tables = ", ".join(_TABLES)
-        raise ValueError(
-            f"ASE cannot read it ({reason}); expected a format of ASE, or a table ({tables})"
-        ) from None
-
-
-def _from_ase(path: Path, diameter: float | None) -> Grains:
-    """Read the last frame of a file by ASE, whose lengths are taken as metres."""
-    atoms = _read_ase(path)
-    if "momenta" in atoms.arrays and atoms.get_momenta().any():
-        raise ValueError(
-            "found momenta, whose units are those of atoms; give vx, vy, vz (m/s) in a table"
-        )
-    places = [f"grain {number}" for number in range(1, len(atoms) + 1)]
-    columns: dict[str, Any] = dict(zip(_PLACE, atoms.positions.T, strict=True))
-    for name in ("diameter", _RADIUS, "shape", "length", "axis", *AXIS_COLUMNS, *_WORDS):
-        for one in ("radii" if name == _RADIUS else f"{name}s", name):
-            if one in atoms.arrays:
-                columns[name] = atoms.arrays[one]
-    if _RADIUS in columns:
-        columns["diameter"] = 2 * np.asarray(columns.pop(_RADIUS))
-    if "diameter" not in columns and diameter is None:
-        raise ValueError(
-            "found no diameters, expected an array diameter or radius, or packing.diameter for all grains"
-        )
-    values: dict[str, list[Any]] = {}
-    for name, column in columns.items():
-        if name not in _NUMBERS:
-            values[name] = [
-                _word(str(word), place, name) for place, word in zip(places, column, strict=True)
-            ]
-            continue
-        values[name] = np.asarray(column, dtype=np.float64).tolist()
-        if name != "diameter" and not np.isfinite(values[name]).all():
-            first = int(np.argmin(np.isfinite(values[name])))
-            raise ValueError(f"found {name} of {places[first]} that is no number")
-    grains = _grains(values, places, diameter)
-    cell = np.asarray(atoms.cell)
-    slant = np.abs(cell - np.diag(np.diag(cell))).max()
-    if (
-        atoms.pbc[:2].all()
-        and slant <= _STRAIGHT * np.abs(cell).max()
-        and min(cell[0, 0], cell[1, 1]) > 0
-    ):
-        grains.period = float(cell[0, 0]), float(cell[1, 1])  # a box along x, y and z
-    return grains
+def _shapes(table: GrainTable) -> list[Shape]:
+    """Return the shapes of the grains: (n,); none if all are spheres."""
+    words = {name: _words_of(table, name) for name in _SHAPE_COLUMNS if name in table.words}
+    numbers = {name: values.tolist() for name, values in table.numbers.items()}
+    values: dict[str, Sequence[Any]] = {**words, **numbers}
+    if not values:
+        return []
+    places = [table.place(row) for row in range(len(table))]
+    return read_shapes(values, places)

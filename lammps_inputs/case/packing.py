@@ -5,13 +5,20 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Mapping
-from pathlib import Path
 from typing import Any, ClassVar
 
 import numpy as np
 
 from granwave.lammps_inputs.case import hints, schema
-from granwave.lammps_inputs.case.grains import Grains, parse_grains, read_cell, read_grains
+from granwave.lammps_inputs.case.contact_ways import (
+    CONTACT_WAYS,
+    CONTACTS,
+    TOLERANCE,
+    ContactWay,
+    described_ways,
+)
+from granwave.lammps_inputs.case.grain_file import FILE_FIELDS, FORM_OF_FILE, read_grain_file
+from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.case.material import (
     Shape,
@@ -25,14 +32,11 @@ from granwave.lammps_inputs.case.material import (
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
-from granwave.lammps_inputs.lattices import FILE, KINDS, ROWS, Lattice, kind_names, kind_of
+from granwave.lammps_inputs.lattices import FILE, ROWS, Lattice, kind_names, kind_of, lattice_kinds
 from granwave.lammps_inputs.packing_kind import PackingKind
 
 LARGEST_ID = schema.LARGEST_COUNT
 _ACROSS = 1e-9  # largest component of a direction along another that it is normal to
-_FORM_OF_FILE = (
-    "the path of a table of grains (x, y, z, diameter in m), or of a file that ASE reads"
-)
 _NOT_OF_FILE = (
     "size",
     "top_row",
@@ -43,7 +47,8 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = ("file", "grains", "period")
+_OF_FILE = (*FILE_FIELDS, "grains", "period")
+_OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", CONTACTS, TOLERANCE)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
     "[1, 1], [1, -1], [-1, 1] or [-1, -1]: the ways along x and y in which the spheres roll"
@@ -172,7 +177,7 @@ _WAYS = schema.ListType(
 class PackingSection:
     """``[packing]``: lattice, size and spheres of the packing, or a file of grains."""
 
-    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names())
+    kind: str = schema.choice("lattice; file: grains at places of their own", kind_names)
     size: tuple[int, ...] = schema.typed(
         "spheres along x, rows along y, layers along z, as far as the kind has them; not of a file",
         _SIZE,
@@ -199,6 +204,19 @@ class PackingSection:
         "has one",
         schema.vector_type(2, "[along x, along y] in m, both above 0", lambda x, y: min(x, y) > 0),
         unit=LENGTH,
+        default=None,
+    )
+    contacts: str | None = schema.choice(
+        f"contacts of grains of a file that overlap or nearly touch: {described_ways()}; left out: overlaps are "
+        "refused, but for those that the digits of the file explain, which touch",
+        tuple(CONTACT_WAYS),
+        default=None,
+    )
+    touch_tolerance: float | None = schema.number(
+        "largest gap or overlap of two grains of a file that touch; by default what half a unit of the last place of "
+        "its numbers makes of a gap",
+        hints.DISPLACEMENT,
+        above=0,
         default=None,
     )
     gaps: tuple[tuple[int, float], ...] = schema.typed(
@@ -242,17 +260,17 @@ class PackingSection:
         default=None,
     )
 
-    FURTHER_KEYS: ClassVar[dict[str, Any]] = {
-        "file": schema.path(
-            "grains of a packing of kind file: a table (x, y, z, diameter ...), or what ASE reads",
-            default=None,
-        )
-    }
+    FURTHER_KEYS: ClassVar[dict[str, Any]] = FILE_FIELDS
 
     @property
     def rule(self) -> PackingKind:
         """Properties of the kind."""
         return kind_of(self.kind)
+
+    @property
+    def contact_way(self) -> ContactWay | None:
+        """Way to start contacts of grains that overlap or nearly touch; None: overlaps are refused."""
+        return CONTACT_WAYS[self.contacts] if self.contacts else None
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
@@ -275,13 +293,13 @@ class PackingSection:
             field.name: getattr(self, field.name) for field in dataclasses.fields(self)
         }
         if self.grains is not None:
-            own = {name: keys[name] for name in ("kind", "diameter", "grains", "period", "cell")}
+            own = {name: keys[name] for name in _OF_GRAINS}
             return {
                 name: value
                 for name, value in (own | {"grains": self.grains.text}).items()
                 if value is not None
             }
-        unused = {"cell": True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
+        unused = {"cell": True, CONTACTS: True, TOLERANCE: True, "gaps": not self.gaps, "top_row": not self.rule.is_plane_crystal,
                   "shape": self.shape == "sphere"}  # fmt: skip
         size = self.size[0] if len(self.size) == 1 else self.size
         return {
@@ -302,7 +320,7 @@ def read_packing(table: Any, errors: ErrorList) -> PackingSection | None:
     for name, text in foreign.items():
         if name in table:
             errors.add(f"packing.{name}", text)
-    own = {name: value for name, value in table.items() if name not in (*foreign, "file")}
+    own = {name: value for name, value in table.items() if name not in (*foreign, *FILE_FIELDS)}
     if table.get("kind") != FILE:
         return _read_lattice(own, errors)
     given = _given_grains(table, errors)
@@ -325,8 +343,10 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
     # a cell may come with [[grains]]: see `parse_case`
     found = show("" if kind is None else kind)
     foreign = dict.fromkeys(_OF_FILE, f'belongs to packing.kind = "file"; found {found}')
-    if kind in list(KINDS) and not KINDS[kind].is_plane_crystal:
-        able = " or ".join(show(name) for name, rule in KINDS.items() if rule.is_plane_crystal)
+    rule = lattice_kinds().get(kind) if isinstance(kind, str) else None
+    if rule is not None and not rule.is_plane_crystal:
+        plane = [name for name, other in lattice_kinds().items() if other.is_plane_crystal]
+        able = " or ".join(map(show, plane))
         foreign["top_row"] = f"belongs to packing.kind = {able}; found {show(kind)}"
     return foreign
 
@@ -344,16 +364,17 @@ def _given_grains(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]
     """Return grains, periods and cell of the file that a packing names, as values of its keys."""
     given: dict[str, Any] = {}
     if "grains" in table:
-        if "file" in table:
-            beside = Mismatch("beside packing.grains", remedy="give one of them")
-            errors.add("packing.file", beside)
+        for name in FILE_FIELDS:
+            if name in table:
+                beside = Mismatch("beside packing.grains", remedy="give one of them")
+                errors.add(f"packing.{name}", beside)
         return given
     grains = _from_file(table, errors)
     given["grains"] = grains
     if grains is not None and grains.period is not None:
         given["period"] = grains.period
-    if grains is not None and "cell" not in table and (cell := read_cell(Path(table["file"]))):
-        given["cell"] = cell
+    if grains is not None and "cell" not in table and grains.cell:
+        given["cell"] = grains.cell
     return given
 
 
@@ -365,7 +386,7 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
     if (shape := packing.of_grain) is None:
         return
     along = np.abs(packing.rule.contact_directions @ shape.vector).max()
-    flat = [name for name, kind in KINDS.items() if kind.dimension < len("xyz")]
+    flat = [name for name, kind in lattice_kinds().items() if kind.dimension < len("xyz")]
     errors.check_first(
         (
             packing.kind not in flat,
@@ -383,14 +404,12 @@ def _check_cylinders(packing: PackingSection, errors: ErrorList) -> None:
 def _from_file(table: Mapping[str, Any], errors: ErrorList) -> Grains | None:
     diameter = table.get("diameter")
     if "file" not in table:
-        errors.add("packing.file", f'missing; packing.kind = "file" needs {_FORM_OF_FILE}')
+        errors.add("packing.file", f'missing; packing.kind = "file" needs {FORM_OF_FILE}')
         return None
     if isinstance(diameter, bool) or not isinstance(diameter, int | float) or not diameter > 0:
         diameter = None
     name = table["file"]
-    grains = schema.read_named(
-        "packing.file", name, _FORM_OF_FILE, lambda path: read_grains(path, diameter), errors
-    )
+    grains = read_grain_file(table, diameter, errors)
     if grains and (
         odd := hints.unusual([float(grains.diameter.max()), float(grains.diameter.min())], DIAMETER)
     ):

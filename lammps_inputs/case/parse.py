@@ -24,11 +24,12 @@ from granwave.lammps_inputs.case.case import (
     LISTS,
     OPTIONAL,
     RECORD,
-    SECTIONS,
+    case_sections,
 )
 from granwave.lammps_inputs.case.contact import read_pairs
+from granwave.lammps_inputs.case.contact_ways import CONTACTS, TOLERANCE
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
-from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
+from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
 from granwave.lammps_inputs.case.material import (
     MATERIALS,
@@ -49,7 +50,7 @@ from granwave.lammps_inputs.case.schema import (
 )
 from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
 from granwave.lammps_inputs.files import with_absolute_paths
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 
 _BARE_WORD = re.compile(r"""[^\s"'\[\]{}=,#][^"'\[\]{}=,#\r\n]*""")
 _KEY = re.compile(r"[A-Za-z0-9_-]+(\.[A-Za-z0-9_-]+)*")
@@ -155,9 +156,11 @@ def _inner(table: Any, name: str) -> Any:
     return inner
 
 
-_READERS: dict[type, Callable[[Any, ErrorList], Any]] = {
-    LoadSection: read_load, PackingSection: read_packing, Boundary: read_boundary,
-}  # fmt: skip
+_READERS: dict[str, Callable[[Any, ErrorList], Any]] = {
+    "load": read_load,
+    "packing": read_packing,
+    "boundary": read_boundary,
+}
 _OF_OTHERS = {  # tables of other files
     **dict.fromkeys(
         ("block", "punch", "sphere", "partner"),
@@ -195,7 +198,7 @@ def parse_case(
         data,
         source,
         errors,
-        sections=SECTIONS,
+        sections=case_sections(),
         required=("packing", "material"),
         optional=OPTIONAL,
         readers=_READERS,
@@ -208,7 +211,7 @@ def parse_case(
     parts[MATERIALS] = tuple(materials.values())
     packing: PackingSection | None = parts.get("packing")
     if packing is not None:
-        _check_cell(packing, errors)
+        _check_of_grains(packing, errors)
         if "load" not in data and _moves(packing):
             parts["load"] = GrainsLoad()
     return parts
@@ -240,11 +243,15 @@ def _add_grains(
     )
 
 
-def _check_cell(packing: PackingSection, errors: ErrorList) -> None:
-    """Check that a lattice, which has a cell of its own, is given none."""
-    if packing.cell is not None and packing.rule.is_lattice:
-        found = f"found {show(packing.kind)} alone"
-        errors.add("packing.cell", f'belongs to packing.kind = "file", or to [[grains]]; {found}')
+def _check_of_grains(packing: PackingSection, errors: ErrorList) -> None:
+    """Check that a lattice is not given what belongs to grains at places of their own."""
+    if not packing.rule.is_lattice:
+        return
+    for name in ("cell", CONTACTS, TOLERANCE):
+        if getattr(packing, name) is not None:
+            found = f"found {show(packing.kind)} alone"
+            text = f'belongs to packing.kind = "file", or to [[grains]]; {found}'
+            errors.add(f"packing.{name}", text)
 
 
 def _moves(packing: PackingSection) -> bool:
@@ -276,7 +283,7 @@ def read_parts(
     sections: Mapping[str, type],
     required: Collection[str] = ("material",),
     optional: Collection[str] = (),
-    readers: Mapping[type, Callable[[Any, ErrorList], Any]] | None = None,
+    readers: Mapping[str, Callable[[Any, ErrorList], Any]] | None = None,
 ) -> dict[str, Any]:
     """Read name, material and sections of a case of any kind; faults are added to ``errors``.
 
@@ -292,7 +299,7 @@ def read_parts(
     optional
         Names of those that may be left out.
     readers
-        Functions that read sections other than by `read_table`.
+        Functions that read tables other than by `read_table`, by name.
 
     Returns
     -------
@@ -309,7 +316,7 @@ def read_parts(
     for name, section in sections.items():
         if name not in data and name in (*required, *optional):
             continue
-        read = (readers or {}).get(section)
+        read = (readers or {}).get(name)
         table = data.get(name, {})
         if read is None:
             parts[name] = read_table(section, table, name, errors)
@@ -321,7 +328,7 @@ def read_parts(
 def _usual_axis(packing: Mapping[str, Any]) -> dict[str, str]:
     """Return the axis of cylinders of a packing, as a key, where it is not the usual y."""
     kind = packing.get("kind")
-    rule = KINDS[kind] if kind in list(KINDS) else None
+    rule = lattice_kinds().get(kind) if isinstance(kind, str) else None
     return {"axis": "z"} if rule is not None and rule.cylinder_axis[2] else {}
 
 

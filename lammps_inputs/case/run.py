@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import dataclasses
 import re
+from functools import cache
 from itertools import pairwise
 from typing import Any, ClassVar, Literal
 
@@ -13,6 +14,8 @@ from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import INTERVAL, TIME
 from granwave.lammps_inputs.case.material import AXES
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.extensions import extensions, joined
+from granwave.lammps_inputs.run_directory import FILM_FILE, VIEW_FILE
 
 AUTO_END_TIME = 5e-3  # s, upper limit of `end_time = "auto"`
 ENERGY_TOLERANCE = 3e-6  # default of `run.energy_tolerance`
@@ -219,15 +222,18 @@ class Output:
     )
 
 
-#: Names of the figures of a run, in the order of reports; `granwave.analysis.figures.run_figures` draws them.
-FIGURE_NAMES = (
+#: Names of the core's figures of a run, in the order of reports, before and after those of
+#: extensions; `granwave.analysis.figures.run_figures` draws them.
+FIGURES_BEFORE_ADDED = (
     "peak_force_principal", "peak_force_orthogonal", "peak_force_section", "peak_force_depth",
     "dissipation_principal", "dissipation_orthogonal", "dissipation_section",
     "dissipation_parts_principal", "dissipation_parts_orthogonal", "dissipation_parts_section",
     "dents_principal", "dents_orthogonal", "dents_section",
     "dissipation_ranked", "dissipation_cumulated", "plastic_zone_growth", "plastic_zone_size",
     "energies", "timestep", "bottom_force", "target", "impactor_velocity",
-    "packing_3d", "packing_3d_dissipation", "probes", "wave_front",
+)  # fmt: skip
+FIGURES_AFTER_ADDED = (
+    "probes", "wave_front",
     "force_map", "force_histories", "along_chain", "bead_velocities", "transmission", "amplitude_sweep", "bars",
     "sensors", "line_speeds", "line_decay", "accelerations", "directions",
 )  # fmt: skip
@@ -278,10 +284,19 @@ _COLOUR_MAP_FORM = 'the name of a colour map of matplotlib, as "viridis"'
 _FORMATS_FORM = f"a list of some of {', '.join(FORMATS)}, or [] for PNG alone"
 
 
+@cache
+def figure_names() -> tuple[str, ...]:
+    """Return the names of the figures of a run, in the order of reports."""
+    own = dict.fromkeys((*FIGURES_BEFORE_ADDED, *FIGURES_AFTER_ADDED))
+    added = joined("figure", own, {one.name: one.figures for one in extensions()})
+    names_added = [name for name in added if name not in own]
+    return (*FIGURES_BEFORE_ADDED, *names_added, *FIGURES_AFTER_ADDED)
+
+
 def _figure_name(name: str) -> str:
-    if name not in FIGURE_NAMES:
-        near = schema.did_you_mean(name, FIGURE_NAMES, cutoff=0.5)
-        hint = near or f", but {', '.join(FIGURE_NAMES)}"
+    if name not in figure_names():
+        near = schema.did_you_mean(name, figure_names(), cutoff=0.5)
+        hint = near or f", but {', '.join(figure_names())}"
         raise ValidationError(f"names of figures: there is no {show(name)}{hint}")
     return name
 
@@ -373,6 +388,16 @@ class Figures:
         "a page to turn and cut the packing in a browser, view.html, made with the figures", (True, False),
         default=False,
     )  # fmt: skip
+
+    @property
+    def products(self) -> dict[str, str]:
+        """Names of the files that are made with the figures, by the key that asks for them."""
+        files = {}
+        if self.film != "none":
+            files["film"] = FILM_FILE.format(self.film)
+        if self.view:
+            files["view"] = VIEW_FILE
+        return files
 
 
 def read_figures(table: Any, source: str) -> Figures:

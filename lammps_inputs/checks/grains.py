@@ -11,6 +11,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
+from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
@@ -139,12 +140,12 @@ def check_places(case: Case, errors: ErrorList) -> None:
                 f", which overlap by {overlaps[worst]:.3g} m; {text}",
             )
         return
-    as_load = 'kind = "overlaps"' if stage is None else "overlaps = true"
-    text = f", which overlap by {overlaps[0]:.3g} m{{}}; move them apart, or take that as a load: [precompression] "
-    text += as_load
     first, second = grains.position[pairs[0] - 1]
     if (first == second).all():
         text = " at one place{}; expected places of their own"
+    else:
+        advice = advice_on(case, grains, places.period)
+        text = f", which overlap by {overlaps[0]:.3g} m{{}}; {advice.remedy}"
     _add_pair(errors, grains, pairs[0].tolist(), text, len(pairs))
 
 

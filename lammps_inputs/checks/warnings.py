@@ -10,6 +10,7 @@ from granwave._contact_laws import FE_RANGE
 from granwave.lammps_inputs.case.contact import FITTED_POISSON_RATIO, hertz_von_mises_yield_factor
 from granwave.lammps_inputs.case.law_parameters import OF_MATERIAL, RATE, is_set, laws_with
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import echoes
 from granwave.lammps_inputs.packing.walls import untouched
@@ -28,6 +29,7 @@ def warn_about(assembly: Assembly, *, chose_yield_factor: bool) -> None:
         The case file gives ``contact.yield_factor``, so that it is meant.
     """
     warnings = [
+        *missing_products(assembly.case.figures),
         *_of_yield_factor(assembly, chose_yield_factor=chose_yield_factor),
         *_of_materials(assembly),
         *_of_bodies(assembly),

@@ -134,8 +134,21 @@ def dead_load_commands(assembly: Assembly) -> list[str]:
     ]
 
 
+def may_lose_its_load(assembly: Assembly) -> bool:
+    """Return True if overlaps at the start are all of the load: grains that are free to move apart
+    lose it, and contacts that bear hardly any force have hardly any stiffness.
+
+    Forces are then compared with those at the start.
+    """
+    stage = assembly.case.precompression
+    if stage is None or not stage.takes_overlaps or not stage.moves_walls:
+        return False
+    return not (stage.moves or stage.presses or stage.force)
+
+
 def largest_move(assembly: Assembly) -> float:
-    """Return the largest displacement of a sphere in a packing that does not rearrange, m.
+    """Return the largest displacement of a sphere in a packing that does not rearrange, m; infinite
+    for one that may.
 
     Along the load the overlaps of all contacts add up, and so do the gaps that smaller spheres and
     dents leave.
@@ -144,6 +157,8 @@ def largest_move(assembly: Assembly) -> float:
     stage = case.precompression
     lattice = assembly.lattice
     assert stage is not None
+    if case.may_rearrange:
+        return math.inf
     on_the_way = max(lattice.shape) if stage.rule.on_all_faces else lattice.shape[2]
     if isinstance(lattice, Places) and not stage.moves:
         on_the_way = math.ceil(
@@ -158,15 +173,12 @@ def largest_move(assembly: Assembly) -> float:
 def first_half(assembly: Assembly) -> list[str]:
     """Return the commands that bring the packing to equilibrium under Hertz's law."""
     case = assembly.case
+    if not case.seeks_balance:
+        return _as_found(assembly)
     mass = float(assembly.sphere_masses().min())
     overlap = (
         1.5 * force_of_contact(assembly) / static_stiffness(assembly)
     )  # of a contact; walls move by it at first
-    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
-    waiting = [
-        f"group           {_STRIKERS} id {strikers}",
-        f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0",
-    ]
     return [
         _STAGE_MARKER,
         "# To balance under the dead loads, first with elastic contacts; what they leave is cleared.",
@@ -178,11 +190,9 @@ def first_half(assembly: Assembly) -> list[str]:
         *wall_commands(assembly, elastic=True, prefix=_PREFIX),
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
-        *(waiting if case.striker else []),
+        *_waiting(assembly),
         f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
-        "variable        static_moved equal c_static_moved",
-        f"variable        static_most equal {num(largest_move(assembly))}",
-        "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
+        *_halt(assembly),
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
         "compute         static_sphere all gran/hysteretic/atom",
         "compute         static_largest all reduce max c_static_sphere[1]",
@@ -197,6 +207,42 @@ def first_half(assembly: Assembly) -> list[str]:
         "gran/dents      clear",
         *pair_coefficients(assembly),
         _STAGE_END,
+    ]
+
+
+def _as_found(assembly: Assembly) -> list[str]:
+    """Return the commands of the first half where contacts start as they are."""
+    return [
+        _STAGE_MARKER,
+        "# The grains start as they were found.",
+        f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
+        *_waiting(assembly),
+        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
+        "compute         static_sphere all gran/hysteretic/atom",
+        "compute         static_largest all reduce max c_static_sphere[1]",
+        _STAGE_END,
+    ]
+
+
+def _waiting(assembly: Assembly) -> list[str]:
+    """Return the commands that hold the strikers, if there are any."""
+    if not assembly.case.striker:
+        return []
+    strikers = f"{assembly.lattice.n_spheres + 1}:{assembly.last_sphere}"
+    return [
+        f"group           {_STRIKERS} id {strikers}",
+        f"fix             {_STRIKERS} {_STRIKERS} setforce 0 0 0",
+    ]
+
+
+def _halt(assembly: Assembly) -> list[str]:
+    """Return the commands that stop a packing that rearranges, where it may not."""
+    if assembly.case.may_rearrange:
+        return []
+    return [
+        "variable        static_moved equal c_static_moved",
+        f"variable        static_most equal {num(largest_move(assembly))}",
+        "fix             static_halt all halt 100 v_static_moved > ${static_most} error continue",
     ]
 
 
@@ -221,6 +267,8 @@ def second_half(assembly: Assembly) -> list[str]:
     stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
     stored += [f"f_{support}[12]"] if support else []
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
+    halted = case.seeks_balance and not case.may_rearrange
+    still = "velocity        all set 0.0 0.0 0.0 units box"
     return [
         _STAGE_MARKER,
         "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
@@ -231,12 +279,12 @@ def second_half(assembly: Assembly) -> list[str]:
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
-        _minimize(assembly),
+        _minimize(assembly) if case.seeks_balance else "run             0 post no",
         "variable        static_iterations equal $(step)",
         "variable        static_yielded equal $(c_static[2]:%.0f)",
         "gran/dents      begin",
-        "unfix           static_halt",
-        "velocity        all set 0.0 0.0 0.0 units box",
+        *(["unfix           static_halt"] if halted else []),
+        *([still] if case.seeks_balance else []),
         "reset_timestep  0 time 0.0",
         # FIRE may leave a step that is too long for the support of the bottom
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
@@ -332,11 +380,16 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
     """
     disordered = has_gaps(assembly.case)
     mean = force_of_contact(assembly)
+    tolerance = _TOLERANCE
+    if disordered:
+        tolerance = _FIRST_HALF
+    elif may_lose_its_load(assembly):
+        tolerance = _TOLERANCE_OF_DISORDER
     span = float(np.abs(assembly.bounds() - assembly.deck_origin).max())
     rounding = float(
         _ROUNDING * static_stiffness(assembly) * np.finfo(float).eps * span
     )  # of coordinates
-    least = num(float(f"{(_FIRST_HALF if disordered else _TOLERANCE) * mean + rounding:.3g}"))
+    least = num(float(f"{tolerance * mean + rounding:.3g}"))
     if disordered and not first:
         largest = f"(v_static_force+(v_static_force==0)*{num(mean)})"
         least = f"$({num(_TOLERANCE_OF_DISORDER)}*{largest}+{num(float(f'{rounding:.3g}'))})"

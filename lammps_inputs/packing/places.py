@@ -21,7 +21,7 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.lattices import FILE, KINDS, Lattice, kind_of
+from granwave.lammps_inputs.lattices import FILE, Lattice, kind_of, lattice_kinds
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
@@ -251,7 +251,7 @@ def struck_spheres(lattice: Layout, count: int) -> tuple[int, ...]:
     if count == 1:
         return (centre,)
     if not lattice.rule.hexagonal:
-        able = " or ".join(name for name, kind in KINDS.items() if kind.hexagonal)
+        able = " or ".join(name for name, kind in lattice_kinds().items() if kind.hexagonal)
         raise ValueError(f"{count} spheres need hexagonal layers ({able}), found {lattice.kind}")
     around, below = (
         [one for one in lattice.neighbours(centre) if lattice.layer_of(one) == k] for k in (0, 1)

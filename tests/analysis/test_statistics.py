@@ -18,13 +18,13 @@ from granwave.analysis.formatting.numbers import interval, tick, with_interval
 from granwave.analysis.formatting.values import as_label, shown_unit, unique_labels
 from granwave.analysis.progress_bar import in_notebook, progress_bar
 from granwave.analysis.quantities import (
-    CONTINUUM_ROWS,
     ENTRIES,
-    QUANTITIES,
     REPORT_COLUMNS,
     RUN_ROWS,
     SCAN_COLUMNS,
-    SCAN_FIGURES,
+    all_scan_figures,
+    entries,
+    quantities,
     quantity,
 )
 from granwave.analysis.statistics import (
@@ -37,10 +37,6 @@ from granwave.analysis.statistics import (
     half_width,
     seeds_needed,
 )
-from granwave.extensions.continuum.punch import ContinuumCase
-from granwave.extensions.continuum.punch.run import run_continuum
-from granwave.extensions.continuum.sphere_contact import SphereContactCase
-from granwave.extensions.continuum.sphere_contact.run import run_sphere_contact
 from granwave.workflows import load_case, run_case
 from tests.golden.outputs import FOLDER, SUMMARIES
 
@@ -160,17 +156,13 @@ SHORT = {"run.end_time": 1e-6}
 BARS_AND_SENSORS = ("split-hopkinson", "composite-chain", "square-in-plane")
 RESISTANCE = {"contact.friction": 0.2, "contact.rolling": 0.01, "contact.twisting": "marshall"}
 COHESION = {"contact.law": "hertz", "contact.cohesion": {"kind": "jkr", "energy": 0.1}}
-CONTACT = {
-    "sphere": {"radius": 0.005},
-    "run": {"elements": 500, "unloadings": 1, "max_overlap": 0.005},
-}
+NAMES = [entry.name for entry in ENTRIES]
 
 
 @pytest.fixture(scope="module")
 def summaries(tmp_path_factory):
-    """Summaries of runs of all kinds; most granular ones are golden, and held against runs there."""
+    """Summaries of runs of spheres; most granular ones are golden, and held against runs there."""
     place = tmp_path_factory.mktemp("runs")
-    common = {"name": "small", "material": "brass"}
     found = list(json.loads((FOLDER / SUMMARIES).read_text()).values())
     found += [
         run_case(load_case(n, SHORT), place / n, figures=False).summary for n in BARS_AND_SENSORS
@@ -181,37 +173,29 @@ def summaries(tmp_path_factory):
     )
     resisting = load_case("fcc-small", SHORT | RESISTANCE | COHESION | {"packing.size": [4, 4, 3]})
     found.append(run_case(resisting, place / "resisting", figures=False).summary)
-    punch = ContinuumCase.from_dict(common | {"run": {"elements": 500}})
-    found.append(run_continuum(punch, place / "punch", figures=False))
-    contact = SphereContactCase.from_dict(common | CONTACT)
-    found.append(run_sphere_contact(contact, place / "contact", figures=False))
     return found
 
 
 @pytest.mark.xdist_group("summaries")
 def test_every_value_has_an_entry_and_every_entry_a_value(summaries):
     keys = {key for summary in summaries for key in summary}
-    assert (
-        sorted(key for key in keys if not any(fnmatchcase(key, name) for name in QUANTITIES)) == []
-    )
-    assert (
-        sorted(name for name in QUANTITIES if not any(fnmatchcase(key, name) for key in keys)) == []
-    )
+    assert sorted(key for key in keys if not any(fnmatchcase(key, name) for name in NAMES)) == []
+    assert sorted(name for name in NAMES if not any(fnmatchcase(key, name) for key in keys)) == []
 
 
 @pytest.mark.xdist_group("summaries")
 def test_values_are_shown_with_their_digits(summaries):
     """A number with decimals has a format where it is shown at the terminal."""
-    for entry in (*RUN_ROWS, *CONTINUUM_ROWS, *SCAN_COLUMNS):
+    for entry in (*RUN_ROWS, *SCAN_COLUMNS):
         assert entry.digits or not any(
             isinstance(summary.get(entry.name), float) for summary in summaries
         ), entry.name
 
 
 def test_what_is_shown_has_one_entry():
-    assert len(ENTRIES) == len(QUANTITIES)
-    assert set(REPORT_COLUMNS) <= set(QUANTITIES)
-    assert all(QUANTITIES[name].axis for name in SCAN_FIGURES.values())
+    assert len(entries()) == len(quantities())
+    assert set(REPORT_COLUMNS) <= set(NAMES)
+    assert all(quantities()[name].axis for name in all_scan_figures().values())
 
 
 def test_names_end_in_units():

@@ -11,6 +11,7 @@ import tomllib
 import pytest
 from packaging.requirements import Requirement
 
+from granwave.lammps_inputs.extensions import extensions
 from tests.documents.pages import ROOT
 
 yaml = pytest.importorskip("yaml")
@@ -18,6 +19,9 @@ PACKAGING = ROOT / "docs" / "packaging"
 TABLES = tomllib.loads((ROOT / "pyproject.toml").read_text(encoding="utf-8"))
 PROJECT = TABLES["project"]
 NEEDED = [one for text in PROJECT["dependencies"] if (one := Requirement(text)).name != "lammps"]
+EXTRAS = PROJECT["optional-dependencies"]
+(OF_ALL,) = map(Requirement, EXTRAS["all"])
+OF_FEATURES = {str(Requirement(text)) for name in OF_ALL.extras for text in EXTRAS[name]}
 TO_BUILD = [one for text in TABLES["build-system"]["requires"] if (one := Requirement(text)).name not in ("lammps", "mpich")]  # fmt: skip
 OF_CONDA = {"matplotlib": "matplotlib-base"}
 
@@ -30,8 +34,9 @@ def least(requirement: Requirement) -> str:
 def test_requirements_of_a_site():
     lines = (PACKAGING / "requirements-site.txt").read_text(encoding="utf-8").splitlines()
     found = {str(one) for line in lines if not line.startswith("#") for one in [Requirement(line)]}
-    assert {str(one) for one in (*NEEDED, *TO_BUILD)} <= found
-    assert len(found) == len(NEEDED) + len(TO_BUILD) + 2  # CMake and ninja
+    needed = {str(one) for one in (*NEEDED, *TO_BUILD)} | OF_FEATURES
+    assert needed <= found
+    assert len(found) == len(needed) + 2  # CMake and ninja
     assert not [name for name in found if name.startswith(("lammps", "mpich"))]
 
 
@@ -70,5 +75,14 @@ def test_containers_prove_themselves():
     for name in ("Dockerfile", "apptainer.def"):
         text = (PACKAGING / name).read_text(encoding="utf-8")
         assert "granwave selftest" in text
-        extras = re.search(r"\[([\w,]+)\]'", text)
-        assert extras and set(extras[1].split(",")) <= set(PROJECT["optional-dependencies"])
+        assert "[all]'" in text
+
+
+def test_extras_are_those_of_the_extensions():
+    """Every package that an extension names is in its extra, and `all` has all extras."""
+    for extension in extensions():
+        in_extra = {Requirement(text).name for text in EXTRAS.get(extension.extra, ())}
+        assert set(extension.packages.values()) == in_extra, extension.name
+    features = {extension.extra for extension in extensions()} - {""}
+    assert {*features, "pdf", "export"} == OF_ALL.extras
+    assert "granwave[all]" in EXTRAS["test"]

@@ -13,8 +13,8 @@ import matplotlib
 import matplotlib.pyplot as plt
 import pytest
 
-from granwave.analysis.figures.run_figures import FIGURES
-from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.figures.run_figures import run_figures
+from granwave.analysis.quantities import entries
 from granwave.extensions.design.search.design_file import load_problem
 from granwave.extensions.inference.forces.case import read_infer_case
 from granwave.lammps_inputs import load_case, load_materials
@@ -22,7 +22,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import library, load_profile, load_scan
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
-from granwave.workflows.python.api import __all__ as PYTHON_NAMES
+from granwave.workflows.python.api import public_names
 from granwave.workflows.scanning.suite import load_suite
 from tests.documents.pages import README, ROOT, Block, blocks, name_of, pages, write_files
 
@@ -78,7 +78,7 @@ def test_names_of_python():
     (page,) = [
         page for page in WITH_PYTHON if page.name == "python.md" and page.parent.name == "howto"
     ]
-    assert set(re.findall(r"\bgw\.(\w+)", page.read_text(encoding="utf-8"))) <= set(PYTHON_NAMES)
+    assert set(re.findall(r"\bgw\.(\w+)", page.read_text(encoding="utf-8"))) <= set(public_names())
 
 
 def load(block: Block, folder: Path) -> None:
@@ -195,7 +195,7 @@ def test_targets_of_make_exist():
 
 
 def test_values_of_a_summary_that_tables_name_exist():
-    known = {entry.name for entry in ENTRIES}
+    known = {entry.name for entry in entries()}
     named = set()
     for page in PAGES:
         for table in re.findall(
@@ -210,11 +210,11 @@ def test_values_of_a_summary_that_tables_name_exist():
 def test_figures_that_tables_name_exist():
     text = (ROOT / "docs/tutorials/first-impact.md").read_text(encoding="utf-8")
     (table,) = re.findall(r"^\| figure \|.*\n\|.*\n((?:\|.*\n)+)", text, re.MULTILINE)
-    assert set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE)) <= set(FIGURES)
+    assert set(re.findall(r"^\| `(\w+)`", table, re.MULTILINE)) <= set(run_figures())
 
 
 def test_every_value_of_a_summary_is_explained():
-    unexplained = [entry.name for entry in ENTRIES if not entry.meaning and not entry.note]
+    unexplained = [entry.name for entry in entries() if not entry.meaning and not entry.note]
     assert set(unexplained) <= {
         "packing_mass_kg",
         "packing_height_m",
@@ -262,7 +262,7 @@ QUESTIONS = {
         "cite": (["LAMMPS", "source of the contact law"], "howto/cite.md"),
         "restart": (["--resume"], "howto/stop-and-resume.md"),
         "its own MPI": (["launcher", "slurm"], "howto/own-lammps.md"),
-        "contact law differs": (["granwave fit", "thornton"], "howto/fit-a-law.md"),
+        "contact law differs": (["granwave fit", "thornton"], "extensions/continuum/fit-a-law.md"),
     },
     "more-questions.md": {
         "units": (["SI units", "granwave keys", "peak_force_N"], ""),

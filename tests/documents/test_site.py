@@ -13,7 +13,7 @@ from pathlib import Path
 
 import pytest
 
-from granwave.analysis.exports.export import FORMATS
+from granwave.analysis.exports.names import export_names
 from granwave.extensions.pictures.films import QUANTITIES, VIEWS
 from granwave.workflows.cli.parser import make_parser
 from tests.conftest import BIN, PLAIN
@@ -118,7 +118,7 @@ def test_every_script_of_the_gallery_takes_less_than_a_minute(tmp_path, monkeypa
 
 def test_no_description_begins_with_an_accepted_value():
     """The page makes a sentence of it: a word that must be typed would get a capital."""
-    accepted = {*FORMATS, *QUANTITIES, *VIEWS}
+    accepted = {*export_names(), *QUANTITIES, *VIEWS}
     (verbs,) = (
         action
         for action in make_parser()._actions

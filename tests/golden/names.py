@@ -24,16 +24,15 @@ import tomli_w
 
 import granwave
 from granwave import measures, theory
-from granwave.analysis.quantities import ENTRIES, SCAN_FIGURES
+from granwave.analysis.quantities import all_scan_figures, entries
+from granwave.analysis.reports.kinds import report_kinds
 from granwave.analysis.studies.registry import COMPARISON, STUDIES
 from granwave.extensions.continuum.punch.figures import FIGURES as PUNCH_FIGURES
 from granwave.extensions.continuum.sphere_contact.figures import FIGURES as CONTACT_FIGURES
 from granwave.extensions.inference.forces.output import FIGURES as INFERENCE_FIGURES
-from granwave.extensions.inference.forces.tables import ENTRIES as INFERENCE_QUANTITIES
 from granwave.extensions.waves.small_waves import FIGURES as SPECTRA_FIGURES
-from granwave.extensions.waves.spectra import quantities as spectra
 from granwave.lammps_inputs import presets
-from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.workflows import library
 from granwave.workflows.cli.keys import tables
 from granwave.workflows.cli.parser import make_parser
@@ -74,25 +73,21 @@ def keys() -> dict[str, dict[str, list[str]]]:
 
 def quantities() -> dict[str, list[str]]:
     """Values of the summary of each kind of result."""
-    kinds = {
-        "run": ENTRIES,
-        "bands": spectra.OF_BANDS,
-        "modes": spectra.OF_MODES,
-        "transmission": spectra.OF_TRANSMISSION,
-        "inference": INFERENCE_QUANTITIES,
-    }
-    return {kind: [*map(attrgetter("name"), entries)] for kind, entries in kinds.items()}
+    tables = {"run": entries()}
+    for kind in report_kinds():
+        tables |= kind.tables
+    return {name: [*map(attrgetter("name"), table)] for name, table in tables.items()}
 
 
 def figures() -> dict[str, list[str]]:
     """Figures of each kind of result; of scans the beginnings of their names."""
     return {
-        "run": list(FIGURE_NAMES),
+        "run": list(figure_names()),
         "continuum": list(PUNCH_FIGURES),
         "sphere-contact": list(CONTACT_FIGURES),
         "inference": list(INFERENCE_FIGURES),
         **{kind: list(functions) for kind, functions in SPECTRA_FIGURES.items()},
-        "scan": list(SCAN_FIGURES),
+        "scan": list(all_scan_figures()),
     }
 
 

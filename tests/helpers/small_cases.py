@@ -13,7 +13,7 @@ import pytest
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.parse import apply_overrides
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.packing import Packing
@@ -55,7 +55,7 @@ def case_of(size: int = 12, **tables: Any) -> Case:
     return case_from_dict({"name": "chain", "material": BRASS, "packing": packing} | tables)
 
 
-LATTICES = [kind for kind in KINDS if kind != "chain"]  # those that can be periodic
+LATTICES = [kind for kind in lattice_kinds() if kind != "chain"]  # those that can be periodic
 D = 0.01
 SIZES = {
     "fcc": (7, 8, 6),
@@ -74,8 +74,11 @@ BALL = {
 
 
 def packing_of(kind: str = "fcc", size: tuple[int, ...] | None = None, **tables: Any) -> Case:
-    size = size or SIZES.get(kind, ANY_SIZE[: len(KINDS[kind].axes)])
-    equal = KINDS[kind].is_plane_crystal and tables.get("boundary", {}).get("sides") == "periodic"
+    size = size or SIZES.get(kind, ANY_SIZE[: len(lattice_kinds()[kind].axes)])
+    equal = (
+        lattice_kinds()[kind].is_plane_crystal
+        and tables.get("boundary", {}).get("sides") == "periodic"
+    )
     packing = {
         "kind": kind,
         "size": list(size) if len(size) > 1 else size[0],

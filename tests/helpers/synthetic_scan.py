@@ -12,7 +12,7 @@ from typing import Any
 from granwave.analysis import velocity_normalised
 from granwave.lammps_inputs import Case, sphere_contact
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
-from granwave.lammps_inputs.lattices import KINDS
+from granwave.lammps_inputs.lattices import lattice_kinds
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 
@@ -113,7 +113,7 @@ def summary_of(case: Case) -> dict[str, Any]:
         if yields
         else None
     )
-    neighbours = KINDS[case.packing.kind].coordination
+    neighbours = lattice_kinds()[case.packing.kind].coordination
     fraction = noise * 0.9 * reduced / (reduced + 8) * (neighbours / 12) ** 0.1 if reduced else 0.0
     n_plastic = round(noise * 3 * (given / unit) ** 0.6) if yields else 0
     return {

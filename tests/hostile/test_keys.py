@@ -35,7 +35,7 @@ from granwave.lammps_inputs.case import (
     schema,
 )
 from granwave.lammps_inputs.case.added_grains import AddedGrains, Repeat, Ring
-from granwave.lammps_inputs.case.loads.registry import LoadSection
+from granwave.lammps_inputs.case.loads.registry import load_section
 from granwave.lammps_inputs.case.material import Material
 from granwave.workflows.scanning.header import ScanHeader
 from granwave.workflows.scanning.slurm import Profile
@@ -74,7 +74,7 @@ TABLES: list[tuple[str, str, type, dict[str, Any]]] = [
     (CASE, "material", Material, SPHERES),
     (CASE, "packing", packing.PackingSection, SPHERES),
     (CASE, "contact", contact.Contact, SPHERES | {"contact": {}}),
-    (CASE, "load", LoadSection, SPHERES | {"load": {}}),
+    (CASE, "load", load_section(), SPHERES | {"load": {}}),
     (CASE, "boundary", boundary.Boundary, SPHERES | {"boundary": {}}),
     (CASE, "boundary.bottom.plate", boundary.Plate, SPHERES
         | {"boundary": {"bottom": {"plate": {"mass": 1.0, "stiffness": 1e8}, "material": BRASS}}}),

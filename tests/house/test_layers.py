@@ -6,7 +6,7 @@ from __future__ import annotations
 
 import ast
 import re
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
@@ -14,36 +14,35 @@ from pathlib import Path
 import pytest
 
 ROOT = Path(__file__).parents[2]
-PACKAGES = ("workflows", "analysis", "lammps_inputs", "plugins")
+PACKAGES = ("extensions", "workflows", "analysis", "lammps_inputs", "plugins")
 
 # From top to bottom: a file imports from its own folder and from folders on lower levels. A name
 # denotes a folder or a file.
 FLOORS = """
-workflows/package workflows/__main__
+extensions/__init__ workflows/package workflows/__main__
+extensions/design
+extensions/continuum extensions/inference extensions/pictures extensions/waves
 workflows/cli workflows/python
 workflows/bench
-workflows/inference workflows/spectra
-extensions/design/search
 workflows/scanning
 workflows/run
 workflows/library
-workflows/solvers workflows/counterpart
-workflows/finite_elements
+workflows/file_kinds
+workflows/solvers
+workflows/check_part
 analysis/reports
 analysis/notebook
 analysis/exports
 analysis/studies
-analysis/scans analysis/contact_law extensions/inference/forces
+analysis/scans analysis/contact_law
 analysis/document
 analysis/pipeline
-analysis/films extensions/pictures/view
 analysis/figures analysis/summary analysis/summary_table
-extensions/waves/spectra
 analysis/measures
 analysis/result
 analysis/lammps_output
 analysis/formatting
-analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar
+analysis/quantities analysis/statistics analysis/errors analysis/versions analysis/progress_bar analysis/products
 lammps_inputs/functions_of_case
 lammps_inputs/deck
 lammps_inputs/load_case
@@ -51,12 +50,16 @@ lammps_inputs/planning lammps_inputs/checks
 lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case
+lammps_inputs/readers
+lammps_inputs/tables
 lammps_inputs/result_directory
 lammps_inputs/own_files
 lammps_inputs/directories lammps_inputs/marker
+lammps_inputs/result_kinds
 lammps_inputs/lattices lammps_inputs/run_directory
-lammps_inputs/packing_kind
+lammps_inputs/packing_kind lammps_inputs/extensions
 lammps_inputs/files lammps_inputs/script_words lammps_inputs/interrupts lammps_inputs/roots lammps_inputs/processes lammps_inputs/streams
+lammps_inputs/message_words
 lammps_inputs/errors
 plugins plugins/package
 """
@@ -66,17 +69,18 @@ FACES = {
 }  # re-export names to users; no file of ours imports from them
 
 
-def modules() -> dict[str, Path]:
-    """Python files of the packages by their dotted name."""
+def modules(packages: Iterable[str]) -> dict[str, Path]:
+    """Python files of packages by their dotted name."""
     found = {}
-    for package in PACKAGES:
+    for package in packages:
         for path in (ROOT / package).rglob("*.py"):
             parts = path.relative_to(ROOT).with_suffix("").parts
             found["granwave." + ".".join(parts).removesuffix(".__init__")] = path
     return found
 
 
-MODULES = modules()
+MODULES = modules(PACKAGES)
+CORE = [name for name in sorted(MODULES) if not name.startswith("granwave.extensions")]
 MADE_BY_THE_BUILD = {"granwave._contact_laws", "granwave._number_reader", "granwave._version"}
 
 
@@ -148,6 +152,21 @@ def test_imports_run_downwards(module: str) -> None:
         assert there == room or FLOOR[there] < FLOOR[room], (
             f"{module} imports {other}, which is not on a lower floor"
         )
+
+
+#: Imports our extensions for type checkers alone; `tests/workflows/test_python.py` holds its names to
+#: those that the extensions give.
+FACE_FOR_TYPES = "granwave.workflows.package"
+
+
+@pytest.mark.parametrize("module", CORE)
+def test_the_core_imports_no_extension(module: str) -> None:
+    """Extensions say what they add; see `granwave.lammps_inputs.extensions.Extension`."""
+    tree = ast.parse(MODULES[module].read_text(encoding="utf-8"))
+    if module == FACE_FOR_TYPES:
+        tree.body = [node for node in tree.body if not isinstance(node, ast.If)]
+    text = ast.unparse(tree)
+    assert "granwave.extensions." not in text and "from granwave.extensions" not in text
 
 
 @pytest.mark.parametrize("module", sorted(MODULES))
@@ -231,7 +250,7 @@ NAME_A_SOURCE = (
 def test_the_packages_name_no_source() -> None:
     """Values that others printed belong into reproductions/."""
     word = re.compile(r"(?<![a-z])(thesis|errat(a|um)|source 00[123])(?![a-z])", re.IGNORECASE)
-    files = [path for name in PACKAGES[:3] for path in sorted((ROOT / name).rglob("*.*"))]
+    files = [path for name in PACKAGES[:4] for path in sorted((ROOT / name).rglob("*.*"))]
     files = [path for path in files if path.is_file() and path.parent.name != "__pycache__"]
     found = [
         f"{name}:{number}"

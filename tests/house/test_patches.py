@@ -26,7 +26,7 @@ from granwave import _contact_laws
 ROOT = Path(__file__).parents[2]
 PATCHES = Path(__file__).parent / "patches"
 INSTALLED = Path(granwave.__file__).parent
-SOURCES = ("analysis", "docs", "lammps_inputs", "plugins", "tests", "workflows")
+SOURCES = ("analysis", "docs", "extensions", "lammps_inputs", "plugins", "tests", "workflows")
 FILES = ("pyproject.toml", "CONTRIBUTING.md", "CHANGELOG.md", "README.md")
 #: Most files that a patch may touch.
 MOST_FILES = {
@@ -57,7 +57,7 @@ def copy(tmp_path: Path) -> Path:
         shutil.copy(ROOT / name, folder)
     package = folder / "site" / "granwave"
     package.mkdir(parents=True)
-    for name in ("analysis", "lammps_inputs", "workflows"):
+    for name in ("analysis", "extensions", "lammps_inputs", "workflows"):
         (package / name).symlink_to(folder / name)
     link_all(package, (folder / "workflows" / "package").glob("*.py"))
     (package / "plugins").mkdir()

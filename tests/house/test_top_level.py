@@ -24,6 +24,7 @@ TOP = {
     "README.webp",
     "analysis",
     "docs",
+    "extensions",
     "lammps_inputs",
     "plugins",
     "pyproject.toml",

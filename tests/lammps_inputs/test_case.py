@@ -9,11 +9,11 @@ from typing import Any
 
 import pytest
 
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.lammps_inputs import make_schedule
 from granwave.lammps_inputs.case.ids import INDEX
 from granwave.lammps_inputs.case.parse import parse_override
-from granwave.lammps_inputs.case.run import FIGURE_NAMES, FRAMES_OF_A_FILM, CutPlane, Figures
+from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM, CutPlane, Figures, figure_names
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
@@ -145,7 +145,7 @@ def test_every_third_sphere() -> None:
 
 def test_figures() -> None:
     """Names are those of the figures that are drawn; values; a case without the table has none."""
-    assert tuple(FIGURES) == FIGURE_NAMES
+    assert tuple(run_figures()) == figure_names()
     assert (
         "figures" not in (plain := case_from_dict(changed())).to_dict()
         and plain.figures == Figures()

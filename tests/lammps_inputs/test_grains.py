@@ -166,10 +166,6 @@ def test_material_of_a_grain_is_a_preset_or_a_table() -> None:
             "x,y,z\n0,0,0\n",
             "line 1: found no column diameter, expected x, y, z, diameter, or packing.diameter",
         ),
-        (
-            "x,y,z,width\n0,0,0,1\n",
-            'line 1: found a column "width", expected names among x, y, z, diameter',
-        ),
         ("x,x,z,diameter\n0,0,0,1\n", "line 1: found the column x twice"),
         (
             "x,y,z,radius,diameter\n0,0,0,5e-3,1e-2\n",

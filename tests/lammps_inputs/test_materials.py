@@ -15,6 +15,7 @@ import pytest
 from scipy.optimize import brentq as scipy_brentq
 
 from granwave.analysis.figures.style import write_csv
+from granwave.extensions.continuum.terminal import fit
 from granwave.lammps_inputs import flat_contact, pair_contact, write_deck
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import hertz_von_mises_yield_factor
@@ -24,7 +25,6 @@ from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from granwave.lammps_inputs.roots import brentq
-from granwave.workflows.cli.contacts import fit
 from granwave.workflows.run.driver import run_case
 from tests.helpers.twins.twin import OTHER
 

@@ -13,10 +13,11 @@ import pytest
 
 from granwave.analysis import analyse, draw_figures, summarise
 from granwave.analysis.result.reader import Result
+from granwave.extensions.waves.files import SPECTRA
 from granwave.lammps_inputs import own_files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import MARKER, POINT_FILES, RUN, SCAN, SPECTRA
+from granwave.lammps_inputs.run_directory import MARKER, POINT_FILES, RUN, SCAN
 from tests.helpers import synthetic
 
 
@@ -215,7 +216,7 @@ def test_the_marker_is_read_once(tmp_path, monkeypatch):
     assert reads == []
     other = ResultDirectory(tmp_path)
     assert other.marker == results.marker
-    assert other.content == "a run"
+    assert other.kind.content == "a run"
     assert len(reads) == 1
 
 
@@ -254,7 +255,7 @@ def test_results_are_moved_and_files_of_others_stay(tmp_path):
     assert tree(place) == ["figures/mine", "notes"]
     assert tree(tmp_path / "r.old") == [MARKER, "dumps/a.txt", "figures/a.png", "run.json"]
     old = ResultDirectory(tmp_path / "r.old")
-    assert (old.marker.case, old.content) == ("a = 1", "a run")
+    assert (old.marker.case, old.kind.content) == ("a = 1", "a run")
     assert len(old.result_names()) == 3
     assert results.set_aside() == ""
     results.claim(["run.json"], kind=RUN)

@@ -9,7 +9,7 @@ import pytest
 from jsonschema import Draft202012Validator
 
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.case import TABLES, unit_of
+from granwave.lammps_inputs.case.case import case_tables, unit_of
 from granwave.lammps_inputs.case.contact_tables import (
     COHESION,
     DENTS,
@@ -57,8 +57,8 @@ def test_tables_in_tables_are_listed() -> None:
         "[grains.ring]": {"n", "radius", "z", "gap", "angle"},
     }
     for heading, names in inner.items():
-        assert set(schema.declared_fields(TABLES[heading])) == names
-    order = list(TABLES)
+        assert set(schema.declared_fields(case_tables()[heading])) == names
+    order = list(case_tables())
     assert order.index("[contact.loss.dashpot]") == order.index("[contact.loss]") + 1
     assert (unit_of("contact.loss.time"), unit_of("contact.cohesion.energy")) == ("s", "J/m^2")
 

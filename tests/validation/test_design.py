@@ -7,7 +7,7 @@ import pytest
 
 import granwave as gw
 from granwave.extensions.design.search.design_file import load_problem
-from granwave.extensions.design.search.search import Known, n_first, ordered
+from granwave.extensions.design.search.search import TriedDesign, n_first, ordered
 
 pytestmark = pytest.mark.validation
 pytest.importorskip("sklearn")
@@ -72,7 +72,7 @@ def test_the_best_of_all_in_a_third_of_the_evaluations(name, tmp_path):
         known = []
         for _ in range(third):
             values = next(ordered(space, known, seed, guided=len(known) >= n_first(space, third)))
-            known.append(Known(values, (forces[repr(values)],), {}))
+            known.append(TriedDesign(values, (forces[repr(values)],), {}))
         solved += best in [one.losses[0] for one in known]
     print(f"{name}: the best of {int(space.size)} in {third} evaluations with {solved} of 20 seeds")
     assert solved >= 18

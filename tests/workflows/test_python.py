@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-import argparse
-import inspect
+import ast
 import json
 import subprocess
 import sys
@@ -17,13 +16,13 @@ import pytest
 import granwave as gw
 from granwave.analysis.figures import run_figures
 from granwave.lammps_inputs import load_case
+from granwave.lammps_inputs.extensions import added_by_name
 from granwave.workflows import library
-from granwave.workflows.cli.parser import COMMANDS
-from granwave.workflows.python import api
 from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
 from tests.conftest import PLAIN
 from tests.helpers.export_inputs import equal
+from tests.helpers.keywords import check_keywords
 
 TINY = {"packing.size": [4, 4, 3], "run.end_time": 5e-5, "run.frames": 2}
 PAIR = {
@@ -36,32 +35,9 @@ PAIR = {
 }
 
 
-@pytest.mark.parametrize("name", ["run", "scan", "bands", "modes", "transmission", "infer"])
-def test_options_of_commands_are_keywords(name):
-    """Options of a command are keywords of its function, with the same defaults; keys of cases are
-    keywords.
-    """
-    (command,) = (command for command in COMMANDS if command.name == name)
-    options = [
-        one
-        for option in command.options
-        for one in (option if isinstance(option, list) else [option])
-    ]
-    parser = argparse.ArgumentParser()
-    actions = [parser.add_argument(*option.names, **option.settings) for option in options]
-    own = {
-        "overrides",
-        "json",
-        "plan",
-        *(("figures",) if name in ("bands", "modes", "transmission") else ()),
-    }
-    keywords = inspect.signature(getattr(gw, name)).parameters
-    for action in actions:
-        if action.option_strings and action.dest not in own:
-            assert action.dest in keywords, action.dest
-            default = keywords[action.dest].default
-            same = action.dest == "figures" or action.required or default == action.default
-            assert same, f"{action.dest}: {default}, {action.default}"
+@pytest.mark.parametrize(("name", "own"), [("run", ()), ("scan", ("plan",))])
+def test_options_of_commands_are_keywords(name, own):
+    check_keywords(name, *own)
 
 
 @pytest.fixture(scope="module")
@@ -117,14 +93,26 @@ def test_there_is_no_other_name():
     assert all(hasattr(gw, name) for name in gw.__all__)
 
 
+def names_for_types() -> tuple[list[str], list[str]]:
+    """Names that the package imports for type checkers, and its __all__ for them."""
+    tree = ast.parse(Path(gw.__file__).read_text(encoding="utf-8"))
+    (block,) = (node for node in tree.body if isinstance(node, ast.If))
+    imported = [
+        alias.name
+        for node in block.body
+        if isinstance(node, ast.ImportFrom)
+        for alias in node.names
+    ]
+    (listed,) = (node.value for node in block.body if isinstance(node, ast.Assign))
+    return sorted(imported), ast.literal_eval(listed)
+
+
 def test_types_see_what_is_there():
-    """The names for type checkers, those of __all__ and those of the module are the same."""
-    text = Path(gw.__file__).read_text(encoding="utf-8")
-    typed = text.partition("import (\n")[2].partition(")")[0].replace(",", "").split()
-    modules = {"measures", "theory"}
-    assert typed == api.__all__ and gw.__all__ == sorted(
-        [*typed, *modules], key=lambda name: (name.islower(), name)
-    )
+    """The names for type checkers are those of the module, with those of our extensions."""
+    imported, listed = names_for_types()
+    assert imported == listed == gw.__all__
+    assert set(added_by_name("python")) <= set(listed)
+    assert set(gw.__all__) <= set(dir(gw))
 
 
 def test_run(tiny, directory):
@@ -156,9 +144,8 @@ def test_results_are_kept_continued_or_replaced(tiny, directory, tmp_path):
 
 def test_directory_is_named_after_the_case(tmp_path, monkeypatch):
     monkeypatch.chdir(tmp_path)
-    monkeypatch.setattr(
-        run_figures, "FIGURES", {"energies": run_figures.FIGURES["energies"]}
-    )  # the others take time
+    energies = {"energies": run_figures.run_figures()["energies"]}
+    monkeypatch.setattr(run_figures, "run_figures", lambda: energies)  # the others take time
     assert gw.run(PAIR, figures=True).directory == tmp_path / "pair"
     assert (tmp_path / "pair" / "figures" / "energies.png").exists()
     monkeypatch.setenv("HOME", str(tmp_path))
@@ -268,10 +255,6 @@ def test_a_case_of_python_is_checked_as_its_file_is(tmp_path):
             lambda: gw.run(PAIR, force=True, resume=True),
             "resume=True and force=True exclude each other",
         ),
-        (
-            lambda: gw.run("half-space", ranks=2),
-            "ranks: found 2, expected 1: half-space is a continuum case",
-        ),
         (lambda: gw.scan("restitutio"), "did you mean restitution"),
         (lambda: gw.scan("fcc-small"), "is a case, expected a scan"),
         (lambda: gw.scan("protection"), "is a suite of scans, expected one scan: one of"),
@@ -332,10 +315,3 @@ def test_points_that_fail_are_reported(tmp_path, caplog):
     assert scan.table["status"].tolist() == ["done", "failed"] and len(scan) == 1
     assert "the energy balance was refused" in scan.table.loc[2, "reason"]
     assert f"{tmp_path}: of 2 points 1 failed; table.reason tells why" in caplog.text
-
-
-def test_continuum(tmp_path):
-    run = gw.run("half-space", directory=tmp_path, run__elements=200, run__end_time=2e-6)
-    assert run["n_elements"] > 100 and "elements" in repr(run) and run.figures == ()
-    with pytest.raises(gw.OutputFormatError, match=r"expected the result.h5 of a run of spheres"):
-        _ = run.spheres

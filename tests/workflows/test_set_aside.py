@@ -127,12 +127,3 @@ def test_the_scans_of_a_suite_move_with_it(here):
         assert json.loads(Path(name, "suite.json").read_text())["scans"] == ["a"]
         assert not list(Path(name).glob("*.old"))
         assert list(gw.load(Path(name, "a")).table["status"]) == ["done"]
-
-
-def test_bands_move_alone_where_the_case_is_the_same(here):
-    words = ["-o", "b", "--no-figures"]
-    assert main(["bands", "precompressed-chain", *words]) == 0
-    assert main(["modes", "precompressed-chain", *words]) == 0
-    assert main(["bands", "precompressed-chain", *words, "--points", "5", "--force"]) == 0
-    assert {path.name for path in Path("b").iterdir()} >= {"bands.csv", "modes.csv", "spectra.h5"}
-    assert {path.name for path in Path("b.old").iterdir()} == {MARKER, "bands.csv", "bands.json"}

@@ -1,39 +1,33 @@
-"""Command ``granwave check``: what a run would be, its inputs, and the case that it compares with,
-as a table.
+"""Command ``granwave check``: what a run would be, its inputs, and what extensions show of it, as
+a table.
 """
 
 from __future__ import annotations
 
 import argparse
 import sys
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.summary_table import lines
-from granwave.extensions.continuum.counterpart import (
-    ImpactInput,
-    continuum_of,
-    inputs_of_continuum,
-    inputs_of_packing,
-    packing_of,
-)
-from granwave.extensions.continuum.punch.case import ContinuumCase
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.extensions import added, load
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import GRAINS
 from granwave.lammps_inputs.planning.cost import ExpectedZone, WallTime
+from granwave.lammps_inputs.planning.impact_input import ImpactInput, inputs_of_packing
 from granwave.lammps_inputs.planning.plan import Plan
 from granwave.workflows import library
-from granwave.workflows.cli.plan_values import packing_values, small_waves
+from granwave.workflows.check_part import CheckPart, Rows, input_rows, input_values
+from granwave.workflows.cli.grain_file_values import grain_file_rows
+from granwave.workflows.cli.plan_values import packing_values
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, solver_of
+from granwave.workflows.file_kinds import file_kinds
+from granwave.workflows.solvers import GRANULAR, CaseKind, case_commands, solver_of
 
-Rows = Iterable[tuple[str, str]]
-
-_KILO = 1e-3  # kHz in a Hz
 _GIB = 2**30
 _TIMES = {
     "static stage": "static",
@@ -45,90 +39,35 @@ _TIMES = {
 
 def check(options: argparse.Namespace) -> int:
     """Plan a case and check that this machine can run it; return the exit status."""
-    path = library.find_for(options.case, GRANULAR.verb, CONTINUUM.verb, library.DESIGN)
-    if library.verb_of(path) == library.DESIGN:
-        from granwave.extensions.design.terminal import (
-            plan_of_design,
-        )  # loads SciPy, which takes longer than most checks
-
-        return plan_of_design(path, options)
+    checks = {kind.command: kind.check for kind in file_kinds() if kind.check}
+    path = library.find_for(options.case, *case_commands(), *checks)
+    if (command := library.verb_of(path)) in checks:
+        return int(load(checks[command])(path, options))
     kind = solver_of(read_toml(path))
     case = kind.load(path, options.overrides)
     assembled = kind.assemble(case)
     expected = kind.cost(assembled, options.ranks, True)
-    inputs = counterpart = waves = None
-    if kind is GRANULAR:
-        inputs = inputs_of_packing(assembled)
-        counterpart = continuum_of(assembled)
-        waves = small_waves(assembled)
-    elif kind is CONTINUUM:
-        inputs = inputs_of_continuum(case)
-        counterpart = packing_of(case)
-    warnings: list[str] = []
-    if isinstance(expected, Plan):
-        slow = (
-            f"the run takes about {duration(expected.wall_time)}: {expected.slowness}"
-            if expected.slowness
-            else ""
-        )
-        warnings = [one for one in (slow, expected_cut(expected.zone)) if one]
+    parts = _parts(kind, assembled)
     kind.check(case)
 
     def afford() -> None:
         kind.afford(case, expected, Path(case.name).absolute())
 
+    warnings = _warnings(expected)
     if options.json:
         warnings += warn_of_lacks(case.name, afford)
-        found: dict[str, Any] = {
-            "name": case.name,
-            "command": kind.verb,
-            f"n_{kind.parts}": kind.size(assembled),
-        }
-        if isinstance(expected, Plan):
-            found |= packing_values(assembled, expected) | {"small_waves": waves}
-        found |= {
-            "memory_bytes": expected.memory,
-            "disk_bytes": expected.disk,
-            "wall_time_s": expected.wall_time,
-        }
-        if inputs is not None:
-            normalised = inputs.energy_normalised
-            energy_continuum = inputs.energy_continuum
-            found |= {
-                "energy_input_J": inputs.energy,
-                "energy_input_at_most": kind is GRANULAR and _is_bound(case),
-                "energy_input_normalised": energy_continuum if normalised is None else normalised,
-                "energy_input_over_sigma2_D3_E": energy_continuum,
-                "velocity_normalised": inputs.velocity_normalised,
-            }
-        if counterpart is not None:
-            found["counterpart"] = {
-                "command": counterpart.command or None,
-                "reason": counterpart.reason or None,
-                "yield_velocity_m_s": counterpart.yield_velocity,
-                "stays_elastic": counterpart.stays_elastic,
-            }
-        if kind is CONTINUUM:
-            found["yield_velocity_m_s"] = case.yield_velocity
-        print_json(found | {"warnings": warnings})
+        values = _values(kind, assembled, expected, parts)
+        print_json({"name": case.name, "command": kind.verb, **values, "warnings": warnings})
         return 0
-    if kind is GRANULAR:
-        print(plan_table(assembled, expected, inputs, wave_rows(waves)))
+    if isinstance(expected, Plan):
+        inputs = inputs_of_packing(assembled)
+        rows = [row for part in parts for row in part.rows]
+        print(plan_table(assembled, expected, inputs, rows))
     else:
-        print(table([
-            ("case", case.name),
-            ("elements", f"about {kind.size(assembled)}"),
-            *_inputs(inputs),
-            ("first yield", _first_yield(case) if kind is CONTINUUM else ""),
-            ("memory", f"about {expected.memory / _GIB:.2f} GiB"),
-            ("disk", f"about {expected.disk / 1e9:.3g} GB"),
-            ("expected time", f"about {duration(expected.wall_time)}"),
-        ]))  # fmt: skip
-    if counterpart is not None:
-        what = "continuum" if kind is GRANULAR else "packing"
-        print(f"\n{what} of equal input: {counterpart.command or f'none, {counterpart.reason}'}")
-        if counterpart.stays_elastic:
-            print(f"It stays elastic: it yields from about {counterpart.yield_velocity:.2g} m/s.")
+        print(_table_of_other(kind, assembled, case.name, expected, parts))
+    for part in parts:
+        for line in part.lines:
+            print(line)
     sys.stdout.flush()
     warn_of_lacks(case.name, afford)
     for warning in warnings:
@@ -136,13 +75,58 @@ def check(options: argparse.Namespace) -> int:
     return 0
 
 
-def _first_yield(case: ContinuumCase) -> str:
-    """Return the velocity from which the block of a continuum case yields."""
-    velocity = case.yield_velocity
-    if velocity is None:
-        return ""
-    elastic = ": this impact is elastic" if case.punch.velocity < velocity else ""
-    return f"from about {velocity:.2g} m/s, at the edge of the punch{elastic}"
+def _parts(kind: CaseKind, assembled: Any) -> list[CheckPart]:
+    """Return what extensions show of a case."""
+    if kind is GRANULAR:
+        return [part(assembled) for part in added("check")]
+    return [] if kind.check_part is None else [kind.check_part(assembled)]
+
+
+def _warnings(expected: Any) -> list[str]:
+    """Return warnings of the plan of a packing."""
+    if not isinstance(expected, Plan):
+        return []
+    warnings = []
+    if expected.slowness:
+        warnings.append(f"the run takes about {duration(expected.wall_time)}: {expected.slowness}")
+    if cut := expected_cut(expected.zone):
+        warnings.append(cut)
+    return warnings
+
+
+def _values(
+    kind: CaseKind, assembled: Any, expected: Any, parts: Sequence[CheckPart]
+) -> dict[str, Any]:
+    """Return the values of a planned case; units are part of the names."""
+    values: dict[str, Any] = {f"n_{kind.parts}": kind.size(assembled)}
+    if isinstance(expected, Plan):
+        values |= packing_values(assembled, expected)
+    for part in parts:
+        values |= part.values
+    values |= {
+        "memory_bytes": expected.memory,
+        "disk_bytes": expected.disk,
+        "wall_time_s": expected.wall_time,
+    }
+    if isinstance(expected, Plan):
+        at_most = _is_bound(assembled.case)
+        values |= input_values(inputs_of_packing(assembled), at_most=at_most)
+    for part in parts:
+        values |= part.further_values
+    return values
+
+
+def _table_of_other(
+    kind: CaseKind, assembled: Any, name: str, expected: Any, parts: Sequence[CheckPart]
+) -> str:
+    """Return the table of a case that is not of spheres."""
+    rows = [("case", name), (kind.parts, f"about {kind.size(assembled)}")]
+    for part in parts:
+        rows += part.rows
+    rows.append(("memory", f"about {expected.memory / _GIB:.2f} GiB"))
+    rows.append(("disk", f"about {expected.disk / 1e9:.3g} GB"))
+    rows.append(("expected time", f"about {duration(expected.wall_time)}"))
+    return table(rows)
 
 
 def table(rows: Rows) -> str:
@@ -151,13 +135,13 @@ def table(rows: Rows) -> str:
 
 
 def plan_table(
-    assembly: Assembly, plan: Plan, inputs: ImpactInput | None = None, waves: Rows = ()
+    assembly: Assembly, plan: Plan, inputs: ImpactInput | None = None, rows: Rows = ()
 ) -> str:
-    """Return the table of a planned run; ``waves`` are rows on small waves."""
-    return table(_plan_rows(assembly, plan, inputs, waves))
+    """Return the table of a planned run; ``rows`` are those of extensions."""
+    return table(_plan_rows(assembly, plan, inputs, rows))
 
 
-def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, waves: Rows) -> Rows:
+def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows: Rows) -> Rows:
     case = assembly.case
     schedule = plan.schedule
     times = plan.times
@@ -167,6 +151,7 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, waves
         grains += f": {plan.n_spheres - assembly.n_cylinders} spheres and {assembly.n_cylinders} cylinders"
     yield "case", plan.name
     yield assembly.grains_called, grains
+    yield from grain_file_rows(values["packing_file"])
     yield "contacts at the start", f"{plan.n_contacts}"
     across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
     yield (
@@ -187,9 +172,10 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, waves
             f"{number} on {n} grain{'s' * (n > 1)}" for number, n in found["grains"].items()
         )
         yield "contacts of a grain", f"{found['mean']:.3g} in the mean: {numbers}"
+    yield from _contact_rows(values["contacts_found"])
     yield "precompression", _static(case)
-    yield from waves
-    yield from _inputs(inputs, at_most="at most " * _is_bound(case))
+    yield from rows
+    yield from input_rows(inputs, at_most=_is_bound(case))
     yield "memory", f"about {plan.memory / _GIB:.2f} GiB{_memory_of_ranks(plan)}"
     yield "disk", f"about {plan.disk / 1e9:.3g} GB"
     timestep = f"{schedule.timestep:.4g} s"
@@ -243,6 +229,22 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, waves
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
 
 
+def _contact_rows(found: Mapping[str, Any] | None) -> Rows:
+    """Return rows on contacts of grains of a file that overlap or nearly touch."""
+    if found is None:
+        return
+    within = f"{found['n_within']} pairs within {found['tolerance_m']:.3g} m"
+    last = f"last place of the file: {found['last_place_m']:.3g} m"
+    beyond = (
+        f"{found['n_beyond']} overlap by more, the largest by {found['largest_overlap_m']:.3g} m"
+    )
+    yield "touching in the file", f"{within} ({last}); {beyond}"
+    way = found["way"]
+    for choice in found["choices"]:
+        chosen = " (chosen)" if way is not None and choice.startswith(f'"{way}"') else ""
+        yield "", choice + chosen
+
+
 def _memory_of_ranks(plan: Plan) -> str:
     """Return the memory of each rank; empty for a single one."""
     if plan.n_ranks == 1:
@@ -263,23 +265,6 @@ def _is_bound(case: Case) -> bool:
     return case.load.energy_is_bound
 
 
-def _inputs(inputs: ImpactInput | None, at_most: str = "") -> Rows:
-    """Return rows of energy and velocity, as far as they apply."""
-    if inputs is None or not inputs.energy:
-        return
-    yield "energy in", f"{at_most}{inputs.energy:.6g} J"
-    label = "energy normalised"
-    for value, unit in (
-        (inputs.energy_normalised, "F_y alpha_y of a contact"),
-        (inputs.energy_continuum, "sigma_y^2 D^3/E, as in the continuum"),
-    ):
-        if value is not None:
-            yield label, f"{at_most}{value:.6g} {unit}"
-            label = ""
-    if inputs.velocity_normalised is not None:
-        yield "velocity normalised", f"{inputs.velocity_normalised:.6g}"
-
-
 def _static(case: Case) -> str:
     """Return the load before the impact; empty if there is none."""
     if (stage := case.precompression) is None:
@@ -295,21 +280,6 @@ def _static(case: Case) -> str:
         "overlaps at the start press" if stage.takes_overlaps else "",
     ]
     return "; ".join(filter(None, parts))
-
-
-def wave_rows(waves: Mapping[str, Any] | None) -> Rows:
-    """Return rows on `small_waves` for the table of a plan."""
-    if waves is None:
-        return
-    bounds = ", ".join(f"{_KILO * low:.4g} to {_KILO * high:.4g}" for low, high in waves["gaps_Hz"])
-    but = f", but for gaps: {bounds} kHz" if bounds else ""
-    yield "small waves", f"up to {_KILO * waves['highest_Hz']:.4g} kHz{but}"
-    if waves["speed_m_s"] is not None:
-        long = f"long ones {waves['speed_m_s']:.4g} m/s: from end to end ({waves['length_m']:.3g} m) in "
-        yield "", f"{long}{waves['travel_time_s']:.3g} s"
-    for load in waves["load"]:
-        fate = "passes" if load["passes"] else "is stopped"
-        yield "load's frequency", f"{_KILO * load['frequency_Hz']:.4g} kHz {fate}"
 
 
 def _outermost_yield(zone: ExpectedZone | None) -> str:

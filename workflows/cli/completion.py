@@ -8,22 +8,24 @@ Names are collected when they are asked for, as most need modules that the parse
 from __future__ import annotations
 
 import argparse
-import importlib
 import re
 from collections.abc import Callable, Collection, Iterable
 from typing import TYPE_CHECKING, Any
 
+from granwave.analysis.exports.names import export_names
 from granwave.analysis.studies.registry import STUDIES
 from granwave.lammps_inputs.case.material import presets
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_toml
 from granwave.workflows import library
 from granwave.workflows.cli.arguments import BENCH_PARTS
 from granwave.workflows.scanning.engine import EXECUTORS
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, SPHERE_CONTACT, solver_of
+from granwave.workflows.solvers import GRANULAR, case_commands, case_kinds, solver_of
 
 if TYPE_CHECKING:
+    from granwave.workflows.cli.commands import Command, Option
     from granwave.workflows.cli.keys import Key
 
 Names = Callable[[argparse.Namespace], Iterable[str]]
@@ -54,11 +56,35 @@ def with_completers(parser: argparse.ArgumentParser) -> argparse.ArgumentParser:
         action for action in parser._actions if isinstance(action, argparse._SubParsersAction)
     )
     for name, verb in verbs.choices.items():
+        completers = _completers_of(verb.get_default("command"))
         for action in verb._actions:
-            completer = _COMPLETERS.get((name, action.dest)) or _COMPLETERS.get(("", action.dest))
+            completer = completers.get(action.dest) or _COMPLETERS.get((name, action.dest))
+            if completer is None:
+                completer = _COMPLETERS.get(("", action.dest))
             if completer is not None and not action.choices:
                 action.completer = completer  # type: ignore[attr-defined]
     return parser
+
+
+def _completers_of(command: Command) -> dict[str, Callable[..., list[str]]]:
+    """Return the completers of the options of a command whose words it gives; and of its case, if
+    it runs cases of a kind.
+    """
+    completers = {
+        option.destination: _words_of(option)
+        for option in command.each_option()
+        if option.words is not None
+    }
+    if command.name in case_commands():
+        completers["case"] = _studies(library.CASES, command.name)
+    return completers
+
+
+def _words_of(option: Option) -> Callable[..., list[str]]:
+    """Completer of an option by the words that it gives."""
+    words = option.words
+    assert words is not None
+    return _names(lambda _: words())
 
 
 def _names(names: Names) -> Callable[..., list[str]]:
@@ -92,7 +118,7 @@ def _overrides(prefix: str, parsed_args: argparse.Namespace, **_: Any) -> list[s
         return [f"{key}={value}" for value in _values(key) if value.startswith(written)]
     return [
         f"{name}="
-        for name in _keys(_kind_of_file(parsed_args), first=".1")
+        for name in _keys(*_kinds_of_file(parsed_args), first=".1")
         if name.startswith(prefix)
     ]
 
@@ -120,19 +146,15 @@ def _numbered(name: str, lists: Collection[str], first: str) -> str:
     return numbered.removeprefix(".")
 
 
-def _kind_of_file(options: argparse.Namespace) -> str:
-    """Return the kind of the case on the command line, as `granwave.workflows.cli.keys.FILES` calls
-    it.
-    """
-    from granwave.workflows.cli import keys
-
+def _kinds_of_file(options: argparse.Namespace) -> list[str]:
+    """Return the kind of the case on the command line, or the kinds that it may have."""
     try:
         tables = read_toml(library.find(getattr(options, "case", None) or ""))
+        return [solver_of(tables).file_kind]
     except InputError:  # none is given yet
-        return keys.CONTINUUM if options.command.name == CONTINUUM.verb else keys.CASE
-    return {CONTINUUM: keys.CONTINUUM, SPHERE_CONTACT: keys.SPHERE_CONTACT}.get(
-        solver_of(tables), keys.CASE
-    )
+        command = options.command.name
+    kinds = [kind.file_kind for kind in case_kinds() if kind.verb == command]
+    return kinds or [GRANULAR.file_kind]
 
 
 def _values(name: str) -> list[str]:
@@ -152,21 +174,12 @@ def _tables(_: argparse.Namespace) -> Iterable[str]:
     )
 
 
-def _table(module: str, name: str) -> Names:
-    """Return the names in a table of `granwave.analysis`, whose module is loaded when they are
-    asked for.
-    """
-    return lambda _: getattr(importlib.import_module(f"granwave.analysis.{module}"), name)
-
-
 _OVERRIDES = "overrides"
-_PRESETS = _names(lambda _: presets())
-#: Completers by command and name of the argument; an empty command stands for all.
+#: Completers by command and name of the argument; an empty command stands for all. Options that give
+#: their words need none.
 _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ("", _OVERRIDES): _overrides,
-    ("run", "case"): _studies(library.CASES, GRANULAR.verb),
     ("write", "case"): _studies(library.CASES, GRANULAR.verb),
-    ("continuum", "case"): _studies(library.CASES, CONTINUUM.verb),
     ("check", "case"): _studies(library.CASES),
     ("scan", "scan"): _studies(library.SCANS),
     ("scan", "executor"): _names(lambda _: EXECUTORS),
@@ -175,11 +188,7 @@ _COMPLETERS: dict[tuple[str, str], Callable[..., list[str]]] = {
     ),
     ("keys", "table"): _names(_tables),
     ("report", "study"): _names(lambda _: STUDIES),
-    ("figures", "only"): _names(_table("figures.run_figures", "FIGURES")),
-    ("film", "quantity"): _names(_table("films", "QUANTITIES")),
-    ("film", "view"): _names(_table("films", "VIEWS")),
-    ("export", "to"): _names(_table("exports.export", "FORMATS")),
-    ("law", "material"): _PRESETS,
-    ("fit", "material"): _PRESETS,
+    ("figures", "only"): _names(lambda _: figure_names()),
+    ("export", "to"): _names(lambda _: export_names()),
     ("bench", "parts"): _names(lambda _: BENCH_PARTS),
 }

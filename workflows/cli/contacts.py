@@ -1,6 +1,4 @@
-"""Commands about single contacts: laws, fits, and forces inferred from measurements; each returns
-the exit status.
-"""
+"""Command about single contacts: ``granwave law``."""
 
 from __future__ import annotations
 
@@ -9,26 +7,16 @@ import dataclasses
 import math
 from collections.abc import Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 from granwave._contact_laws import ContactLaw
-from granwave.extensions.inference import run as inference
 from granwave.lammps_inputs.case.contact import LAWS
 from granwave.lammps_inputs.case.contact_tables import COHESION, Cohesion
 from granwave.lammps_inputs.case.law_parameters import PARAMETERS, laws_with
 from granwave.lammps_inputs.case.material import Material, load_materials, material, sphere_mass
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.contact.law import contact_of
-from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.workflows.cli.parser import chosen
-from granwave.workflows.cli.results import as_wrong_input
-from granwave.workflows.cli.terminal import columns, print_json
-from granwave.workflows.run.directory import held
-
-if TYPE_CHECKING:
-    from granwave.extensions.continuum.law_fit.fit import Fit
 
 
 def law(options: argparse.Namespace) -> int:
@@ -37,11 +25,12 @@ def law(options: argparse.Namespace) -> int:
 
     output = options.output or Path("restitution.png" if options.restitution else "law.png")
     speed = options.velocity
-    _at_most_two(options)
+    at_most_two(options)
     _check_law(options, output)
     parameters = _parameters(options)
     materials = [
-        dataclasses.replace(_material(name), **parameters["material"]) for name in options.material
+        dataclasses.replace(material_of(name), **parameters["material"])
+        for name in options.material
     ]
     cohesion = _cohesion(options)
     constants = parameters["contact"]
@@ -87,7 +76,7 @@ def _check_law(options: argparse.Namespace, output: Path) -> None:
             not output.absolute().parent.is_dir(),
             f"-o {output}: there is no directory {output.absolute().parent}",
         ),
-        (not _are_radii(options.radius), _RADII),
+        (not are_radii(options.radius), RADII),
         (
             options.restitution and not contact_law.yields,
             f"--restitution: a contact of law {options.law} gives all back; choose another --law",
@@ -167,85 +156,23 @@ def _cohesion(options: argparse.Namespace) -> Cohesion | None:
     return found
 
 
-_RADII = "--radius: expected positive lengths in m (the second may be inf, a plane)"
+#: Message on radii that `are_radii` refuses.
+RADII = "--radius: expected positive lengths in m (the second may be inf, a plane)"
 
 
-def _are_radii(radii: Sequence[float]) -> bool:
+def are_radii(radii: Sequence[float]) -> bool:
     """Return True for one finite radius, and a second one that may be infinite."""
     return math.isfinite(radii[0]) and all(radius > 0 for radius in radii)
 
 
-def _at_most_two(options: argparse.Namespace) -> None:
+def at_most_two(options: argparse.Namespace) -> None:
+    """Raise InputError if there are more than two materials or radii."""
     for name, values in (("--material", options.material), ("--radius", options.radius)):
         if len(values) > 2:
             raise InputError(f"{name}: found {len(values)} values, expected one or two")
 
 
-def fit(options: argparse.Namespace) -> int:
-    """Execute ``granwave fit``."""
-    from granwave.analysis.contact_law.curves import read_curve
-    from granwave.extensions.continuum.law_fit.fit import fit_law
-    from granwave.extensions.continuum.law_fit.fit_output import WRITTEN, pair_toml, write_fit
-
-    _at_most_two(options)
-    if not _are_radii(options.radius):
-        raise InputError(_RADII)
-    pair: list[str] | None = options.pair
-    directory: Path = options.directory or Path("fit")
-    results = ResultDirectory(results_directory(directory))
-    if not results.path.parent.is_dir():
-        raise InputError(f"-o {directory}: there is no directory {directory.absolute().parent}")
-    if set(WRITTEN) & set(results.result_names()):
-        if not options.force:
-            raise InputError(f"{directory}: already holds a fit; {results.by_force}")
-        results.refuse_immovable()
-    results.refuse_foreign(WRITTEN)
-    materials = [_material(text) for text in options.material]
-    found = fit_law(
-        read_curve(options.curve),
-        materials,
-        options.radius,
-        options.free,
-        fit_yield=options.fit_yield,
-    )
-    with held(results):
-        results.make_room(force=options.force, names=WRITTEN)
-        written = write_fit(found, results, pair)
-    print(fit_summary(found))
-    if pair:
-        print(f"\n{pair_toml(found, pair)}")
-    print(
-        f"\n{written[0]} holds [contact] for a case file, and runs by itself: granwave run {written[0]}"
-    )
-    return 0
-
-
-def fit_summary(found: Fit) -> str:
-    """Format the constants with their uncertainties, and the misfits, for the terminal."""
-    from granwave.extensions.continuum.law_fit.fit_output import constants_table
-
-    rows = [["constant", "value", "+-", "published", ""]]
-    for name, value, spread, published, how in zip(*constants_table(found).values(), strict=True):
-        rows.append(
-            [
-                name,
-                f"{value:.5g}",
-                f"{spread:.2g}" if spread == spread else "",
-                f"{published:.5g}",
-                how,
-            ]
-        )
-    fits = [["off by, per cent", "rows", "rms", "largest", "published rms", "largest"]]
-    for part, n_rows, *numbers in found.misfit.itertuples(index=False):
-        fits.append([part, str(n_rows), *(f"{number:.3g}" for number in numbers)])
-    text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
-    text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
-    if found.correlation:
-        text += f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): the uncertainties are widened for it"
-    return text
-
-
-def _material(text: str) -> Material:
+def material_of(text: str) -> Material:
     """Return a preset, or the material FILE.toml:NAME from a file of the user."""
     path, colon, name = text.rpartition(":")
     if not colon:
@@ -256,18 +183,3 @@ def _material(text: str) -> Material:
             f"--material {text}: found no {name} in {path}, expected one of {', '.join(known)}"
         )
     return known[name]
-
-
-@as_wrong_input()
-def infer(options: argparse.Namespace) -> int:
-    """Execute ``granwave infer``."""
-    from granwave.extensions.inference.forces.tables import in_words
-
-    directory = inference.results_place(options.directory or "infer", force=options.force)
-    how = chosen(options, inference.infer)
-    found = inference.infer(options.measurement, options.case, progress=True, **how)
-    inference.save(found, directory, force=options.force, figures=options.figures)
-    print_json(found.summary) if options.json else print(
-        f"{in_words(found.summary)}\n\nresults in {directory}"
-    )
-    return 0

@@ -1,4 +1,6 @@
-"""Check of the installation: a line for each part, with a remedy for what does not work."""
+"""Check of the installation: a line for each part and extension, with a remedy for what does not
+work.
+"""
 
 from __future__ import annotations
 
@@ -10,11 +12,26 @@ import subprocess
 import sys
 import tempfile
 from collections.abc import Sequence
+from importlib.util import find_spec
 from pathlib import Path
 
 from granwave import plugins
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.terminal import GREEN, RED, SWITCH_ON, coloured, line_of, print_json
+from granwave.lammps_inputs.extensions import (
+    Extension,
+    distribution_of,
+    extensions,
+    install_command,
+)
+from granwave.workflows.cli.terminal import (
+    GREEN,
+    RED,
+    SWITCH_ON,
+    YELLOW,
+    coloured,
+    line_of,
+    print_json,
+)
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import check_release
 from granwave.workflows.run.launchers import (
@@ -57,23 +74,67 @@ class Finding:
     remedy: str = ""
 
 
+@dataclasses.dataclass(frozen=True)
+class FoundExtension:
+    """An extension that is installed.
+
+    Attributes
+    ----------
+    distribution
+        Name and version of the distribution that brings it.
+    missing
+        Packages that it needs and that are not installed, by their names in pip.
+    remedy
+        Command that installs them; empty if none is missing.
+    """
+
+    name: str
+    title: str
+    distribution: str
+    missing: tuple[str, ...] = ()
+    remedy: str = ""
+
+
 def doctor(options: argparse.Namespace) -> int:
     """Execute ``granwave doctor``; return the exit status."""
     findings = examine(options.profile)
     works = all(finding.works for finding in findings)
+    found = found_extensions()
     if options.json:
-        print_json({"works": works, "parts": [dataclasses.asdict(finding) for finding in findings]})
+        parts = [dataclasses.asdict(finding) for finding in findings]
+        listed = [dataclasses.asdict(extension) for extension in found]
+        print_json({"works": works, "parts": parts, "extensions": listed})
         return 0 if works else 1
+    ok = coloured("ok  ", GREEN, sys.stdout)
     for finding in findings:
-        state = (
-            coloured("ok  ", GREEN, sys.stdout)
-            if finding.works
-            else coloured("FAIL", RED, sys.stdout)
-        )
+        state = ok if finding.works else coloured("FAIL", RED, sys.stdout)
         print(f"{state}  {finding.part}: {finding.found}")
         if not finding.works:
             print(f"      mend: {finding.remedy}")
+    for extension in found:
+        state = coloured("lack", YELLOW, sys.stdout) if extension.missing else ok
+        title = f"{extension.title} ({extension.distribution})"
+        print(f"{state}  extension {extension.name}: {title}")
+        if extension.missing:
+            packages = ", ".join(extension.missing)
+            print(f"      some of it needs {packages}: {extension.remedy}")
     return 0 if works else 1
+
+
+def found_extensions() -> list[FoundExtension]:
+    """Return the extensions that are installed and not left out, by name."""
+    return [_found(extension) for extension in extensions()]
+
+
+def _found(extension: Extension) -> FoundExtension:
+    packages = extension.packages.items()
+    missing = dict.fromkeys(pip for name, pip in packages if find_spec(name) is None)
+    remedy = ""
+    if missing:
+        remedy = install_command(extension)
+    return FoundExtension(
+        extension.name, extension.title, distribution_of(extension), tuple(missing), remedy
+    )
 
 
 def examine(profile: Path | None = None) -> list[Finding]:

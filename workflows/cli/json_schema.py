@@ -16,30 +16,30 @@ from typing import Any
 from granwave import __version__
 from granwave.lammps_inputs.case.case import OPTIONAL, RECORD
 from granwave.lammps_inputs.case.material import MATERIAL, MATERIALS
-from granwave.workflows.cli.keys import CASE, FILES, TITLES, Key, KeyTable, tables
+from granwave.workflows.cli.keys import Key, KeyTable, tables
+from granwave.workflows.file_kinds import CASE_FILE, FileKind, file_kinds
 
 DIALECT = "https://json-schema.org/draft/2020-12/schema"
-_MAY_BE_MISSING = (*OPTIONAL, "partner", "ranks", "uncertainty", "search", "slurm")
-#: Required keys that something else may give: a preset, the first sphere, the table of grains.
-_NOT_ALWAYS = re.compile(r"(material|partner)\..*|packing\.(size|diameter)")
+#: Required keys that something else may give: a preset, the table of grains.
+_NOT_ALWAYS = re.compile(r"material\..*|packing\.(size|diameter)")
 
 Schema = dict[str, Any]
 
 
 @cache
 def schema_of(file: str) -> Schema:
-    """Return the JSON Schema of a kind of files, one of `granwave.workflows.cli.keys.FILES`."""
-    assert file in FILES
+    """Return the JSON Schema of a kind of files by its name."""
+    (kind,) = (kind for kind in file_kinds() if kind.name == file)
     own = {table.name: table for table in tables() if table.file == file}
-    root = _object(own.get(file))
+    root = _object(own.get(file), kind)
     for name, table in own.items():
         if table.heading and "." not in name and name not in root["properties"]:
-            _put(root, table)
+            _put(root, table, kind)
     if "material" in root["properties"]:
         of_case = next(table for table in tables() if table.name == "material")
-        root["$defs"] = {"material": _object(own.get("material", of_case))}
+        root["$defs"] = {"material": _object(own.get("material", of_case), kind)}
         root["properties"]["material"] = {"description": MATERIAL.expected, **MATERIAL.json}
-    if file == CASE:
+    if kind == CASE_FILE:
         root["properties"][MATERIALS] = {
             "type": "object",
             "additionalProperties": {"$ref": "#/$defs/material"},
@@ -51,27 +51,30 @@ def schema_of(file: str) -> Schema:
     return {
         "$schema": DIALECT,
         "$comment": f"granwave {__version__}",
-        "title": TITLES[file],
+        "title": kind.title,
         **root,
     }
 
 
-def _put(root: Schema, table: KeyTable) -> None:
+def _put(root: Schema, table: KeyTable, kind: FileKind) -> None:
     """Enter a table; those in it are in the types of its keys."""
-    made = _object(table)
+    made = _object(table, kind)
+    may_be_missing = (*OPTIONAL, *kind.may_be_missing)
     if table.heading.startswith("[["):
         made = {"type": "array", "items": made, "description": table.description}
-    elif made.get("required") and table.name not in _MAY_BE_MISSING:
+    elif made.get("required") and table.name not in may_be_missing:
         root.setdefault("required", []).append(table.name)
     root["properties"][table.name] = made
 
 
-def _object(table: KeyTable | None) -> Schema:
+def _object(table: KeyTable | None, kind: FileKind) -> Schema:
     found: Schema = {"type": "object", "additionalProperties": False, "properties": {}}
     if table is None:
         return found
     found["description"] = table.description
     found["properties"] = {key.name: _of_key(key) for key in table.keys}
+    if table.name in kind.given_elsewhere:
+        return found
     required = [
         key.name
         for key in table.keys

@@ -2,7 +2,7 @@
 
 ``granwave keys`` prints it, and the site of the documents shows it. Description, unit and default
 are those of the field, the accepted values are the words of its validator, and the examples stand
-in `key_examples.toml`.
+in `key_examples.toml` here and in the folders of extensions.
 """
 
 from __future__ import annotations
@@ -17,14 +17,9 @@ import tomllib
 from collections.abc import Mapping, Sequence
 from functools import cache
 from importlib import resources
+from pathlib import Path
 from typing import Any
 
-from granwave.extensions.continuum.punch.case import ContinuumCase
-from granwave.extensions.continuum.sphere_contact.case import Partner, SphereContactCase
-from granwave.extensions.design.search.problem import DESIGN_TABLES
-from granwave.extensions.inference.forces.case import InferCase
-from granwave.lammps_inputs.case.case import TABLES, CaseHead
-from granwave.lammps_inputs.case.contact import Pair
 from granwave.lammps_inputs.case.hints import Usual, hint_for, plain
 from granwave.lammps_inputs.case.schema import (
     REQUIRED,
@@ -34,24 +29,12 @@ from granwave.lammps_inputs.case.schema import (
     show,
 )
 from granwave.lammps_inputs.errors import InputError
-from granwave.workflows.cli.arguments import FILE_KINDS
+from granwave.lammps_inputs.extensions import extensions, load
+from granwave.workflows.cli.key_sections import CONTACT, PAIR, case_sections
 from granwave.workflows.cli.terminal import BOLD, coloured
-from granwave.workflows.scanning.header import RanksBySize, ScanHeader
-from granwave.workflows.scanning.slurm import Profile
-from granwave.workflows.scanning.suite import SuiteFile
+from granwave.workflows.file_kinds import file_kinds
 
-CASE, CONTINUUM, SPHERE_CONTACT, SCAN, SUITE, PROFILE, INFERENCE, DESIGN = FILES = FILE_KINDS
-#: What each kind of file is, and the command that reads it.
-TITLES = {
-    CASE: "Case files (granwave run)",
-    CONTINUUM: "Continuum cases (granwave continuum)",
-    SPHERE_CONTACT: "Cases of the contact of two spheres (granwave continuum)",
-    SCAN: "Scan files (granwave scan)",
-    SUITE: "Suites of scans (granwave scan)",
-    PROFILE: "Profiles of a cluster (granwave scan --profile)",
-    INFERENCE: "Cases of inferred forces (granwave infer --case)",
-    DESIGN: "Searches for a design (granwave design)",
-}
+_EXAMPLES = "key_examples.toml"
 _NOT_OF_A_PAIR = ("initial_overlap",)
 
 
@@ -94,7 +77,7 @@ class KeyTable:
     Attributes
     ----------
     file
-        Kind of the file, one of `FILES`.
+        Name of the `granwave.workflows.file_kinds.FileKind`.
     name
         Its dotted name; that of the kind of file for the keys above all tables.
     heading
@@ -108,34 +91,21 @@ class KeyTable:
     keys: tuple[Key, ...]
 
 
-_HEAD = "name, material and the tables below"
-
-
 @cache
 def tables() -> tuple[KeyTable, ...]:
     """Return all tables of all kinds of files."""
-    elements = {CONTINUUM: ContinuumCase.SECTIONS, SPHERE_CONTACT: SphereContactCase.SECTIONS}
-    found = [_of_section(CASE, "", CaseHead, _HEAD)]
-    found += [_of_section(CASE, heading, section) for heading, section in TABLES.items()]
-    found.append(_pair())
-    for file, sections in elements.items():
-        found.append(_of_section(file, "", CaseHead, _HEAD))
-        found += _of_sections(file, sections)
-    found.append(_of_section(SPHERE_CONTACT, "[partner]", Partner))
-    found.append(_of_section(SCAN, "", ScanHeader, "top-level keys and the tables of what varies"))
-    found.append(_of_section(SCAN, "[ranks]", RanksBySize))
-    found.append(_of_section(SUITE, "", SuiteFile))
-    how = "how the cluster is used; every key may be left out"
-    found.append(_of_section(PROFILE, "[slurm]", Profile, how))
-    found += _of_sections(INFERENCE, InferCase.SECTIONS)
-    for heading, (section, what) in DESIGN_TABLES.items():
-        found.append(_of_section(DESIGN, heading, section, what))
+    found = []
+    for kind in file_kinds():
+        sections = load(kind.sections)()
+        for heading, (section, what) in sections.items():
+            table = _of_section(kind.name, heading, section, what)
+            found.append(_with_contact(table) if heading == PAIR else table)
     return tuple(found)
 
 
-def _of_sections(file: str, sections: Mapping[str, type]) -> list[KeyTable]:
-    """Return the tables of sections by name."""
-    return [_of_section(file, f"[{name}]", section) for name, section in sections.items()]
+def titles() -> dict[str, str]:
+    """Return the heading of each kind of files by its name."""
+    return {kind.name: kind.title for kind in file_kinds()}
 
 
 def find(*words: str) -> list[KeyTable]:
@@ -177,13 +147,13 @@ def overview() -> str:
     """Return a list of all tables, by kind of file."""
     width = max(len(table.name) for table in tables())
     parts = []
-    for file in FILES:
+    for file, title in titles().items():
         rows = [
             f"  {table.name:{width}}  {table.description}"
             for table in tables()
             if table.file == file
         ]
-        parts.append("\n".join([TITLES[file], *rows]))
+        parts.append("\n".join([title, *rows]))
     parts.append(
         "granwave keys TABLE lists the keys of a table, TABLE.KEY one of them, WORD those in which it stands."
     )
@@ -193,7 +163,7 @@ def overview() -> str:
 def as_text(table: KeyTable) -> str:
     """Return a table and its keys for the terminal."""
     heading = coloured(table.heading or "top level", BOLD, sys.stdout)
-    lines = [f"{heading}  {table.description}  ({TITLES[table.file]})"]
+    lines = [f"{heading}  {table.description}  ({titles()[table.file]})"]
     for key in table.keys:
         title = "  ".join(
             filter(None, [coloured(key.name, BOLD, sys.stdout), key.unit, state(key)])
@@ -247,20 +217,19 @@ def _default_of(field: dataclasses.Field[Any]) -> str:
 def _table(file: str, heading: str, description: str, found: Sequence[Key]) -> KeyTable:
     """Return a table with an example of each key; where none is given it is the default."""
     name = heading.strip("[]") or file
-    given = _examples()[file].get(name, {})
+    given = _examples().get(file, {}).get(name, {})
     shown = {key.name: key.example or key.default for key in found}
     shown |= {key.name: _written(given[key.name]) for key in found if key.name in given}
     keys = (dataclasses.replace(key, example=f"{key.name} = {shown[key.name]}") for key in found)
     return KeyTable(file, name, heading, description, tuple(keys))
 
 
-def _pair() -> KeyTable:
-    """Return the table ``[[pair]]``: materials and keys of ``[contact]``."""
-    contact = _of_section(CASE, "[contact]", TABLES["[contact]"])
-    own = _of_section(CASE, "[[pair]]", Pair)
+def _with_contact(pair: KeyTable) -> KeyTable:
+    """Return the table ``[[pair]]`` with the keys that it has in common with ``[contact]``."""
+    contact = _of_section(pair.file, CONTACT, case_sections()[CONTACT][0])
     of_contact = (key for key in contact.keys if key.name not in _NOT_OF_A_PAIR)
     taken = (dataclasses.replace(key, default="that of [contact]") for key in of_contact)
-    return dataclasses.replace(own, keys=(*own.keys, *taken))
+    return dataclasses.replace(pair, keys=(*pair.keys, *taken))
 
 
 def _written(value: Any) -> str:
@@ -304,8 +273,16 @@ def _first_line(section: type) -> str:
 
 @cache
 def _examples() -> dict[str, dict[str, dict[str, Any]]]:
-    file = resources.files("granwave.workflows.cli") / "key_examples.toml"
-    return tomllib.loads(file.read_text(encoding="utf-8"))
+    """Return the examples by kind of file, table and key, with those of extensions."""
+    # the package is always unpacked on disk: it holds a shared library
+    folders = [Path(str(resources.files("granwave.workflows.cli")))]
+    folders += [one.folder for one in extensions() if one.folder is not None]
+    examples: dict[str, dict[str, dict[str, Any]]] = {}
+    for folder in reversed(folders):
+        file = folder / _EXAMPLES
+        if file.is_file():
+            examples |= tomllib.loads(file.read_text(encoding="utf-8"))
+    return examples
 
 
 def _hint(wanted: str) -> str:

@@ -18,6 +18,7 @@ from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.schema import printable
 from granwave.lammps_inputs.errors import GranwaveError, InputError
+from granwave.lammps_inputs.extensions import missing_package
 from granwave.lammps_inputs.files import DISK_IS_FULL
 from granwave.lammps_inputs.interrupts import stop_signals
 from granwave.workflows.cli.parser import WRONG_INPUT, make_parser
@@ -47,7 +48,11 @@ def main(arguments: Sequence[str] | None = None) -> int:
         complete(make_parser())
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_output()
-    options = make_parser().parse_args(words)
+    try:
+        parser = make_parser()
+    except InputError as error:  # of extensions
+        return _report([line_of(item) for item in error.items], WRONG_INPUT)
+    options = parser.parse_args(words)
     _set_up_logging()
     if os.path.lexists("matplotlibrc"):  # of other programs; read, it could stop us
         with contextlib.chdir(os.sep):
@@ -75,6 +80,8 @@ def main(arguments: Sequence[str] | None = None) -> int:
     except MemoryError as error:
         return _report([not_enough_memory(str(error) or "none left")], FAILED)
     except ImportError as error:
+        if isinstance(error, ModuleNotFoundError) and (missing := missing_package(error)):
+            return _report([missing], WRONG_INPUT)
         if any(words in str(error) for words in _NO_ROOM_FOR_LIBRARY):
             return _report([not_enough_memory(str(error))], FAILED)
         raise

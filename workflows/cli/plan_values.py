@@ -10,17 +10,19 @@ from typing import Any
 import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
+from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.law import viscous_loss
-from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
+from granwave.lammps_inputs.packing.found_contacts import period_of
 from granwave.lammps_inputs.packing.motion import struck_site, written_in_parts
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.lammps_inputs.planning.cost import ANALYSED_AT_ONCE
 from granwave.lammps_inputs.planning.encounters import encounters
 from granwave.lammps_inputs.planning.plan import Plan
+from granwave.workflows.cli.grain_file_values import grain_file_values
 
-_MOST_GAPS = 3
 _LARGEST_OF_LAW = 0.2  # overlap over R* where the contact law ends
 
 
@@ -83,6 +85,32 @@ def _struck(assembly: Assembly) -> dict[str, Any] | None:
     }
 
 
+def _contacts_found(case: Case) -> dict[str, Any] | None:
+    """Return what each way of ``packing.contacts`` would do with grains of a file; None if there
+    are none, or if all of them just touch.
+    """
+    packing = case.packing
+    if packing.grains is None:
+        return None
+    grains = packing.grains.found or packing.grains
+    advice = advice_on(case, grains, period_of(packing, case.boundary))
+    if packing.contacts is None and not advice.n_overlapping:
+        return None
+    return {
+        "way": packing.contacts,
+        "last_place_m": advice.last_place,
+        "tolerance_m": advice.tolerance,
+        "n_within": advice.n_within,
+        "n_beyond": advice.n_beyond,
+        "n_overlapping": advice.n_overlapping,
+        "largest_overlap_m": advice.largest_overlap,
+        "touch_moves_m": advice.moved,
+        "touch_leaves_m": advice.remaining,
+        "largest_force_N": advice.largest_force,
+        "choices": advice.choices,
+    }
+
+
 def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     case = assembly.case
@@ -126,6 +154,8 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "n_cylinders": assembly.n_cylinders,
         "n_contacts": plan.n_contacts,
         "coordination": coordination,
+        "packing_file": grain_file_values(assembly),
+        "contacts_found": _contacts_found(case),
         "precompression": None
         if stage is None
         else {
@@ -178,46 +208,4 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
             "reaches": list(zone.reaches),
             "may_reach": list(zone.may_reach),
         },
-    }
-
-
-def small_waves(assembly: Assembly) -> dict[str, Any] | None:
-    """Return the small waves of a chain that repeats and bears a static force; None for other
-    packings.
-
-    The bands of the endless chain tell them; a finite one, with other spheres in it, has none of
-    its own. Values are the cut-off, the lowest gaps below it, the speed of long waves, their way
-    from end to end, and for each frequency of the load if it passes; units are part of the names.
-    """
-    case = assembly.case
-    if case.precompression is None or not case.packing.rule.is_chain:
-        return None
-    from granwave.extensions.waves.spectra.band_structure import (
-        band_structure,
-    )  # takes longer to load than a plan to make
-
-    try:
-        found = band_structure(assembly)
-    except InputError:  # no chain that repeats, or nothing bears the load
-        return None
-    highest = float(np.nanmax(found.bands.frequency))
-    inside = [(gap.low, gap.high) for gap in found.gaps if gap.below and np.isfinite(gap.high)]
-    low, high = assembly.lattice_bounds()
-    keys = case.load.keys()
-    frequencies = [keys[name] for name in ("frequency", "last_frequency") if keys.get(name)]
-    speed = float(found.speeds[-1]) if len(found.speeds) else None
-    length = float(high[2] - low[2])
-    return {
-        "highest_Hz": highest,
-        "gaps_Hz": [list(gap) for gap in inside[:_MOST_GAPS]],
-        "speed_m_s": speed,
-        "length_m": length,
-        "travel_time_s": None if speed is None else length / speed,
-        "load": [
-            {
-                "frequency_Hz": one,
-                "passes": not (one > highest or any(a < one < b for a, b in inside)),
-            }
-            for one in frequencies
-        ],
     }

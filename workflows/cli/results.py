@@ -1,21 +1,16 @@
-"""Commands that show finished runs: reports, figures, films, pages and exports; each returns the
-exit status.
-"""
+"""Commands that show finished runs: reports, figures and exports; each returns the exit status."""
 
 from __future__ import annotations
 
 import argparse
 import contextlib
 import dataclasses
-import sys
-import time
 import tomllib
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from granwave.analysis.formatting.numbers import duration
-from granwave.lammps_inputs.case.run import FIGURE_NAMES, NO_NORMAL, Figures
+from granwave.lammps_inputs.case.run import NO_NORMAL, Figures, figure_names
 from granwave.lammps_inputs.case.schema import (
     ValidationError,
     declared_fields,
@@ -26,11 +21,8 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import EXPORT_DIRECTORY
-from granwave.workflows.cli.parser import FIGURE_KEYS, FILM_KEYS
+from granwave.workflows.cli.commands import FIGURE_KEYS
 from granwave.workflows.run.directory import held
-
-_MEASURED = 10  # pictures of a film after which the time of the rest is known
-_WORTH_SAYING = 5.0  # s
 
 
 @contextlib.contextmanager
@@ -77,10 +69,10 @@ def figures(options: argparse.Namespace) -> int:
     from granwave.analysis.figures.side_by_side import USUAL_FIGURES, helpers
 
     wanted = options.only
-    if unknown := [name for name in wanted or () if name not in FIGURE_NAMES]:
+    if unknown := [name for name in wanted or () if name not in figure_names()]:
         hint = (
-            did_you_mean(unknown[0], FIGURE_NAMES)
-            or f", expected some of {', '.join(FIGURE_NAMES)}"
+            did_you_mean(unknown[0], figure_names())
+            or f", expected some of {', '.join(figure_names())}"
         )
         raise InputError(f"--only: found {unknown[0]}{hint}")
     results = ResultDirectory(existing(options.directory))
@@ -115,62 +107,7 @@ def figures(options: argparse.Namespace) -> int:
     return 0
 
 
-def film(options: argparse.Namespace) -> int:
-    """Execute ``granwave film``."""
-    from tqdm import tqdm
-
-    from granwave.analysis.result.reader import Result
-    from granwave.extensions.pictures.films import size_of, write_film
-
-    with tqdm(desc="film", unit="picture", disable=None, leave=False) as bar:
-        started = list[float]()
-
-        def report(done: int, of: int) -> None:
-            bar.total = of
-            bar.update(done - bar.n)
-            if done == 1:  # after which they take as long as each other
-                started.append(time.monotonic())
-            elif done == _MEASURED:
-                rest = (of - done) * (time.monotonic() - started[0]) / (done - 1)
-                if rest > _WORTH_SAYING:
-                    bar.write(f"film: {of} pictures, about {duration(rest)} to go", sys.stderr)
-
-        chosen = {name: getattr(options, name) for name in ("quantity", "view", "width", "rate")}
-        size = None if options.size is None else size_of(options.size)
-        if options.plane is not None and options.view is None:
-            chosen["view"] = "section"
-        with as_wrong_input():
-            with Result(options.directory) as result:
-                colours = apply_options(options, result.figure_options, *FILM_KEYS)
-            path = write_film(
-                options.directory,
-                options.output,
-                progress=report,
-                size=size,
-                options=colours,
-                **chosen,
-            )
-    print(path)
-    return 0
-
-
-def view(options: argparse.Namespace) -> int:
-    """Execute ``granwave view``."""
-    from granwave.extensions.pictures.view.page import MOST_SPHERES, write_view
-
-    spheres = sys.maxsize if options.all else options.spheres or MOST_SPHERES
-    frames = sys.maxsize if options.all and options.frames is None else options.frames
-    results = ResultDirectory(existing(options.directory))
-    with held(results, way=""), as_wrong_input():
-        page = write_view(results, options.output, spheres=spheres, frames=frames)
-    print(page.path)
-    print(f"{page.size / 1e6:.1f} MB, {page.n_spheres} {page.called}, {page.n_frames} snapshots")
-    if page.note:
-        print(f"granwave: {page.note}; --all shows all", file=sys.stderr)
-    return 0
-
-
-# ---------------------------------------------------------------------- options of figures and films
+# ---------------------------------------------------------------------- options of figures
 
 
 def apply_options(options: argparse.Namespace, given: Figures, *names: str) -> Figures:

@@ -1,5 +1,5 @@
-"""Commands that run cases: ``granwave run``, ``continuum``, ``write`` and ``analyse``; each returns
-the exit status.
+"""Commands that run packings: ``granwave run``, ``write`` and ``analyse``; each returns the exit
+status.
 """
 
 from __future__ import annotations
@@ -17,7 +17,6 @@ from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import read_deck, write_deck
 from granwave.lammps_inputs.directories import check_disk, results_directory
-from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import Assembly, assemble
 from granwave.lammps_inputs.planning.cost import analysing_ranks, expected_deck
 from granwave.lammps_inputs.planning.plan import afford, check_files, plan
@@ -29,7 +28,6 @@ from granwave.workflows.cli.results import as_wrong_input, existing
 from granwave.workflows.cli.terminal import print_json, warn, warn_of_lacks
 from granwave.workflows.run import mpi, record
 from granwave.workflows.run.directory import RunDirectory, decide, held, run_files
-from granwave.workflows.solvers import CONTINUUM, solver_of
 
 _SMALL_DECK = 1e7  # bytes; smaller ones are written whole or not at all without a look at the disk
 
@@ -45,7 +43,7 @@ def run(options: argparse.Namespace) -> int:
     assembly = library.load_assembly(options.case, options.overrides)
     case = assembly.case
     directory = results_directory(options.directory or case.name)
-    how = _how(options)
+    how = how_to_run(options)
     if starts_ranks:
         decide(assembly, RunDirectory(directory), n_ranks=options.ranks, **how)
         words = _without_ranks(options.given)
@@ -64,7 +62,7 @@ def run(options: argparse.Namespace) -> int:
         print_json(summary) if options.json else print(
             f"{summary_table(summary)}\n\nresults in {outcome.directory}"
         )
-        _warn_of_zone(summary)
+        warn_of_zone(summary)
         if beyond := summary.get("contacts_beyond_law"):
             warn(
                 f"{beyond} contacts were pressed beyond 0.2 R*, where the contact law ends; "
@@ -94,7 +92,8 @@ def run(options: argparse.Namespace) -> int:
     return {record.FINISHED: 0, record.INTERRUPTED: 130}.get(outcome.state, 1)
 
 
-def _how(options: argparse.Namespace) -> dict[str, Any]:
+def how_to_run(options: argparse.Namespace) -> dict[str, Any]:
+    """Return the options ``resume``, ``force`` and ``figures`` by name."""
     return {name: getattr(options, name) for name in ("resume", "force", "figures")}
 
 
@@ -107,24 +106,6 @@ def _without_ranks(arguments: Sequence[str]) -> list[str]:
         else:
             kept.append(argument)
     return kept
-
-
-def continuum(options: argparse.Namespace) -> int:
-    """Execute ``granwave continuum``."""
-    path = library.find_for(options.case, CONTINUUM.verb)
-    kind = solver_of(read_toml(path))
-    case = kind.load(path, options.overrides)
-    directory = results_directory(options.directory or case.name)
-    if not options.resume:  # a finished run needs no resources
-        kind.afford(case, kind.cost(case, 1, options.figures), directory)
-    assert kind.run is not None  # of continuum cases
-    with held(ResultDirectory(directory)):
-        summary = kind.run(case, directory, progress=True, **_how(options))
-    print_json(summary) if options.json else print(
-        f"{summary_table(summary, continuum=True)}\n\nresults in {directory}"
-    )
-    _warn_of_zone(summary)
-    return 0
 
 
 def write(options: argparse.Namespace) -> int:
@@ -203,7 +184,7 @@ def analyse(options: argparse.Namespace) -> int:
                 summary = shared(comm, partial(work, assembly=assembly), stop.noticed, most)
     if mpi.is_first():
         print_json(summary) if options.json else print(summary_table(summary))
-        _warn_of_zone(summary)
+        warn_of_zone(summary)
     return 0
 
 
@@ -213,7 +194,7 @@ def _assembly_of(directory: Path) -> Assembly:
         return assemble(read_deck(directory).case)
 
 
-def _warn_of_zone(summary: Mapping[str, Any]) -> None:
-    """Print a warning if the size of the packing or block limits the plastic zone."""
-    if warning := zone_warning(summary):
+def warn_of_zone(summary: Mapping[str, Any], body: str = "packing") -> None:
+    """Print a warning if the size of the packing, or of another body, limits the plastic zone."""
+    if warning := zone_warning(summary, body):
         warn(f"{summary['name']}: {warning}")

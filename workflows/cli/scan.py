@@ -11,7 +11,7 @@ from typing import Any
 
 from granwave.analysis.formatting.numbers import duration
 from granwave.analysis.measures.zone_size import LABELS, bounds_in_words, mark_of
-from granwave.analysis.quantities import SCAN_COLUMNS, Quantity, quantity
+from granwave.analysis.quantities import Quantity, quantity, scan_columns
 from granwave.analysis.scans.keys import means_of
 from granwave.analysis.scans.result import REDUCTION, ScanResult, protects
 from granwave.lammps_inputs.case.schema import did_you_mean
@@ -279,7 +279,7 @@ def outcome_text(outcome: ScanOutcome) -> str:
     )
     shown = [
         one
-        for one in [*asked, *SCAN_COLUMNS]
+        for one in [*asked, *scan_columns()]
         if any(point.summary.get(one.name) is not None for point in points)
     ]
     head = ["", *result.varied, *(one.heading for one in shown), ""]

@@ -13,6 +13,7 @@ Exit status: 0 if every point is done or has failed for good; 1 if some points a
 from __future__ import annotations
 
 import contextlib
+import importlib
 import json
 import os
 import re
@@ -76,10 +77,8 @@ class _Worker:
         os.environ[PROCESSES] = "1"  # other points use the other cores
         if self._unwanted():
             self.stop()
-        elif self.batch["ranks"] == 1 and self.batch["points"][0]["verb"] == GRANULAR.verb:
-            forks.load(figures=self.batch["figures"])
         elif self.batch["ranks"] == 1:
-            import granwave.extensions.continuum.punch.run  # noqa: F401
+            self._load()
         threading.Thread(target=self._watch, daemon=True).start()
         points = self.batch["points"]
         for point in points:
@@ -91,6 +90,14 @@ class _Worker:
                         raise
                     self._halt("")
         return sum(not layout.is_final(self.directory, point["id"]) for point in points)
+
+    def _load(self) -> None:
+        """Load the modules that all points need."""
+        kind = solver_of(self.batch["points"][0]["case"])
+        if kind is GRANULAR:
+            forks.load(figures=self.batch["figures"])
+        for module in kind.modules:
+            importlib.import_module(module)
 
     # ------------------------------------------------------------------ stopping
 

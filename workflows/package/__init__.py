@@ -18,12 +18,14 @@ from granwave._version import __version__ as __version__
 
 TYPE_CHECKING = False
 if TYPE_CHECKING:
+    # for editors; names of our extensions, too: a test holds them to what these give
     from granwave import measures, theory
+    from granwave.extensions.design.python import Designs, design
+    from granwave.extensions.inference.python import InferredForces, infer
+    from granwave.extensions.waves.python import bands, modes, transmission
     from granwave.workflows.python.api import (
         Case,
-        Designs,
         GranwaveError,
-        InferredForces,
         InputError,
         MissingOutputError,
         OutputFormatError,
@@ -32,71 +34,65 @@ if TYPE_CHECKING:
         Run,
         RunError,
         ScanRuns,
-        bands,
         case,
         contact_energy,
         contact_force,
         contact_overlap,
         contact_stiffness,
         contact_yield,
-        design,
-        infer,
         load,
-        modes,
         run,
         scan,
         style,
-        transmission,
     )
 
-_PACKAGES = ("analysis", "lammps_inputs", "plugins", "workflows")
-_MODULES = ("measures", "theory")
-
-__all__ = [
-    "Case",
-    "Designs",
-    "GranwaveError",
-    "InferredForces",
-    "InputError",
-    "MissingOutputError",
-    "OutputFormatError",
-    "Picture",
-    "Row",
-    "Run",
-    "RunError",
-    "ScanRuns",
-    "bands",
-    "case",
-    "contact_energy",
-    "contact_force",
-    "contact_overlap",
-    "contact_stiffness",
-    "contact_yield",
-    "design",
-    "infer",
-    "load",
-    "measures",
-    "modes",
-    "run",
-    "scan",
-    "style",
-    "theory",
-    "transmission",
-]
-
-
-if not TYPE_CHECKING:
+    __all__ = [
+        "Case",
+        "Designs",
+        "GranwaveError",
+        "InferredForces",
+        "InputError",
+        "MissingOutputError",
+        "OutputFormatError",
+        "Picture",
+        "Row",
+        "Run",
+        "RunError",
+        "ScanRuns",
+        "bands",
+        "case",
+        "contact_energy",
+        "contact_force",
+        "contact_overlap",
+        "contact_stiffness",
+        "contact_yield",
+        "design",
+        "infer",
+        "load",
+        "measures",
+        "modes",
+        "run",
+        "scan",
+        "style",
+        "theory",
+        "transmission",
+    ]
+else:
+    _PACKAGES = ("analysis", "extensions", "lammps_inputs", "plugins", "workflows")
+    _MODULES = ("measures", "theory")
 
     def __getattr__(name: str) -> object:
-        # imported on demand: every command starts here, and most need neither numpy nor matplotlib
-        if name not in __all__ and name not in _PACKAGES:
-            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        # imported on demand: every command starts here, and most need neither pandas nor matplotlib
         import importlib
 
         if name in _PACKAGES or name in _MODULES:
             return importlib.import_module(f"granwave.{name}")
-        return getattr(importlib.import_module("granwave.workflows.python.api"), name)
+        if name.startswith("_") and name != "__all__":
+            raise AttributeError(f"module {__name__!r} has no attribute {name!r}")
+        api = importlib.import_module("granwave.workflows.python.api")
+        if name == "__all__":
+            return sorted([*api.public_names(), *_MODULES])
+        return api.object_of(name)
 
-
-def __dir__() -> list[str]:
-    return sorted([*globals(), *__all__, *_PACKAGES])
+    def __dir__() -> list[str]:
+        return sorted([*globals(), *__getattr__("__all__"), *_PACKAGES])

@@ -19,13 +19,12 @@ from granwave.analysis.measures.zone_size import zone_warning
 from granwave.analysis.notebook.load import ScanRuns, load
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.studies.study import Picture, Row
-from granwave.extensions.design.python import Designs, design
-from granwave.extensions.inference.python import InferredForces, infer
-from granwave.extensions.waves.python import bands, modes, transmission
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import GranwaveError, InputError, RunError
+from granwave.lammps_inputs.extensions import added_by_name
+from granwave.lammps_inputs.extensions import load as load_reference
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows.python.contacts import (
@@ -51,9 +50,7 @@ from granwave.workflows.solvers import GRANULAR
 
 __all__ = [
     "Case",
-    "Designs",
     "GranwaveError",
-    "InferredForces",
     "InputError",
     "MissingOutputError",
     "OutputFormatError",
@@ -62,26 +59,45 @@ __all__ = [
     "Run",
     "RunError",
     "ScanRuns",
-    "bands",
     "case",
     "contact_energy",
     "contact_force",
     "contact_overlap",
     "contact_stiffness",
     "contact_yield",
-    "design",
-    "infer",
     "load",
-    "modes",
     "run",
     "scan",
     "style",
-    "transmission",
 ]
 
 logger = logging.getLogger(__name__)
 
 _STOPPED = "{}: stopped before its end; resume=True goes on"
+
+
+def public_names() -> list[str]:
+    """Return the names of ``import granwave`` that are no modules, with those of extensions."""
+    return sorted({*__all__, *added_by_name("python")})
+
+
+def object_of(name: str) -> Any:
+    """Return the function or the class of a name of ``import granwave``.
+
+    Raises
+    ------
+    AttributeError
+        There is no such name.
+    InputError
+        A package that the extension of this name needs is not installed.
+    """
+    if name in __all__:
+        return globals()[name]
+    references = added_by_name("python")
+    if name not in references:
+        raise AttributeError(f"module 'granwave' has no attribute '{name}'")
+    with words_of_python():
+        return load_reference(references[name])
 
 
 def case(source: CaseLike, changes: Mapping[str, Any] | None = None, /, **keys: Any) -> Case:
@@ -180,7 +196,7 @@ def run(
         if kind.run is not None:
             if ranks > 1:
                 raise InputError(
-                    f"ranks: found {ranks}, expected 1: {found.name} is a continuum case, which has one"
+                    f"ranks: found {ranks}, expected 1: {found.name} is {kind.noun}, which has one"
                 )
             if not resume:
                 kind.afford(found, kind.cost(found, 1, figures), place)
@@ -200,7 +216,9 @@ def run(
                 f"{place}: the energy balance was refused; what was computed is kept, granwave.load shows it"
             )
         loaded = Run(place)
-    if mpi.is_first() and (warning := zone_warning(loaded.summary)):
+    if mpi.is_first() and (
+        warning := zone_warning(loaded.summary, ResultDirectory(place).kind.body)
+    ):
         logger.warning("%s: %s", loaded.name, warning)
     return loaded
 

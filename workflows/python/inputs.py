@@ -8,7 +8,7 @@ import contextlib
 import dataclasses
 import os
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -19,10 +19,12 @@ from granwave.lammps_inputs.case.case import case_keys
 from granwave.lammps_inputs.case.parse import apply_overrides, parse_overrides
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError, InputFault, RunError
+from granwave.lammps_inputs.extensions import missing_package
 from granwave.lammps_inputs.files import read_toml, with_absolute_paths
 from granwave.lammps_inputs.run_directory import CASE_FILE
 from granwave.workflows import library
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, CaseKind, solver_of
+from granwave.workflows.file_kinds import SCAN
+from granwave.workflows.solvers import AnyCase, CaseKind, case_commands, solver_of
 
 CaseLike = str | Path | Mapping[str, Any] | AnyCase
 
@@ -53,7 +55,7 @@ def _tables(source: CaseLike) -> tuple[dict[str, Any], Path]:
     if isinstance(source, Run):
         source = source.directory / CASE_FILE
     if isinstance(source, str | Path):
-        path = library.find_for(str(home(source)), GRANULAR.verb, CONTINUUM.verb)
+        path = library.find_for(str(home(source)), *case_commands())
         return read_toml(path), path
     if isinstance(source, Mapping):
         return with_absolute_paths(plain(source), Path()), _OWN_NAMES["case"]
@@ -151,42 +153,65 @@ def home(path: str | Path) -> str:
     return os.path.expanduser(path)
 
 
-_COMMAND = re.compile(r"\bgranwave (run|scan|continuum|analyse)\b")
 # options of the command line in messages, and of ranks in processes of their own; and what they are
 # called here
 _WORDS = (
     (re.compile(r"--(force|resume)\b"), r"\1=True"),
     (re.compile(r" with -o\b"), " with directory=..."),
     (re.compile(r"--np (\d+)"), r"ranks=\1"),
-    (re.compile(r"--(noise|time|case|repeat)\b"), r"\1"),
-    (re.compile(r"--(frame|position)-(rate|noise)\b"), r"\1_\2"),
 )
 
 
+def _gives_a_command(line: str) -> bool:
+    """Return True if a message gives a command to type that runs a case or a scan, or analyses."""
+    commands = "|".join((*case_commands(), SCAN, "analyse"))
+    return re.search(rf"\bgranwave ({commands})\b", line) is not None
+
+
 @contextlib.contextmanager
-def words_of_python() -> Iterator[None]:
+def words_of_python(*options: str) -> Iterator[None]:
     """Call options in the messages of errors as they are called here; commands to type stay as they
     are.
+
+    Parameters
+    ----------
+    options
+        Further options of the command line, as "frame-rate", whose names here differ by underscores
+        alone.
+
+    Raises
+    ------
+    InputError
+        A package that an extension needs is not installed, or the error was of this class.
     """
     try:
         yield
     except InputError as error:
-        raise InputError(map(_fault_in_python, error.items)) from error.__cause__
+        faults = [_fault_in_python(fault, options) for fault in error.items]
+        raise InputError(faults) from error.__cause__
     except RunError as error:
-        raise RunError(in_python(str(error))) from error.__cause__
+        raise RunError(in_python(str(error), options)) from error.__cause__
+    except ModuleNotFoundError as error:
+        if missing := missing_package(error):
+            raise InputError(missing) from error
+        raise
 
 
-def _fault_in_python(fault: InputFault) -> InputFault:
+def _fault_in_python(fault: InputFault, options: Sequence[str]) -> InputFault:
     """Replace the options of the command line in a fault."""
     if fault.sentence:
-        return dataclasses.replace(fault, sentence=in_python(fault.sentence))
-    return dataclasses.replace(fault, remedy=in_python(fault.remedy))
+        return dataclasses.replace(fault, sentence=in_python(fault.sentence, options))
+    return dataclasses.replace(fault, remedy=in_python(fault.remedy, options))
 
 
-def in_python(line: str) -> str:
-    """Replace the options of the command line in a message, unless it gives a command to type."""
-    if _COMMAND.search(line):
+def in_python(line: str, options: Sequence[str] = ()) -> str:
+    """Replace the options of the command line in a message, unless it gives a command to type;
+    ``options`` as of `words_of_python`.
+    """
+    if _gives_a_command(line):
         return line
     for pattern, word in _WORDS:
         line = pattern.sub(word, line)
+    for option in options:
+        line = re.sub(rf"--{option}\b", option.replace("-", "_"), line)
     return line

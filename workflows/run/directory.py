@@ -18,7 +18,7 @@ from granwave import __version__
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.lammps_inputs import run_directory as files
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.case.run import FIGURE_NAMES
+from granwave.lammps_inputs.case.run import figure_names
 from granwave.lammps_inputs.contact.initial_dents import dents_table, earlier_result
 from granwave.lammps_inputs.deck.deck import deck_files
 from granwave.lammps_inputs.errors import InputError, raise_all
@@ -168,10 +168,9 @@ def decide(
     expected = plan(assembly, n_ranks=n_ranks)
     names = run_files(assembly, expected.schedule)
     if figures:
-        names += [files.FILM_FILE.format(case.figures.film)] if case.figures.film != "none" else []
-        names += [files.VIEW_FILE] if case.figures.view else []
+        names += case.figures.products.values()
         if os.path.lexists(results / files.FIGURES_DIRECTORY):
-            names += [file for name in FIGURE_NAMES for file in figure_files(name)]
+            names += [file for name in figure_names() for file in figure_files(name)]
 
     def read(tables: Any) -> dict[str, Any]:
         return _without_figures(stored_case(tables, results / files.CASE_FILE))

@@ -30,7 +30,7 @@ from granwave.workflows import library
 from granwave.workflows.run.progress import Progress, each_warning_once
 from granwave.workflows.run.record import versions
 from granwave.workflows.scanning.header import ScanHeader, flat, studies_beside, variations_of
-from granwave.workflows.solvers import CONTINUUM, GRANULAR, AnyCase, CaseKind, Cost, solver_of
+from granwave.workflows.solvers import AnyCase, CaseKind, Cost, case_commands, solver_of
 
 _LOG = logging.getLogger("granwave")
 
@@ -316,7 +316,7 @@ def _check_fixed(
 def _template_of(path: Path, header: ScanHeader) -> Mapping[str, Any]:
     """Read the case that a scan varies."""
     try:
-        base = library.find_for(header.case, GRANULAR.verb, CONTINUUM.verb, directory=path.parent)
+        base = library.find_for(header.case, *case_commands(), directory=path.parent)
     except InputError as error:
         raise InputError(item.inside(f"{path}: case") for item in error.items) from None
     except OSError as error:

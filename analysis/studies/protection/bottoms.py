@@ -15,18 +15,25 @@ from granwave.analysis.studies.protection.runs import TargetRun, impacts, names,
 from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture
 
-_MOST = 12  # curves of a figure
+_MOST = 12  # largest number of curves in a figure
 _STYLES = tuple(product(("-", "--", ":"), ("black", BLUE, ORANGE, GREEN, PURPLE, SKY, GREY)))
 _MICRO = 1e6
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
     """Packings of the height with most bottoms, two at least, for each impact."""
-    found = (
-        _one_height([run for run in group if run.assembly.lattice.n_spheres > 1])
-        for group in impacts(runs)
-    )
-    return [chosen for chosen in found if len({run.bottom for run in chosen}) > 1]
+    groups = []
+    for impact in impacts(runs):
+        packings = [run for run in impact if run.assembly.lattice.n_spheres > 1]
+        group = _one_height(packings)
+        if _n_bottoms(group) > 1:
+            groups.append(group)
+    return groups
+
+
+def _n_bottoms(runs: Sequence[TargetRun]) -> int:
+    """Number of different bottoms."""
+    return len({run.bottom for run in runs})
 
 
 def title(runs: Sequence[TargetRun]) -> str:
@@ -55,12 +62,14 @@ def pictures(runs: Sequence[TargetRun]) -> Iterator[Picture]:
     figure, *stack = panels(5.6, rows=3, width=4.6, sharex=True)
     columns: dict[str, Array] = {}
     for run, name, (line, colour) in zip(plain, names(plain), _STYLES, strict=False):
-        word, reached, (ledger, energy) = column_name(name), run.reached, run.energy
-        columns |= {f"{word}_time_s": reached.time, f"{word}_energy_time_s": ledger}
+        word = column_name(name)
+        reached = run.reached
+        energy_time, energy = run.energy
+        columns |= {f"{word}_time_s": reached.time, f"{word}_energy_time_s": energy_time}
         shown = (
             ("Force (N)", reached.time, reached.force, 1.0, "force_N"),
             ("Impulse (mN s)", reached.time, reached.impulse, 1e-3, "impulse_Ns"),
-            ("Energy (mJ)", ledger, energy, 1e-3, "energy_J"),
+            ("Energy (mJ)", energy_time, energy, 1e-3, "energy_J"),
         )
         for axes, (label, time, values, unit, column) in zip(stack, shown, strict=True):
             axes.plot(_MICRO * time, values / unit, line, color=colour, linewidth=1.0, label=name)
@@ -82,11 +91,11 @@ def verdict(runs: Sequence[TargetRun]) -> Iterator[str]:
 
 
 def _one_height(runs: Sequence[TargetRun]) -> list[TargetRun]:
-    heights = {run.layers for run in runs}
-    best = max(
-        heights, key=lambda n: (len({run.bottom for run in runs if run.layers == n}), n), default=0
-    )
-    return [run for run in runs if run.layers == best]
+    """Runs of the height with most bottoms, the largest of several."""
+    groups: dict[int, list[TargetRun]] = {}
+    for run in runs:
+        groups.setdefault(run.layers, []).append(run)
+    return max(groups.values(), key=lambda group: (_n_bottoms(group), group[0].layers), default=[])
 
 
 def _layers(runs: Sequence[TargetRun]) -> str:

@@ -1,10 +1,11 @@
-"""Closed forms beside runs of the simplest packing, a single elastic sphere, on every kind of
-target.
+"""Closed forms compared with runs of a single elastic sphere, the simplest packing, on every kind
+of target.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
+from itertools import chain
 
 from granwave.analysis.measures.target_theory import HertzImpact, after_impulse
 from granwave.analysis.studies.protection.runs import TargetRun, impacts, names
@@ -19,17 +20,22 @@ TEXT = (
 )
 _MICRO = 1e6
 _MILLI = 1e3
+_SHORT = 20.0  # period of a plate / contact time above which an impact is short
+_SLOW = 0.2  # period of a plate / contact time below which an impact is slow
+_SLIGHT = 0.005  # momentum of the sphere / momentum of an impedance that hardly gives way
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[TargetRun]]:
-    """Elastic spheres that hit a target with no packing between, for each impact."""
+    """Elastic spheres that hit a target without a packing, for each impact."""
     elastic = [
         run for run in runs if run.case.contact.law == "hertz" and run.case.load.gives_velocity
     ]
-    groups = (
-        [run for run in group if run.assembly.lattice.n_spheres == 1] for group in impacts(elastic)
-    )
-    return [alone for alone in groups if alone and rows(alone)]
+    groups = []
+    for impact in impacts(elastic):
+        spheres = [run for run in impact if run.assembly.lattice.n_spheres == 1]
+        if rows(spheres):
+            groups.append(spheres)
+    return groups
 
 
 def title(runs: Sequence[TargetRun]) -> str:
@@ -39,7 +45,9 @@ def title(runs: Sequence[TargetRun]) -> str:
 
 def rows(runs: Sequence[TargetRun]) -> list[Row]:
     """Checks of each bottom against its closed form."""
-    return [row for run, name in zip(runs, names(runs), strict=True) for row in _rows(run, name)]
+    if not runs:
+        return []
+    return list(chain.from_iterable(map(_rows, runs, names(runs))))
 
 
 def _rows(run: TargetRun, name: str) -> Iterator[Row]:
@@ -52,51 +60,43 @@ def _rows(run: TargetRun, name: str) -> Iterator[Row]:
             f"Impulse, {name}", "mN s", _MILLI, run.reached.impulse[-1], (impact.impulse, "2 m v")
         )
     elif run.plate:
-        if expected := plate_displacement(impact, run.plate):
-            yield _row(
-                f"Largest displacement, {name}", "µm", _MICRO, run.displacement.max(), expected
-            )
-    elif expected := energy_into_impedance(impact, run.case.boundary):
-        yield _row(
-            f"Energy at the target, {name}", "mJ", _MILLI, run.value("energy_target_J"), expected
-        )
+        expected = plate_displacement(impact, run.plate)
+        if expected:
+            largest = run.displacement.max()
+            yield _row(f"Largest displacement, {name}", "µm", _MICRO, largest, expected)
+    else:
+        expected = energy_into_impedance(impact, run.case.boundary)
+        if expected:
+            energy = run.value("energy_target_J")
+            yield _row(f"Energy at the target, {name}", "mJ", _MILLI, energy, expected)
 
 
 def _row(
-    quantity: str, unit: str, per_unit: float, ours: float, expected: tuple[float, str]
+    quantity: str, unit: str, per_unit: float, computed: float, expected: tuple[float, str]
 ) -> Row:
     value, theory = expected
-    return Row(quantity, unit, None, float(per_unit * ours), theory, "", per_unit * value, True)
-
-
-_SHORT = 20.0  # periods in contact times from which on an impact is short
-_SLOW = 0.2  # and up to which it is slow
-# of the sphere's momentum over that of a target in the same time: it hardly gives way
-_SLIGHT = 0.005
+    return Row(quantity, unit, None, float(per_unit * computed), theory, "", per_unit * value, True)
 
 
 def plate_displacement(impact: HertzImpact, plate: Plate) -> tuple[float, str] | None:
-    """Largest displacement of an undamped plate, m, and the theory that it is from; None between
-    the two limits.
-    """
+    """Largest displacement of an undamped plate, m, and its theory; None between the two limits."""
     period = plate.period
     if plate.damping:
         return None
     if period > _SHORT * impact.duration:
         impulse = impact.impulse * plate.mass / (plate.mass + impact.mass)
-        return after_impulse(
-            impulse, plate.mass, plate.stiffness
-        ), "impulse 2 v m M/(m + M), then J/(M omega)"
+        displacement = after_impulse(impulse, plate.mass, plate.stiffness)
+        return displacement, "impulse 2 v m M/(m + M), then J/(M omega)"
     if period < _SLOW * impact.duration:
         return impact.on_spring(plate.stiffness) / plate.stiffness, "a spring without mass: F/k"
     return None
 
 
 def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[float, str] | None:
-    """Energy that a bar without an echo, or a half-space, takes, J, and the theory that it is from.
+    """Energy that a bar without an echo, or a half-space, takes, J, and its theory.
 
-    The force is that on a rigid wall as long as the target hardly gives way; None where it does,
-    and of other targets.
+    The force is the force on a rigid wall as long as the target hardly gives way; None where it
+    gives way, and for other targets.
     """
     support = boundary.bottom_support
     material = boundary.bottom_material
@@ -108,9 +108,7 @@ def energy_into_impedance(impact: HertzImpact, boundary: Boundary) -> tuple[floa
     spring, damping = absorber
     if impact.mass > _SLIGHT * (damping + spring * impact.duration) * impact.duration:
         return None
-    how = (
-        "spring and damper under Hertz's force"
-        if spring
-        else "Hertz's force, squared and summed over Z"
-    )
-    return impact.energy_into(spring, damping), how
+    theory = "Hertz's force, squared and summed over Z"
+    if spring:
+        theory = "spring and damper under Hertz's force"
+    return impact.energy_into(spring, damping), theory

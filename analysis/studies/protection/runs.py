@@ -1,5 +1,5 @@
-"""Runs of the same impact on packings of other heights and on other bottoms: what reaches the
-target in each.
+"""Runs of the same impact on packings of different heights and on different bottoms, with the force
+and energy that reach the target.
 """
 
 from __future__ import annotations
@@ -20,9 +20,11 @@ from granwave.analysis.studies.study import numeric, span, table_of
 from granwave.lammps_inputs.case.boundary import SUPPORTS, Plate
 from granwave.lammps_inputs.packing.motion import velocities_of
 
-FEWEST_HEIGHTS = 3  # that make a series of packings on one bottom
-_DIGITS = 4
-#: Numbers of a run: heading and unit, what SI values are multiplied by for it, and the tables: by Height, by Bottom.
+_Z = 2  # component of a velocity towards the target
+FEWEST_HEIGHTS = 3  # smallest number of heights in a series of packings on a bottom
+_DIGITS = 4  # significant digits of values in tables
+#: Values of a run: heading, unit, factor from SI, and the tables that show them: by Height, by
+#: Bottom.
 QUANTITIES: dict[str, tuple[str, str, float, str]] = {
     "packing_height_m": ("Height", "mm", 1e3, "H"),
     "packing_mass_kg": ("Mass", "kg", 1.0, "H"),
@@ -49,20 +51,18 @@ class TargetRun(FinishedRun):
         """A number of the summary, or one of the further `QUANTITIES`; NaN where it does not apply."""
         if name == "largest_of_one_N":
             with Result(self.directory) as result:
-                single = result["wall_contacts/peak_force"][
-                    result["wall_contacts/wall"] == "bottom"
-                ]
-            return float(single.max()) if len(single) else math.nan  # where a layer is held
+                at_bottom = result["wall_contacts/wall"] == "bottom"
+                forces = result["wall_contacts/peak_force"][at_bottom]
+            return float(forces.max()) if len(forces) else math.nan  # none where a layer is held
         if name == "gain_per_kg":
             return (self.value("peak_reduction") - 1) / self.value("packing_mass_kg")
         if name == "impulse_over_momentum":
             return self.value("wall_impulse_Ns") / self.momentum if self.momentum else math.nan
         if name == "energy_over_input":
-            return (
-                float(self.energy[1].max()) / self.value("energy_input_J")
-                if self.moves
-                else math.nan
-            )
+            if not self.moves:
+                return math.nan
+            _, work = self.energy
+            return float(work.max()) / self.value("energy_input_J")
         return super().value(name)
 
     @property
@@ -98,32 +98,34 @@ class TargetRun(FinishedRun):
 
     @property
     def momentum(self) -> float:
-        """Momentum of what hits the packing, towards the target, kg m/s; NaN under a force or a
-        prescribed motion.
+        """Momentum of the impactor towards the target, kg m/s; NaN under a force or a prescribed
+        motion.
         """
         if self.case.load.driven:
             return math.nan
-        moving = velocities_of(self.assembly).items()
+        velocities = velocities_of(self.assembly)
         return sum(
-            self.assembly.mass_of(sphere) * max(velocity[2], 0.0) for sphere, velocity in moving
+            self.assembly.mass_of(sphere) * max(velocity[_Z], 0.0)
+            for sphere, velocity in velocities.items()
         )
 
     @cached_property
     def reached(self) -> Reached:
         """Record of the bottom against time."""
         with Result(self.directory) as result:
-            found = reached(result)
-        assert found is not None  # `impacts` takes no run without a bottom
-        return found
+            arrival = reached(result)
+        assert arrival is not None  # `impacts` takes no run without a bottom
+        return arrival
 
     @cached_property
     def energy(self) -> tuple[Array, Array]:
-        """Times of the ledger, s, and the work on the target by then, J; 0 if it does not move:
-        (n_instants,) each.
+        """Times of the energy balance, s, and the work on the target up to then, J, 0 if it does
+        not move: (n_instants,) each.
         """
         with Result(self.directory) as result:
             time = result["energy/time"]
-            return time, result["energy/target"] if self.moves else np.zeros_like(time)
+            work = result["energy/target"] if self.moves else np.zeros_like(time)
+            return time, work
 
     @property
     def displacement(self) -> Array:
@@ -133,112 +135,106 @@ class TargetRun(FinishedRun):
 
 
 def impacts(runs: Iterable[FinishedRun]) -> list[list[TargetRun]]:
-    """Runs of one impact in which the bottom, the height or friction differs, for each impact.
+    """Group the runs by impact; in a group the bottom, the height or friction differs.
 
-    A group has a bottom that moves, or so many heights on one bottom that they make a series; the
-    runs are in the order of bottoms, friction and layers. Of equal cases the longest run counts.
+    A group has a bottom that moves, or a series of heights on a bottom. Its runs are in the order
+    of bottoms, friction and layers. Of equal cases the longest run counts.
     """
     groups: dict[str, dict[str, TargetRun]] = {}
     for run in runs:
         if run.case.boundary.bottom_rule.bears and not run.assembly.bars:
-            one = run.seen_as(TargetRun)
+            target_run = run.seen_as(TargetRun)
             group = groups.setdefault(_impact(run), {})
-            key = all_but(run.case)
-            if one.value("end_time_s") > group.setdefault(key, one).value("end_time_s"):
-                group[key] = one
+            longest = group.setdefault(all_but(run.case), target_run)
+            if target_run.value("end_time_s") > longest.value("end_time_s"):
+                group[all_but(run.case)] = target_run
     ordered = (sorted(group.values(), key=_order) for group in groups.values())
-    return [
-        runs
-        for runs in ordered
-        if len(runs) > 1 and (any(run.moves for run in runs) or series(runs))
-    ]
+    return [group for group in ordered if len(group) > 1 and _is_comparable(group)]
+
+
+def _is_comparable(runs: Sequence[TargetRun]) -> bool:
+    """Return True if a bottom moves, or the runs have a series of heights."""
+    return any(run.moves for run in runs) or bool(series(runs))
 
 
 def series(runs: Sequence[TargetRun]) -> list[list[TargetRun]]:
-    """Runs that differ in nothing but the height, by rising height; at least `FEWEST_HEIGHTS` of
-    them.
-    """
+    """Series of at least `FEWEST_HEIGHTS` runs that differ only in the height, by rising height."""
     alike: dict[str, list[TargetRun]] = {}
     for run in runs:
         boundary = run.case.to_dict()["boundary"]
-        alike.setdefault(
-            repr((boundary.get("bottom"), boundary.get("friction"), run.friction)), []
-        ).append(run)
-    found = [
-        {run.layers: run for run in reversed(one)} for one in alike.values()
-    ]  # of equal heights the first
-    return [[one[layers] for layers in sorted(one)] for one in found if len(one) >= FEWEST_HEIGHTS]
+        key = repr((boundary.get("bottom"), boundary.get("friction"), run.friction))
+        alike.setdefault(key, []).append(run)
+    by_height = [_by_height(runs) for runs in alike.values()]
+    return [runs for runs in by_height if len(runs) >= FEWEST_HEIGHTS]
+
+
+def _by_height(runs: Sequence[TargetRun]) -> list[TargetRun]:
+    """The first run of each number of layers, by rising height."""
+    first_runs = {run.layers: run for run in reversed(runs)}
+    return [first_runs[layers] for layers in sorted(first_runs)]
 
 
 def names(runs: Sequence[TargetRun]) -> list[str]:
-    """Label each run of a group by what differs: the bottom, and where they differ layers and
-    friction.
-    """
+    """Label each run of a group by its bottom, and by layers and friction if these differ."""
     parts = [[run.bottom for run in runs]]
     if len({run.layers for run in runs}) > 1:
         parts.append([f"{run.layers} layers" for run in runs])
     if len({run.friction for run in runs}) > 1:
         parts.append([f"friction {run.friction:g}" for run in runs])
-    found = [", ".join(words) for words in zip(*parts, strict=True)]
+    labels = [", ".join(words) for words in zip(*parts, strict=True)]
     return [
-        name if found.count(name) == 1 else f"{name} ({found[:n].count(name) + 1})"
-        for n, name in enumerate(found)
+        label if labels.count(label) == 1 else f"{label} ({labels[:n].count(label) + 1})"
+        for n, label in enumerate(labels)
     ]
 
 
 def _impact(run: FinishedRun) -> str:
-    """Text of all of the impact but the bottom, the height and friction."""
+    """Text of all keys of an impact except the bottom, the height and friction."""
     size = run.case.packing.size
     varying = "packing.size", "boundary.bottom", "boundary.friction", "contact.friction"
     return f"{size[:2] if len(size) == 3 else ()} {all_but(run.case, *varying)}"
 
 
 def _order(run: TargetRun) -> tuple:
+    """Order of a run: by bottom, heavy and stiff plates first, then by friction and layers."""
     support = run.case.boundary.bottom_support
     kind = list(SUPPORTS).index(support.kind) + 1 if support else 0
-    mass, stiffness = (run.plate.mass, run.plate.stiffness) if run.plate else (0.0, 0.0)
+    mass = 0.0
+    stiffness = 0.0
+    if run.plate:
+        mass = run.plate.mass
+        stiffness = run.plate.stiffness
     return kind, -mass, -stiffness, run.bottom, run.friction, run.layers
 
 
 def table(caption: str, runs: Sequence[TargetRun], kind: str) -> DocumentTable:
-    """A row for each run: bottom, layers, friction, and the quantities of a kind of table that any
-    of the runs has.
+    """Table with a row for each run: bottom, layers, friction, and the quantities of a kind of
+    table ("H" or "B") that any of the runs has.
     """
-    named = {
-        name: (heading, unit, size)
-        for name, (heading, unit, size, kinds) in QUANTITIES.items()
-        if kind in kinds
-    }
-    shown = {
-        name: entry
-        for name, entry in named.items()
-        if any(math.isfinite(run.value(name)) for run in runs)
-    }
-    heads = (TableColumn("Bottom", key=True), *numeric("Layers", key=True), *numeric("Friction"))
-    rows = [
-        (
-            run.bottom,
-            run.layers,
-            Cell(f"{run.friction:g}", run.friction),
-            *(
-                Cell(f"{value:.{_DIGITS}g}", value)
-                if math.isfinite(value := size * run.value(name))
-                else Cell(BLANK)
-                for name, (_, _, size) in shown.items()
-            ),
-        )
-        for run in runs
-    ]
-    columns = (*heads, *numeric(*((heading, unit) for heading, unit, _ in shown.values())))
-    return table_of(caption, columns, rows, sortable=True)
+    headings = []
+    factors = {}  # of the shown quantities
+    for name, (heading, unit, factor, kinds) in QUANTITIES.items():
+        if kind in kinds and any(math.isfinite(run.value(name)) for run in runs):
+            headings.append((heading, unit))
+            factors[name] = factor
+    keys = (TableColumn("Bottom", key=True), *numeric("Layers", key=True), *numeric("Friction"))
+    rows = []
+    for run in runs:
+        cells = [_cell(factor * run.value(name)) for name, factor in factors.items()]
+        rows.append((run.bottom, run.layers, Cell(f"{run.friction:g}", run.friction), *cells))
+    return table_of(caption, (*keys, *numeric(*headings)), rows, sortable=True)
+
+
+def _cell(value: float) -> Cell:
+    """Cell of a value, blank for NaN."""
+    return Cell(f"{value:.{_DIGITS}g}", value) if math.isfinite(value) else Cell(BLANK)
 
 
 def spans(runs: Sequence[TargetRun], *quantities: str) -> Iterator[str]:
-    """Say between which values quantities lie, and on which bottoms."""
+    """Sentences with the range of each quantity, and the bottoms of its ends."""
     for name in quantities:
-        heading, unit, size, _ = QUANTITIES[name]
-        found = {
-            run.bottom: size * run.value(name) for run in runs if math.isfinite(run.value(name))
-        }
-        if found:
-            yield span(heading, {bottom: exactly(value) for bottom, value in found.items()}, unit)
+        heading, unit, factor, _ = QUANTITIES[name]
+        values = {run.bottom: run.value(name) for run in runs if math.isfinite(run.value(name))}
+        if values:
+            scaled = {bottom: exactly(factor * value) for bottom, value in values.items()}
+            yield span(heading, scaled, unit)

@@ -1,11 +1,10 @@
-"""Shock spectrum of what a packing transmits: how far a plate on a spring moves, against its
-period.
-"""
+"""Shock spectrum of a packing: displacement of a plate on a spring against its period."""
 
 from __future__ import annotations
 
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import numpy as np
 from pandas import DataFrame
@@ -18,7 +17,7 @@ from granwave.analysis.statistics import exactly
 from granwave.analysis.studies.protection.runs import TargetRun, impacts
 from granwave.analysis.studies.runs import FinishedRun, impact_title
 from granwave.analysis.studies.study import Picture, Row, span
-from granwave.lammps_inputs.case.boundary import time_label
+from granwave.lammps_inputs.case.boundary import Plate, time_label
 
 TEXT = (
     "How far a plate on a spring moves below the packing, and without it. The line is an oscillator under the "
@@ -26,94 +25,121 @@ TEXT = (
     "short impulse, J/(M omega), and of a slow force, F/k. Where a plate gives way, less force reaches it than a wall "
     "held in place, and its point lies below the line."
 )
-_FEWEST = 4  # stiffnesses
+_FEWEST = 4  # smallest number of stiffnesses
 _MICRO = 1e6
 _CURVE = 60  # points of the theory
-_BELOW = 0.05  # of the displacement by theory, by which it falls short where a remark says so
-_TURNED = 0.98  # of the run: a displacement that is largest later may still grow
+_BELOW = 0.05  # relative deviation below the theory from which a remark names it
+_TURNED = 0.98  # part of a run: a displacement that is largest later may still grow
 
-#: A packing on a wall of the plates' material, and runs of plates of one mass below it, by rising period: run, plate,
-#: period (s), largest displacement with the packing (m), and without (NaN where it is not known, as of damped plates).
+#: A packing on a wall of the plates' material, and the runs with plates of one mass below it, by
+#: rising period. Columns of the runs: run, plate, period (s), largest displacement with the packing
+#: (m) and without (NaN if it is not known, as for damped plates).
 Spectrum = tuple[TargetRun, DataFrame]
 
 
 def select(runs: Sequence[FinishedRun]) -> list[list[Spectrum]]:
-    """All plates of at least four stiffnesses beside the same packing on a wall of their material,
-    for each impact.
+    """Spectra of plates with at least four stiffnesses, for each impact.
+
+    The same packing was also run on a wall of the plates' material.
     """
-    return [found for group in impacts(runs) if (found := spectra(group))]
+    all_spectra = [spectra(impact) for impact in impacts(runs)]
+    return [spectra_of_impact for spectra_of_impact in all_spectra if spectra_of_impact]
 
 
 def spectra(runs: Sequence[TargetRun]) -> list[Spectrum]:
     """Group the runs by height, friction and mass of the plate."""
-    rows = [
-        {
-            "layers": run.layers, "friction": run.friction, "mass": plate.mass, "damping": plate.damping or 0.0,
-            "run": run, "plate": plate, "period": plate.period, "displacement": run.displacement.max(),
-            "without": run.value("unprotected_ground_peak_force_N") / (math.nan if plate.damping else plate.stiffness),
-        }
-        for run in runs
-        if (plate := run.plate) and run.displacement.argmax() < _TURNED * len(run.displacement)
-    ]  # fmt: skip
-    found = []
-    for (layers, friction, *_), group in DataFrame(rows).groupby(
-        ["layers", "friction", "mass", "damping"] if rows else []
-    ):
-        like = layers, friction, group.run.iloc[0].case.boundary.bottom_material
-        held = [
-            one
-            for one in runs
-            if one.held and (one.layers, one.friction, one.case.boundary.bottom_material) == like
-        ]
-        if held and len(group) >= _FEWEST:
-            found.append((held[0], group.sort_values("period", kind="stable")))
-    return found
+    rows = [_plate_row(run, run.plate) for run in runs if run.plate and _has_turned(run)]
+    if not rows:
+        return []
+    spectra_of_plates = []
+    for _, plates in DataFrame(rows).groupby(["layers", "friction", "mass", "damping"]):
+        held_run = _held_run(runs, plates.run.iloc[0])
+        if held_run is not None and len(plates) >= _FEWEST:
+            spectra_of_plates.append((held_run, plates.sort_values("period", kind="stable")))
+    return spectra_of_plates
 
 
-def title(found: Sequence[Spectrum]) -> str:
+def _has_turned(run: TargetRun) -> bool:
+    """Return True if the target has reached its largest displacement before the end of the run."""
+    return bool(run.displacement.argmax() < _TURNED * len(run.displacement))
+
+
+def _plate_row(run: TargetRun, plate: Plate) -> dict[str, Any]:
+    """Row of a run on a plate."""
+    force = run.value("unprotected_ground_peak_force_N")
+    return {
+        "layers": run.layers,
+        "friction": run.friction,
+        "mass": plate.mass,
+        "damping": plate.damping or 0.0,
+        "run": run,
+        "plate": plate,
+        "period": plate.period,
+        "displacement": run.displacement.max(),
+        "without": math.nan if plate.damping else force / plate.stiffness,
+    }
+
+
+def _held_run(runs: Sequence[TargetRun], plate_run: TargetRun) -> TargetRun | None:
+    """First run of the same packing on a wall of a plate's material; None without one."""
+    material = plate_run.case.boundary.bottom_material
+    for run in runs:
+        is_same_packing = (run.layers, run.friction) == (plate_run.layers, plate_run.friction)
+        if run.held and is_same_packing and run.case.boundary.bottom_material == material:
+            return run
+    return None
+
+
+def title(groups: Sequence[Spectrum]) -> str:
     """Title with packing and impact."""
-    one_height = len({held.layers for held, _ in found}) == 1
-    return (
-        f"Protected target, shock spectrum: {impact_title(found[0][0].assembly, height=one_height)}"
-    )
+    one_height = len({held_run.layers for held_run, _ in groups}) == 1
+    return f"Protected target, shock spectrum: {impact_title(groups[0][0].assembly, height=one_height)}"
 
 
-def rows(found: Sequence[Spectrum]) -> Iterator[Row]:
+def rows(groups: Sequence[Spectrum]) -> Iterator[Row]:
     """The displacement of each plate."""
-    for held, plates in found:
+    for held_run, plates in groups:
         for run in plates.itertuples():
             expected, theory = expected_displacement(
-                held.reached, run.plate, run.run.reached.time[-1]
+                held_run.reached, run.plate, run.run.reached.time[-1]
             )
             below = 1 - run.displacement / expected
-            remark = f"{100 * below:.2g} % below the oscillator: the plate gives way to the force."
-            remark = remark if below > _BELOW else ""
+            remark = ""
+            if below > _BELOW:
+                remark = (
+                    f"{100 * below:.2g} % below the oscillator: the plate gives way to the force."
+                )
             what = f"Largest displacement of the plate, {run.mass:g} kg, {time_label(run.period)}"
             yield Row(
                 what, "µm", None, _MICRO * run.displacement, theory, remark, _MICRO * expected
             )
 
 
-def verdict(found: Sequence[Spectrum]) -> Iterator[str]:
-    """Say which plates the packing helps."""
-    for held, plates in found:
+def verdict(groups: Sequence[Spectrum]) -> Iterator[str]:
+    """Ratio of displacements without and below the packing, with the periods of its ends."""
+    for held_run, plates in groups:
         ratio = plates.without / plates.displacement
         if np.isfinite(ratio).all():
-            what = f"Displacement of a plate of {plates.mass.iloc[0]:g} kg without {held.layers} layers over that below"
-            periods = map("a period of {}".format, map(time_label, plates.period))
+            what = (
+                f"Displacement of a plate of {plates.mass.iloc[0]:g} kg without {held_run.layers} "
+                "layers over that below"
+            )
+            periods = [f"a period of {time_label(period)}" for period in plates.period]
             yield span(what, dict(zip(periods, map(exactly, ratio), strict=True)))
 
 
-def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
+def pictures(groups: Sequence[Spectrum]) -> Iterator[Picture]:
     """Displacement against period, with the theory."""
     figure, axes = panels(4.4, width=4.6)
     label(axes, "Period of the plate (µs)", "Largest displacement (µm)", log="xy")
     columns: dict[str, Array] = {}
-    for (held, plates), colour, marker in zip(found, (BLUE, ORANGE, GREY), "os^", strict=False):
-        friction = f", friction {held.friction:g}" if held.case.has_friction else ""
-        name = f"{plates.mass.iloc[0]:g} kg, {held.layers} layers{friction}"
+    for (held_run, plates), colour, marker in zip(
+        groups, (BLUE, ORANGE, GREY), "os^", strict=False
+    ):
+        friction = f", friction {held_run.friction:g}" if held_run.case.has_friction else ""
+        name = f"{plates.mass.iloc[0]:g} kg, {held_run.layers} layers{friction}"
         period = np.geomspace(plates.period.min(), plates.period.max(), _CURVE)
-        theory = spectrum_curves(held.reached, plates.plate.iloc[0], period)
+        theory = spectrum_curves(held_run.reached, plates.plate.iloc[0], period)
         word = column_name(name)
         columns |= {f"{word}_period_s": plates.period, f"{word}_line_period_s": period}
         for column, x, values, line, called in (
@@ -133,7 +159,7 @@ def pictures(found: Sequence[Spectrum]) -> Iterator[Picture]:
             axes.plot(_MICRO * x, _MICRO * values, line, color=colour, label=called, markersize=4, linewidth=0.9,
                       markerfacecolor=full)  # fmt: skip
             columns[f"{word}_{column}_m"] = values
-    axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in found))
+    axes.set_ylim(0.3 * _MICRO * min(plates.displacement.min() for _, plates in groups))
     legend_outside(figure, 2, fontsize=7)
     caption = (
         "Largest displacement of the plate against its period, with the packing and without, and of an oscillator "

@@ -1,5 +1,7 @@
 # A package of Spack, for a repository of your site's: NAME/packages/py-granwave/package.py
 # (packages/py_granwave from Spack 1 on). What of this was tried: the page "Install".
+# It asks for what the core needs. Packages of single features are installed as they are wanted: py-scikit-fem, py-numba,
+# py-clarabel, py-scikit-learn, py-imageio-ffmpeg, py-k3d, vtk, py-h5netcdf, py-plutoprint.
 from spack.package import *
 
 
@@ -25,20 +27,14 @@ class PyGranwave(PythonPackage):
         depends_on("py-ase@3.23:")
         depends_on("py-numpy@2:")
         depends_on("py-scipy@1.13:")
-        depends_on("py-clarabel@0.9:")
         depends_on("py-h5py@3.11:")
         depends_on("py-mdanalysis@2.8:")
         depends_on("py-matplotlib@3.11:")
         depends_on("py-pandas@2.2.2:")
         depends_on("py-xarray@2024.7:")
         depends_on("py-pillow@10:")
-        depends_on("py-imageio-ffmpeg@0.5:")
-        depends_on("py-k3d@3.2:3")
         depends_on("py-jinja2@3.1:")
         depends_on("py-markupsafe@2:")
-        depends_on("py-plutoprint@0.23:")
-        depends_on("py-scikit-fem@12:")
-        depends_on("py-numba@0.61:")
         depends_on("py-tomli-w@1:")
         depends_on("py-tqdm@4.66:")
         depends_on("py-argcomplete@3.5:")

@@ -152,22 +152,22 @@ def fit_law(
     Raises
     ------
     InputError
-        The curve does not suit the contact, is too short, or gives constants of a law that is not
-        passive.
+        The curve does not suit the contact or is too short, or the law with the fitted constants
+        is not passive.
     """
     published = contact_of(materials, radii)
     _refuse(curve, published, radii)
-    first = (
-        contact_of(_with_yield(materials, _yield_alone(curve, materials, radii)), radii)
-        if fit_yield
-        else published
-    )
-    rows = bearing(curve) & (
-        curve.peak > (BOUNDS[YIELD][0] if fit_yield else 1.0) * first.yield_overlap
-    )
+    first = published
+    least_peak = 1.0  # of fitted rows, relative to first yield
+    if fit_yield:
+        yield_strength = _yield_alone(curve, materials, radii)
+        first = contact_of(_with_yield(materials, yield_strength), radii)
+        least_peak = BOUNDS[YIELD][0]
+    rows = bearing(curve) & (curve.peak > least_peak * first.yield_overlap)
     most = max(1, int(np.count_nonzero(rows)) - _FEWEST - fit_yield)
     names = _known(free) if free is not None else _tellable(curve, first, most)
-    names += [YIELD] * fit_yield
+    if fit_yield:
+        names.append(YIELD)
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
             f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, "
@@ -176,15 +176,13 @@ def fit_law(
     start = first.constants | {YIELD: first.yield_strength}
 
     def law_of(x: Array, checked: bool = False) -> ContactLaw:
-        found = dict(
-            zip(
-                names,
-                (float(v * start[name]) for v, name in zip(x, names, strict=True)),
-                strict=True,
-            )
+        constants = {
+            name: float(factor * start[name]) for name, factor in zip(names, x, strict=True)
+        }
+        strength = constants.pop(YIELD, None)
+        return contact_of(
+            _with_yield(materials, strength), radii, constants=constants, checked=checked
         )
-        strength = found.pop(YIELD, None)
-        return contact_of(_with_yield(materials, strength), radii, constants=found, checked=checked)
 
     scale = residual_scale(curve)[rows]
 
@@ -193,9 +191,8 @@ def fit_law(
         off = (law.force(curve.overlap[rows], curve.peak[rows]) - curve.force[rows]) / scale
         return np.append(np.nan_to_num(off, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE), _healing(law))
 
-    bounds = np.sort(
-        [[1.0 * b if n == YIELD else b / start[n] for b in BOUNDS[n]] for n in names], axis=1
-    )
+    units = {**start, YIELD: 1.0}  # bounds of the yield strength are relative
+    bounds = np.sort([np.array(BOUNDS[name]) / units[name] for name in names], axis=1)
     largest = float(curve.peak.max()) / first.yield_overlap
     search = Search(residuals, bounds, names, np.append(curve.loading[rows], False), largest)
     x = search.best()
@@ -205,9 +202,9 @@ def fit_law(
         raise InputError(
             f"{curve.source}: the constants that fit best make {error}; hold some with --free"
         ) from None
-    held = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
+    at_bound = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
     rho = _neighbours(residuals(x)[:-1], curve.branch[rows])
-    spread = uncertainties(search, x, held) * math.sqrt((1 + rho) / (1 - rho))
+    spread = uncertainties(search, x, at_bound) * math.sqrt((1 + rho) / (1 - rho))
     of_published = _misfit(curve, published).set_index("part").drop(columns="rows")
     return Fit(
         curve=curve,
@@ -217,7 +214,7 @@ def fit_law(
         uncertainty={
             name: float(s * abs(start[name])) for name, s in zip(names, spread, strict=True)
         },
-        at_bound=tuple(name for name, at in zip(names, held, strict=True) if at),
+        at_bound=tuple(name for name, at in zip(names, at_bound, strict=True) if at),
         materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
         radii=tuple(radii),
         correlation=rho,
@@ -232,7 +229,7 @@ def residual_scale(curve: Curve) -> Array:
 
 
 def bearing(curve: Curve) -> NDArray[np.bool_]:
-    """Return True for rows that are fitted: all but those of un- and reloading without force, (n,)."""
+    """Return True for fitted rows: all except un- and reloading without force, (n,)."""
     return curve.loading | (np.abs(curve.force) > _NO_FORCE * _turn_force(curve))
 
 
@@ -254,12 +251,12 @@ def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[fl
     """Return the yield strength that fits best with the published constants, the start of the
     search, Pa.
     """
-    given = contact_of(materials, radii).yield_strength
+    yield_strength = contact_of(materials, radii).yield_strength
     rows = curve.overlap > 0
     scale = residual_scale(curve)
 
     def off(logarithm: float) -> float:
-        law = contact_of(_with_yield(materials, given * math.exp(logarithm)), radii)
+        law = contact_of(_with_yield(materials, yield_strength * math.exp(logarithm)), radii)
         return float(
             np.sum(np.abs((law.force(curve.overlap, curve.peak) - curve.force) / scale)[rows])
         )
@@ -267,7 +264,7 @@ def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[fl
     grid = np.linspace(-_YIELD_SPAN, _YIELD_SPAN, 41)
     best = int(np.argmin([off(x) for x in grid]))
     around = (grid[max(best - 1, 0)], grid[min(best + 1, grid.size - 1)])
-    return given * math.exp(minimize_scalar(off, bounds=around, method="bounded").x)
+    return yield_strength * math.exp(minimize_scalar(off, bounds=around, method="bounded").x)
 
 
 def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
@@ -310,7 +307,7 @@ def _known(free: Sequence[str]) -> list[str]:
 
 
 def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
-    """Return the constants that the curve can determine, ``most`` of them; warnings name the
+    """Return the constants that the curve can determine, at most ``most``; warnings name the
     others.
     """
     overlap = curve.overlap / law.yield_overlap
@@ -319,25 +316,28 @@ def _tellable(curve: Curve, law: ContactLaw, most: int) -> list[str]:
     if np.count_nonzero(curve.loading & (overlap > switch)) >= _FEWEST:
         names += ["area_switch", "area_offset"]
     turns = np.count_nonzero(curve.turns > _SMALL_TURN * law.yield_overlap)
-    names += ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"][
-        : turns + 1 if turns else 0
-    ]
+    if turns:
+        of_unloading = ["unloading_exponent", "residual_offset", "residual_slope", "residual_rate"]
+        names += of_unloading[: turns + 1]
     reasons = {
         "area_": f"fewer than {_FEWEST} rows of loading lie beyond {switch:g} times the overlap of first yield",
         "residual_": f"the curve is unloaded from {turns} overlap{'' if turns == 1 else 's'} only, and three tell all",
         "unloading_": "the curve has no unloading",
     }
-    stay = {why: [name for name in LAW_CONSTANTS if name.startswith(part) and name not in names]
-            for part, why in reasons.items()}  # fmt: skip
-    stay[f"each constant needs a row beyond first yield, and {_FEWEST} more are needed"] = names[
-        most:
-    ]
-    for why, held in stay.items():
-        if held:
-            listed = " and ".join(filter(None, (", ".join(held[:-1]), held[-1])))
-            verb = "stays" if len(held) == 1 else "stay"
-            _LOG.warning("%s: %s %s as published, since %s", curve.source, listed, verb, why)
+    others = [name for name in LAW_CONSTANTS if name not in names]
+    for part, reason in reasons.items():
+        _warn_of_fixed(curve, [name for name in others if name.startswith(part)], reason)
+    reason = f"each constant needs a row beyond first yield, and {_FEWEST} more are needed"
+    _warn_of_fixed(curve, names[most:], reason)
     return [name for name in LAW_CONSTANTS if name in names[:most]]
+
+
+def _warn_of_fixed(curve: Curve, names: Sequence[str], reason: str) -> None:
+    """Warn that constants keep their published values."""
+    if names:
+        listed = " and ".join(filter(None, (", ".join(names[:-1]), names[-1])))
+        verb = "stays" if len(names) == 1 else "stay"
+        _LOG.warning("%s: %s %s as published, since %s", curve.source, listed, verb, reason)
 
 
 def _with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
@@ -358,16 +358,16 @@ def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
     """Return the correlation of residuals of neighbouring rows of a branch; 0 if it is not
     significant.
     """
-    same = branch[1:] == branch[:-1]
+    same_branch = branch[1:] == branch[:-1]
     power = float(np.mean(residuals**2))
-    if not power or np.count_nonzero(same) < 2:
+    if not power or np.count_nonzero(same_branch) < 2:
         return 0.0
-    rho = float(np.mean(residuals[1:][same] * residuals[:-1][same])) / power
-    return min(rho, 0.99) if rho > 2 / math.sqrt(np.count_nonzero(same)) else 0.0
+    rho = float(np.mean(residuals[1:][same_branch] * residuals[:-1][same_branch])) / power
+    return min(rho, 0.99) if rho > 2 / math.sqrt(np.count_nonzero(same_branch)) else 0.0
 
 
 def _misfit(curve: Curve, law: ContactLaw) -> DataFrame:
-    """Return the deviations of a law by part of the curve; overlaps are over that at first yield."""
+    """Return the deviations of a law by part of the curve; overlaps are relative to first yield."""
     off = np.abs(deviation(curve, law))
     peak = curve.peak / law.yield_overlap  # on loading the overlap
     branches = {
@@ -380,9 +380,10 @@ def _misfit(curve: Curve, law: ContactLaw) -> DataFrame:
         for low, high in pairwise(RANGES):
             ends = f"{low:g} to {high:g}" if math.isfinite(high) else f"beyond {low:g}"
             parts[f"  {word}{ends}"] = own & (peak > low) & (peak <= high)
-    there = {part: off[rows] for part, rows in parts.items() if rows.any()}
-    rows = [
-        (part, len(one), float(np.sqrt(np.mean(one**2))), float(one.max()))
-        for part, one in there.items()
-    ]
+    rows = []
+    for part, chosen in parts.items():
+        if chosen.any():
+            errors = off[chosen]
+            rms = float(np.sqrt(np.mean(errors**2)))
+            rows.append((part, len(errors), rms, float(errors.max())))
     return DataFrame(rows, columns=["part", "rows", "rms_percent", "largest_percent"])

@@ -25,12 +25,7 @@ from granwave.analysis.figures.style import (
     style,
     write_csv,
 )
-from granwave.extensions.continuum.law_fit.fit import YIELD, Fit, bearing, deviation
-from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
-from granwave.lammps_inputs.files import replace_text, replacing
-from granwave.lammps_inputs.own_files import AnyPath, figure_files
-from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import (
+from granwave.extensions.continuum.files import (
     FIT,
     FIT_FILES,
     FIT_MISFIT,
@@ -38,6 +33,11 @@ from granwave.lammps_inputs.run_directory import (
     FIT_TABLE,
     FIT_TOML,
 )
+from granwave.extensions.continuum.law_fit.fit import YIELD, Fit, bearing, deviation
+from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
+from granwave.lammps_inputs.files import replace_text, replacing
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
 
 FIGURE = "fit"
 WRITTEN = (*FIT_FILES, *figure_files(FIGURE))
@@ -124,9 +124,9 @@ def fit_toml(fit: Fit) -> str:
         "# Copy [contact] and [material] into a case of your own and run it: granwave run case.toml",
         "# This file is a case too, two such spheres: granwave run fit.toml",
         *(
-            f"# off by {one.rms_percent:.3g} % rms, {one.largest_percent:.3g} % at most: {one.part}"
-            for one in fit.misfit.itertuples()
-            if not one.part.startswith(" ")
+            f"# off by {part.rms_percent:.3g} % rms, {part.largest_percent:.3g} % at most: {part.part}"
+            for part in fit.misfit.itertuples()
+            if not part.part.startswith(" ")
         ),
     ]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:

@@ -118,12 +118,12 @@ class Search:
         if moving.size == 0:
             return 0.0, x
         tolerance = _ROUGH if rough else _FINE
-        found = least_squares(
+        solution = least_squares(
             lambda y: self.residuals(_replaced(x, moving, y))[rows], x[moving], bounds=self.bounds[moving].T,
             loss="huber", f_scale=self.width, x_scale="jac", diff_step=_STEP,
             ftol=tolerance, xtol=tolerance, gtol=1e-14, max_nfev=60 if rough else 200,
         )  # fmt: skip
-        return float(found.cost), _replaced(x, moving, found.x)
+        return float(solution.cost), _replaced(x, moving, solution.x)
 
     def cost(self, x: Array) -> float:
         """Return the cost of values, as in `solve`."""
@@ -143,16 +143,13 @@ def _joints(names: Sequence[str], largest: float) -> list[Array]:
     """Return starts of the search: published values, with several positions of the joint of the two
     area curves.
     """
-    published = PUBLISHED["area_switch"]
-    return [
-        np.array(
-            [joint / published if name in ("area_switch", "area_offset") else 1.0 for name in names]
-        )
-        for joint in np.geomspace(_FIRST_JOINT, max(largest, 2 * _FIRST_JOINT), _JOINTS)
-    ]
+    moves_with_joint = np.array([name in ("area_switch", "area_offset") for name in names])
+    joints = np.geomspace(_FIRST_JOINT, max(largest, 2 * _FIRST_JOINT), _JOINTS)
+    relative = joints / PUBLISHED["area_switch"]
+    return [np.where(moves_with_joint, joint, 1.0) for joint in relative]
 
 
-def uncertainties(search: Search, x: Array, held: Rows) -> Array:
+def uncertainties(search: Search, x: Array, at_bound: Rows) -> Array:
     """Return the standard uncertainties of the values, infinite if undetermined or at a bound:
     (n_values,).
 
@@ -170,15 +167,15 @@ def uncertainties(search: Search, x: Array, held: Rows) -> Array:
         low = _replaced(x, [k], max(x[k] - step, bounds[k, 0]))
         jacobian[:, k] = (residuals(high) - residuals(low)) / (high[k] - low[k])
     spread = np.full(x.size, np.inf)
-    inner = np.flatnonzero(~held)
+    inner = np.flatnonzero(~at_bound)
     variance = float(np.sum(weight * r**2)) / max(r.size - inner.size, 1)
     _, singular, rows = np.linalg.svd(
         np.sqrt(weight)[:, None] * jacobian[:, inner], full_matrices=False
     )
-    known = singular > _SINGULAR * singular.max(initial=0.0)
-    covariance = (rows[known].T / singular[known] ** 2) @ rows[known]
+    determined = singular > _SINGULAR * singular.max(initial=0.0)
+    covariance = (rows[determined].T / singular[determined] ** 2) @ rows[determined]
     spread[inner] = np.sqrt(variance * np.diag(covariance))
-    spread[inner[np.any(np.abs(rows[~known]) > 1e-3, axis=0)]] = np.inf
+    spread[inner[np.any(np.abs(rows[~determined]) > 1e-3, axis=0)]] = np.inf
     least = search.cost(x)
     for cost, other in search.alternatives(x):
         excess = 2 * (cost - least) / variance if variance > 0 else np.inf

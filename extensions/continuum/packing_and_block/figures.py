@@ -58,15 +58,15 @@ def look(n: int, *, lines: bool = True) -> dict[str, Any]:
     """Colour and marker of the n-th curve; without lines the first, a reference, has one, and
     others open marks.
     """
-    found: dict[str, Any] = {
+    appearance: dict[str, Any] = {
         "color": _COLOURS[n % len(_COLOURS)],
         "marker": _MARKERS[n % len(_MARKERS)],
     }
     if lines:
-        return found
+        return appearance
     if n == 0:
-        return found | {"marker": ".", "linewidth": 0.8}
-    return found | {"markerfacecolor": "none", "linestyle": "none", "markersize": 5}
+        return appearance | {"marker": ".", "linewidth": 0.8}
+    return appearance | {"markerfacecolor": "none", "linestyle": "none", "markersize": 5}
 
 
 def scaling(curves: Curves, title: str, scale: Literal["linear", "log"]) -> Drawing:
@@ -136,18 +136,21 @@ def plastic_volume(packings: DataFrame, blocks: DataFrame) -> Drawing:
     figure, axes = panels(2.8)
     parts: list[tuple[str, Any, Any]] = []
     for run, colour in zip(packings.itertuples(), _OF_PACKINGS, strict=False):
-        if found := involved(run):
-            enough = found.enough(_SHOWN_SHARE) + 1
+        if elements := involved(run):
+            enough = elements.enough(_SHOWN_SHARE) + 1
             name = f"granular, {run.energy_J:.3g} J"
             axes.plot(
-                found.fraction[:enough], found.volume[:enough] / unit, color=colour, label=name
+                elements.fraction[:enough],
+                elements.volume[:enough] / unit,
+                color=colour,
+                label=name,
             )
-            parts.append((name, found.fraction, found.volume / unit))
-    for n, one in enumerate(blocks.itertuples()):
+            parts.append((name, elements.fraction, elements.volume / unit))
+    for n, block in enumerate(blocks.itertuples()):
         mark = _MARKERS[n % len(_MARKERS)]
-        name = f"continuum, {one.energy_J:.3g} J"
-        fraction = one.dissipated_fraction
-        volumes = (one.volume_over_sphere_volume, one.volume_ever_over_sphere_volume)
+        name = f"continuum, {block.energy_J:.3g} J"
+        fraction = block.dissipated_fraction
+        volumes = (block.volume_over_sphere_volume, block.volume_ever_over_sphere_volume)
         axes.plot(fraction, volumes[0], mark, color=ORANGE, markersize=4.5, label=name)
         axes.plot(fraction, volumes[1], mark, color=ORANGE, markerfacecolor="none", markersize=4.5)
         parts += [(name, [fraction], volumes[:1]), (f"{name}, ever", [fraction], volumes[1:])]
@@ -313,7 +316,7 @@ def linear(runs: DataFrame) -> Linearity | None:
     velocity = runs.velocity_normalised.to_numpy()
     x = np.log(velocity) - np.log(velocity).mean()
     shortest = min(map(len, along))
-    ray = np.stack([one[:shortest] for one in along], axis=1)
+    ray = np.stack([ray_values[:shortest] for ray_values in along], axis=1)
     exponent = np.log(table[kept].to_numpy()) @ x / (x @ x)
     return Linearity(velocity, ray, DataFrame({"depth": depth[kept], "exponent": exponent}))
 
@@ -322,50 +325,52 @@ def fronts(runs: DataFrame) -> dict[float, DataFrame]:
     """Front of up to four runs, spread over their range, by normalised velocity."""
     if not len(runs) or len(preferred_directions(runs.run.iloc[0].case.packing.kind)) != 3:
         return {}
-    found = {}
+    front_of_velocity = {}
     for run in runs.iloc[
         sorted({round(n) for n in np.linspace(0, len(runs) - 1, _MOST_FRONTS)})
     ].itertuples():
         try:
             with Result(run.run.directory) as result:
-                found[float(run.velocity_normalised)] = _front(result, run.yield_force)
+                front_of_velocity[float(run.velocity_normalised)] = _front(result, run.yield_force)
         except _UNREADABLE:
             continue
-    return found
+    return front_of_velocity
 
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
     """Peak force against impulse, and the front, of the reference."""
-    if found := linear(impacts.fast):
-        yield Picture("peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, found))
-    if there := fronts(impacts.reference):
-        yield Picture("front", _FRONT, partial(_front_by_depth, there))
+    if linearity := linear(impacts.fast):
+        yield Picture(
+            "peak_force_impulse", _IMPULSE, partial(_peak_force_against_impulse, linearity)
+        )
+    if front_tables := fronts(impacts.reference):
+        yield Picture("front", _FRONT, partial(_front_by_depth, front_tables))
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable]:
     """Exponents of force against impulse over fifths of the depth, and the front."""
-    if found := linear(impacts.fast):
+    if linearity := linear(impacts.fast):
         numbers = numeric(("to", "mm"), "Contacts", "5 %", "Median", "95 %")
         columns = (*numeric(("Depth from", "mm"), key=True), *numbers)
         caption = (
-            f"Peak force against impulse: exponent over normalised velocities from {show(float(found.velocity[0]))} to "
-            f"{show(float(found.velocity[-1]))} (1: proportional)"
+            f"Peak force against impulse: exponent over normalised velocities from {show(float(linearity.velocity[0]))} to "
+            f"{show(float(linearity.velocity[-1]))} (1: proportional)"
         )
         rows: list[tuple[Any, ...]] = []
         for top, bottom in pairwise(
-            np.linspace(0, float(found.contacts.depth.max()), _BANDS + 1).tolist()
+            np.linspace(0, float(linearity.contacts.depth.max()), _BANDS + 1).tolist()
         ):
-            exponent = found.contacts.exponent[found.contacts.depth.between(top, bottom)]
+            exponent = linearity.contacts.exponent[linearity.contacts.depth.between(top, bottom)]
             if len(exponent):
                 quantiles = exponent.quantile((0.05, 0.5, 0.95)).tolist()
                 rows.append((_MILLI * top, _MILLI * bottom, len(exponent), *quantiles))
         yield table_of(caption, columns, rows)
-    if there := fronts(impacts.reference):
+    if front_tables := fronts(impacts.reference):
         numbers = numeric(
             ("Elastic from a depth of", "mm"), *(f"Uniformity, layer {n}" for n in _LAYERS_TOLD)
         )
         rows = []
-        for velocity, front in there.items():
+        for velocity, front in front_tables.items():
             weak = front.depth[
                 front.largest[::-1].cummax()[::-1] <= 1
             ]  # from here on no force is above F_y
@@ -392,13 +397,13 @@ def _front(result: Result, unit: float) -> DataFrame:
     inside = _in_cone(result)
     diameter = result.case.packing.diameter
     layer = np.rint(_LAYERS * depth[inside] / diameter) * diameter / _LAYERS
-    found = (
+    front = (
         Series(result["spheres/peak_force"][inside] / unit)
         .groupby(layer)
         .agg(largest="max", mean="mean")
     )
-    found = found[found.largest > 0].rename_axis("depth").reset_index()
-    return found.assign(uniformity=found["mean"] / found.largest)[
+    front = front[front.largest > 0].rename_axis("depth").reset_index()
+    return front.assign(uniformity=front["mean"] / front.largest)[
         ["depth", "largest", "uniformity"]
     ]
 
@@ -416,18 +421,18 @@ def _in_cone(result: Result) -> NDArray[np.bool_]:
     )
 
 
-def _peak_force_against_impulse(found: Linearity) -> Drawing:
+def _peak_force_against_impulse(linearity: Linearity) -> Drawing:
     """Draw force against velocity along a preferred direction, and the exponent of every contact
     against depth.
     """
     figure, left, right = panels(2.6, 2)
-    columns: dict[str, NDArray] = {"velocity_normalised": found.velocity}
-    for k, n in enumerate(n for n in _ON_RAY if n <= len(found.ray)):
-        values = found.ray[n - 1]
+    columns: dict[str, NDArray] = {"velocity_normalised": linearity.velocity}
+    for k, n in enumerate(n for n in _ON_RAY if n <= len(linearity.ray)):
+        values = linearity.ray[n - 1]
         style = {**look(k), "markerfacecolor": "none", "markersize": 5}
-        left.plot(found.velocity, values, label=f"contact {n}", linestyle="none", **style)
-        proportional = values[-1] * found.velocity / found.velocity[-1]
-        left.plot(found.velocity, proportional, color=style["color"], linewidth=0.7)
+        left.plot(linearity.velocity, values, label=f"contact {n}", linestyle="none", **style)
+        proportional = values[-1] * linearity.velocity / linearity.velocity[-1]
+        left.plot(linearity.velocity, proportional, color=style["color"], linewidth=0.7)
         columns[f"contact_{n}_over_Fy"] = values
     label(
         left,
@@ -435,7 +440,7 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
         r"Peak force $F_\mathrm{max}/F_\mathrm{y}$",
         log="xy",
     )
-    left.set_ylim(top=30 * float(np.nanmax(found.ray)))
+    left.set_ylim(top=30 * float(np.nanmax(linearity.ray)))
     left.legend(
         title="lines: proportional",
         alignment="left",
@@ -444,8 +449,8 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
         fontsize=7,
         columnspacing=1,
     )
-    depth = found.contacts.depth
-    exponent = found.contacts.exponent
+    depth = linearity.contacts.depth
+    exponent = linearity.contacts.exponent
     right.plot(depth * _MILLI, exponent, ".", color=BLUE, markersize=1.5, rasterized=True)
     right.axhline(1, color=ORANGE, linewidth=0.8)
     low, high = exponent.quantile((0.005, 0.995))
@@ -454,11 +459,11 @@ def _peak_force_against_impulse(found: Linearity) -> Drawing:
     return Drawing(figure, columns | {"depth_m": depth, "exponent": exponent})
 
 
-def _front_by_depth(found: dict[float, DataFrame]) -> Drawing:
+def _front_by_depth(front_tables: dict[float, DataFrame]) -> Drawing:
     """Draw the largest peak force and its uniformity by layer: the front gets elastic, then planar."""
     figure, left, right = panels(2.6, 2)
     columns: dict[str, NDArray] = {}
-    for n, (velocity, front) in enumerate(found.items()):
+    for n, (velocity, front) in enumerate(front_tables.items()):
         style = {**look(n), "markersize": 3.5, "linewidth": 0.8}
         left.plot(
             front.depth * _MILLI, front.largest, label=rf"$\bar v_0$ = {velocity:.4g}", **style

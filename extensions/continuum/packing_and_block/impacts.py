@@ -25,7 +25,8 @@ from granwave.analysis.measures.impact import (
     spheres_involved,
 )
 from granwave.analysis.result.reader import Result
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+from granwave.analysis.studies.runs import AnyRun, FinishedRun
+from granwave.extensions.continuum.runs import ContinuumRun
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.run_directory import RESULT_FILE
@@ -106,7 +107,7 @@ class Impacts:
         return rising(largest(self.continuum, "shape", "substance"), "energy_normalised")
 
 
-def collect(runs: Iterable[FinishedRun | ContinuumRun]) -> Impacts:
+def collect(runs: Iterable[AnyRun[Any]]) -> Impacts:
     """The runs that can be compared; others are left out.
 
     What is compared: impacts on ideal packings (like spheres, no friction) whose contacts yield by
@@ -187,8 +188,8 @@ def variants(impacts: Impacts) -> Curves:
     """The reference and the groups that differ from it in material or diameter, one sphere struck;
     with their names.
     """
-    same = impacts.like_reference
-    return substances(same[same.struck_spheres == 1], impacts.reference)
+    alike = impacts.like_reference
+    return substances(alike[alike.struck_spheres == 1], impacts.reference)
 
 
 def materials(impacts: Impacts) -> Curves:
@@ -203,17 +204,17 @@ def materials(impacts: Impacts) -> Curves:
 def masses(impacts: Impacts) -> Curves:
     """Groups that differ from the reference in the mass of the punch alone, by rising mass."""
     runs = impacts.continuum
-    same = runs[runs.but_for_mass.isin(impacts.continuum_reference.but_for_mass[:1])].groupby(
+    alike = runs[runs.but_for_mass.isin(impacts.continuum_reference.but_for_mass[:1])].groupby(
         "mass_kg"
     )
-    return {f"m = {mass:.4g} kg": rising(group, "energy_J") for mass, group in same}
+    return {f"m = {mass:.4g} kg": rising(group, "energy_J") for mass, group in alike}
 
 
 def by_area(impacts: Impacts) -> Curves:
     """Runs of the reference material by the number of struck spheres, in rising order of energy."""
     runs = impacts.like_reference
-    same = runs[runs.substance.isin(impacts.reference.substance)].groupby("struck_spheres")
-    return {f"W = {spheres}": rising(group, "energy_J") for spheres, group in same}
+    alike = runs[runs.substance.isin(impacts.reference.substance)].groupby("struck_spheres")
+    return {f"W = {spheres}": rising(group, "energy_J") for spheres, group in alike}
 
 
 def area_table(curves: Curves) -> DataFrame:
@@ -247,13 +248,13 @@ def involved(run: Any) -> Involved | None:
     energy = run.energy_J
     try:
         if run.what == "continuum":
-            found = elements_involved(directory / RESULT_FILE, energy)
+            elements = elements_involved(directory / RESULT_FILE, energy)
         else:
             with Result(directory) as result:
-                found = spheres_involved(result, energy)
+                elements = spheres_involved(result, energy)
     except (GranwaveError, OSError, KeyError):
         return None
-    return found if len(found.fraction) and found.fraction[-1] > 0 else None
+    return elements if len(elements.fraction) and elements.fraction[-1] > 0 else None
 
 
 def dissipation(runs: DataFrame) -> tuple[np.ndarray, np.ndarray]:

@@ -16,12 +16,13 @@ from granwave.analysis.document.model import (
     DocumentTable,
     Note,
     TableColumn,
+    named,
     percent,
     show,
     spread_cell,
 )
 from granwave.analysis.figures.style import Drawing
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun
+from granwave.analysis.studies.runs import AnyRun, FinishedRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
 from granwave.extensions.continuum.packing_and_block import figures, zone
 from granwave.extensions.continuum.packing_and_block.impacts import (
@@ -35,15 +36,19 @@ from granwave.extensions.continuum.packing_and_block.impacts import (
     largest,
     masses,
     materials,
+    not_ideal,
     quadratic_fit,
     rising,
     variants,
 )
 
 TITLE = "Comparison"
-SHARE = 0.9  # of the dissipation: the material that did so much of it is called involved
-_GRANULAR_SHOWN = 3  # curves of the figure of volumes
-_GRANULAR_LISTED = 6  # rows of the table
+_ELSEWHERE = (
+    "Impacts on ideal packings are compared here; all other runs are in the tables above and below"
+)
+SHARE = 0.9  # fraction of the dissipation that takes place in the material called involved
+_GRANULAR_SHOWN = 3  # largest number of packings in the figure of volumes
+_GRANULAR_LISTED = 6  # largest number of packings in the table
 _FIT_REMARK = (
     "D2 is 0.5 where fast impacts lose all that they bring: {:.3g} to {:.3g} of the input in the fitted runs. A "
     "constant whose standard deviation is as large as itself is undetermined."
@@ -66,7 +71,24 @@ _CAPTIONS = {
 }
 
 
-def select(runs: Sequence[FinishedRun | ContinuumRun]) -> list[Impacts]:
+def can_compare(runs: Sequence[AnyRun[Any]]) -> bool:
+    """Return True if there are impacts to compare."""
+    impacts = collect(runs)
+    return len(impacts.granular) + len(impacts.continuum) > 1
+
+
+def remarks(runs: Sequence[AnyRun[Any]]) -> Iterator[Note]:
+    """Name the runs of packings that are not compared, by the reason."""
+    left_out: dict[str, list[str]] = {}
+    for run in runs:
+        if isinstance(run, FinishedRun) and (reason := not_ideal(run)):
+            left_out.setdefault(reason, []).append(run.label)
+    if left_out:
+        listed = "; ".join(f"{named(labels)} ({reason})" for reason, labels in left_out.items())
+        yield Note(f"{_ELSEWHERE}: {listed}.", "note")
+
+
+def select(runs: Sequence[AnyRun[Any]]) -> list[Impacts]:
     """All that can be compared, as one group."""
     impacts = collect(runs)
     return [impacts] if len(impacts.granular) or len(impacts.continuum) else []
@@ -92,9 +114,10 @@ def text(impacts: Impacts) -> str:
             f"{first.material or 'one material'}, {first.run.case['run']['elements']} elements; energies are "
             f"normalised by sigma_y^2 D^3/E = {show(float(energy_unit(first)))} J."
         )
-    runs = [
-        run for table in (impacts.granular, impacts.continuum) if len(table) for run in table.run
-    ]
+    runs: list[Any] = []
+    for table in (impacts.granular, impacts.continuum):
+        if len(table):
+            runs += list(table.run)
     seconds = sum(float(run.summary.get("wall_time_s") or 0) for run in runs)
     if seconds >= 1:
         who = f"All {len(runs)} runs" if len(runs) > 1 else "The run"
@@ -103,45 +126,59 @@ def text(impacts: Impacts) -> str:
 
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
-    """Packings and blocks side by side, then each of them, as far as something was varied."""
+    """Packings and blocks side by side, then each of them with its varied parameters."""
     grains = impacts.reference
     blocks = impacts.continuum_reference
-
-    def sketch(name: str, draw: Callable[..., Drawing], *of: Any) -> Picture:
-        return Picture(name, _CAPTIONS[name], partial(draw, *of))
-
     if len(grains) and len(blocks):
-        yield sketch("dissipated_fraction", figures.dissipated_fraction, impacts)
-        if len(shown := _dissipating(grains, _GRANULAR_SHOWN)):
-            yield sketch("plastic_volume", figures.plastic_volume, shown, blocks)
+        yield _picture("dissipated_fraction", figures.dissipated_fraction, impacts)
+        shown = _dissipating(grains, _GRANULAR_SHOWN)
+        if len(shown):
+            yield _picture("plastic_volume", figures.plastic_volume, shown, blocks)
     yield from zone.pictures(impacts)
     if len(grains):
-        if len(curves := variants(impacts)) > 1:
-            yield sketch(
-                "granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log"
-            )
-        if fit := quadratic_fit(impacts):
-            yield sketch("granular_velocity", figures.against_velocity, grains, fit)
-        if len(areas := by_area(impacts)) > 1:
-            yield sketch("loading_area", figures.loading_area, areas)
+        yield from _pictures_of_packings(impacts)
     yield from figures.pictures(impacts)
     if len(blocks):
-        if len(curves := materials(impacts)) > 1:
-            yield sketch(
-                "continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear"
-            )
-        if len(curves := masses(impacts)) > 1:
-            yield sketch("continuum_mass", figures.by_mass, curves)
+        yield from _pictures_of_blocks(impacts)
+
+
+def _pictures_of_packings(impacts: Impacts) -> Iterator[Picture]:
+    """Dissipation of packings whose material, velocity or loading area was varied."""
+    curves = variants(impacts)
+    if len(curves) > 1:
+        yield _picture("granular_scaling", figures.scaling, curves, figures.GRANULAR_ENERGY, "log")
+    fit = quadratic_fit(impacts)
+    if fit:
+        yield _picture("granular_velocity", figures.against_velocity, impacts.reference, fit)
+    areas = by_area(impacts)
+    if len(areas) > 1:
+        yield _picture("loading_area", figures.loading_area, areas)
+
+
+def _pictures_of_blocks(impacts: Impacts) -> Iterator[Picture]:
+    """Dissipation of blocks whose material or punch was varied."""
+    curves = materials(impacts)
+    if len(curves) > 1:
+        yield _picture(
+            "continuum_scaling", figures.scaling, curves, figures.CONTINUUM_ENERGY, "linear"
+        )
+    curves = masses(impacts)
+    if len(curves) > 1:
+        yield _picture("continuum_mass", figures.by_mass, curves)
+
+
+def _picture(name: str, draw: Callable[..., Drawing], *arguments: Any) -> Picture:
+    """Picture of a name, with its caption."""
+    return Picture(name, _CAPTIONS[name], partial(draw, *arguments))
 
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Packings and blocks side by side, then each of them, with notes."""
-    listed = [
-        _dissipating(impacts.reference, _GRANULAR_LISTED),
-        impacts.other_packings,
-        impacts.continuum_reference,
+    rows = [
+        *_rows_per_mass(_dissipating(impacts.reference, _GRANULAR_LISTED)),
+        *_rows_per_mass(impacts.other_packings),
+        *_rows_per_mass(impacts.continuum_reference),
     ]
-    rows = [row for runs in listed for run in runs.itertuples() if (row := _per_mass(run))]
     numbers = numeric(
         ("Input", "J"), "Dissipated fraction", ("Mass involved", "kg"), ("Volume involved, voids included", "cm³"),
         ("Dissipated per mass", "J/kg"), ("Dissipated per volume", "MJ/m³"),
@@ -179,10 +216,10 @@ def _dissipating(reference: DataFrame, most: int) -> DataFrame:
 
 def _per_mass(run: Any) -> tuple[Any, ...] | None:
     """Row of the table of dissipation per mass and volume; None where nothing was dissipated."""
-    found = involved(run)
-    if found is None:
+    elements = involved(run)
+    if elements is None:
         return None
-    fraction, volume = found.part(SHARE)
+    fraction, volume = elements.part(SHARE)
     energy = fraction * run.energy_J
     mass = volume * run.density
     bulk = volume / run.solid_fraction
@@ -197,16 +234,26 @@ def _per_mass(run: Any) -> tuple[Any, ...] | None:
     return run.label, Cell(zone.what_of(run.what, run.packing)), *values
 
 
+def _rows_per_mass(runs: DataFrame) -> Iterator[tuple[Any, ...]]:
+    """Rows of the runs whose involved material is known."""
+    for run in runs.itertuples():
+        row = _per_mass(run)
+        if row:
+            yield row
+
+
 def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Quadratic law, collapse of the scaling, and loading area."""
     if fit := quadratic_fit(impacts):
-        ours = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
+        packing_cells = map(spread_cell, fit.constants.tolist(), fit.deviations.tolist())
         caption = "Quadratic law of dissipation: D0 + D1 v0 + D2 v0² where the input is v0²/2"
         columns = (
             TableColumn("Constant", key=True),
             *numeric("Value, with its standard deviation"),
         )
-        yield table_of(caption, columns, zip(("D0", "D1", "D2"), ours, strict=True), by_row=True)
+        yield table_of(
+            caption, columns, zip(("D0", "D1", "D2"), packing_cells, strict=True), by_row=True
+        )
         fractions = impacts.fast.dissipated_fraction
         remark = _FIT_REMARK.format(fractions.min(), fractions.max())
         yield Note(
@@ -226,14 +273,10 @@ def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     areas = area_table(by_area(impacts))
     if len(areas):
         numbers = numeric(*(f"Fraction, W = {count}" for count in areas), "Largest difference")
-        rows = [
-            (
-                energy,
-                *(None if math.isnan(one) else one for one in row),
-                float(np.ptp([x for x in row if x == x])),
-            )
-            for energy, row in zip(areas.index, areas.to_numpy().tolist(), strict=True)
-        ]
+        rows = []
+        for energy, fractions in areas.iterrows():
+            cells = [None if math.isnan(fraction) else fraction for fraction in fractions]
+            rows.append((energy, *cells, float(np.ptp(fractions.dropna()))))
         columns = (*numeric("Input over F_y alpha_y", key=True), *numbers)
         yield table_of("Loading area: dissipated fraction at equal input energy", columns, rows)
 
@@ -241,9 +284,9 @@ def _of_packings(impacts: Impacts) -> Iterator[DocumentTable | Note]:
 def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:
     """Collapse of the scaling, and influence of the taper.
 
-    With one ratio of yield strength to modulus the differences are nothing but rounding. With
-    another one the punch's rounded edge is larger or smaller beside the displacements, which
-    matters where little more than its edge touches.
+    At the same ratio of yield strength to modulus the differences are rounding. At another ratio
+    the rounded edge of the punch is larger or smaller relative to the displacements. This matters
+    where little more than the edge touches.
     """
     rows: list[tuple[Any, ...]] = []
     for name, runs in list(materials(impacts).items())[1:]:
@@ -268,15 +311,11 @@ def _of_blocks(impacts: Impacts) -> Iterator[DocumentTable]:
         numbers = numeric(
             "Dissipated fraction", ("Plastic volume", "mm³"), ("Volume that ever yielded", "mm³")
         )
-        names = "plastic_zone_volume_m3", "plastic_zone_volume_ever_m3"
-        rows = [
-            (
-                1e3 * run.taper,
-                run.dissipated_fraction,
-                *(1e9 * run.run.value(name) for name in names),
-            )
-            for run in tapers.itertuples()
-        ]
+        rows = []
+        for run in tapers.itertuples():
+            volume = run.run.value("plastic_zone_volume_m3")
+            volume_ever = run.run.value("plastic_zone_volume_ever_m3")
+            rows.append((1e3 * run.taper, run.dissipated_fraction, 1e9 * volume, 1e9 * volume_ever))
         caption = "Continuum: taper of the punch's edge, two elements or more across it"
         yield table_of(caption, (*numeric(("Taper", "mm"), key=True), *numbers), rows)
 

@@ -7,6 +7,7 @@ sigma_y^2 D^3/E.
 
 from __future__ import annotations
 
+import itertools
 import math
 from collections.abc import Iterator, Mapping
 from functools import partial
@@ -60,28 +61,30 @@ _NOT_COMPARED_REMARK = (
 
 
 def zones(impacts: Impacts) -> dict[str, DataFrame]:
-    """Plastic zones by energy: of the reference's spheres, one of them struck, each in the largest
-    packing; of blocks.
+    """Plastic zones by energy, of packings and of blocks.
+
+    The packings have the spheres of the reference, of which one is impacted; of each energy the
+    largest packing counts.
 
     Returns
     -------
     dict
-        Of ``packing`` and ``continuum``, rows of runs whose summaries tell: columns of the figure's
-        data, and those of the run.
+        Rows of runs under ``packing`` and ``continuum``, with the columns of the figure's data and
+        of the run. Runs without sizes of the zone in their summaries are left out.
     """
-    found = {
+    zones_by_side = {
         "packing": _sizes("packing", _comparable(impacts)),
         "continuum": _sizes("continuum", impacts.continuum_reference),
     }
-    if len(packings := found["packing"]):
-        found["packing"] = rising(
+    if len(packings := zones_by_side["packing"]):
+        zones_by_side["packing"] = rising(
             packings.sort_values("n_spheres", ascending=False, kind="stable"), "energy_J"
         )
-    return found
+    return zones_by_side
 
 
 def pictures(impacts: Impacts) -> Iterator[Picture]:
-    """Sizes against energy, of packings and beside them of blocks."""
+    """Sizes of the zone against energy, of packings and of blocks."""
     sides = zones(impacts)
     every = concat(sides.values())
     sizes = [name for name in _SIZES if (every.filter(regex=rf"^{name}_\d") > 0).any(axis=None)]
@@ -95,11 +98,13 @@ def pictures(impacts: Impacts) -> Iterator[Picture]:
 
 def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
     """Sizes of all runs, and remarks on those that a bound or the end of the run decides."""
-    found = [zone for side in zones(impacts).values() for zone in side.to_dict("records")]
-    shown = {id(zone["run"]) for zone in found}
+    rows: list[dict[str, Any]] = []
+    for side in zones(impacts).values():
+        rows += side.to_dict("records")
+    shown = {id(zone["run"]) for zone in rows}
     others = _sizes("packing", impacts.other_packings).to_dict("records")
-    found += [zone for zone in others if id(zone["run"]) not in shown]
-    if not found:
+    rows += [zone for zone in others if id(zone["run"]) not in shown]
+    if not rows:
         return
     columns = (
         TableColumn("Run", key=True),
@@ -112,14 +117,15 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
         *numeric("Dissipated after waves came back"),
     )
     caption = "Plastic zone: what holds 50, 90 and 99 % of the energy of yielding, and the outermost yield"
-    yield table_of(caption, columns, map(_row, found), sortable=True)
-    if any(
-        zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in found
-    ):
+    yield table_of(caption, columns, map(_row, rows), sortable=True)
+    is_open = [
+        zone["outermost_depth_open_ended"] or zone["outermost_radius_open_ended"] for zone in rows
+    ]
+    if any(is_open):
         yield Note(f"{_CUT_REMARK} {_influence_of_bounds(impacts, 'packing')}", "note")
     shares = [
         zone["run"].value("wave_return_share")
-        for zone in found
+        for zone in rows
         if zone["mark"] == Mark.WAVE and zone["what"] == "continuum"
     ]
     if shares:
@@ -128,25 +134,27 @@ def tables(impacts: Impacts) -> Iterator[DocumentTable | Note]:
 
 
 def what_of(what: str, packing: str) -> str:
-    """Return what a run is of, for a row of a table: ``granular, fcc 24 x 24 x 12``."""
+    """Return the kind of a run for a row of a table: ``granular, fcc 24 x 24 x 12``."""
     return f"{what}, {packing}" if packing else what
 
 
 def _comparable(impacts: Impacts) -> DataFrame:
-    """Return the runs of the reference's spheres, one of them struck, in packings of any size."""
+    """Return the runs with the spheres of the reference, of which one is impacted, in packings of
+    any size.
+    """
     grains = impacts.granular
     first = impacts.reference[:1]
-    same = (
+    alike = (
         (grains.struck_spheres == 1)
         & grains.substance.isin(first.substance)
         & grains.held.isin(first.held)
     )
-    return grains[same]
+    return grains[alike]
 
 
 def differences_by_size(impacts: Impacts, what: str) -> DataFrame:
-    """Return the relative differences of sizes of the zone between the two largest packings, or
-    blocks, in which the same impact was computed.
+    """Return the relative differences of the sizes of the zone between the two largest packings, or
+    blocks, for the same impact.
 
     Parameters
     ----------
@@ -156,8 +164,8 @@ def differences_by_size(impacts: Impacts, what: str) -> DataFrame:
     Returns
     -------
     DataFrame
-        A row for each such impact, with columns ``depth_50``, ..., ``volume_99``; NaN where a size
-        does not apply.
+        A row for each impact, with columns ``depth_50``, ..., ``volume_99``; NaN where a size does
+        not apply.
     """
     if what == "packing":
         runs = _comparable(impacts)
@@ -166,15 +174,15 @@ def differences_by_size(impacts: Impacts, what: str) -> DataFrame:
         runs = impacts.continuum
         runs = runs[runs.but_for_block.isin(impacts.continuum_reference.but_for_block)]
         extent = "block_volume"
-    names = [f"{name}_{share}" for name in _SIZES for share in SHARES]
+    names = _columns()
     sizes = _sizes(what, runs)
     rows = []
     while len(sizes):
         energy = sizes.energy_J.iloc[0]
-        same = np.abs(sizes.energy_J / energy - 1) < SAME
-        by_extent = sizes[same].sort_values(extent, ascending=False, kind="stable")
+        alike = np.abs(sizes.energy_J / energy - 1) < SAME
+        by_extent = sizes[alike].sort_values(extent, ascending=False, kind="stable")
         by_extent = by_extent.drop_duplicates(extent)
-        sizes = sizes[~same]
+        sizes = sizes[~alike]
         if len(by_extent) > 1:
             largest = by_extent[names].iloc[0].to_numpy(float)
             smaller = by_extent[names].iloc[1].to_numpy(float)
@@ -189,11 +197,13 @@ def _influence_of_bounds(impacts: Impacts, what: str) -> str:
     changes = differences_by_size(impacts, what).max()
     parts = []
     for share in SHARES:
-        of_share = {name: changes[f"{name}_{share}"] for name in _SIZES}
-        known = [f"{name} by up to {100 * change:.2g} %"
-                 for name, change in of_share.items() if not math.isnan(change)]  # fmt: skip
-        if known:
-            parts.append(f"what holds {share} % differs in {', '.join(known)}")
+        influences = []
+        for name in _SIZES:
+            change = changes[f"{name}_{share}"]
+            if not math.isnan(change):
+                influences.append(f"{name} by up to {100 * change:.2g} %")
+        if influences:
+            parts.append(f"what holds {share} % differs in {', '.join(influences)}")
     if not parts:
         return _NOT_COMPARED_REMARK.format(bodies)
     n_impacts = len(differences_by_size(impacts, what))
@@ -202,7 +212,7 @@ def _influence_of_bounds(impacts: Impacts, what: str) -> str:
 
 
 def _sizes(what: str, runs: DataFrame) -> DataFrame:
-    """Return the zones of runs, without those whose summaries, of an older version, do not tell."""
+    """Return the zones of runs; summaries of an older version without sizes are left out."""
     rows = []
     for run in runs.to_dict("records"):
         summary = run["run"].summary
@@ -211,29 +221,24 @@ def _sizes(what: str, runs: DataFrame) -> DataFrame:
             continue
         cut = summary.get("zone_cut") or ()
         growing = summary.get("zone_growing") or ()
-        units = {
-            "depth": (diameter, "m"),
-            "radius": (diameter, "m"),
-            "volume": (math.pi * diameter**3 / 6, "m3"),
-        }
-        names = {
-            f"{name}_{share}": (f"zone_{name}_{share}_{unit}", size)
-            for name, (size, unit) in units.items()
-            for share in SHARES
-        }
-        names |= {
-            f"outermost_{name}": (f"plastic_zone_{name}_m", diameter)
-            for name in ("depth", "radius")
-        }
-        sizes = {column: run["run"].value(name) / size for column, (name, size) in names.items()}
-        ends = {"depth": "bottom", "radius": "sides"}
-        sizes |= {
-            f"outermost_{name}_open_ended": int(end in cut or name in growing)
-            for name, end in ends.items()
-        }
+        sphere_volume = math.pi * diameter**3 / 6
+        sizes: dict[str, float] = {}
+        for share in SHARES:
+            sizes[f"depth_{share}"] = run["run"].value(f"zone_depth_{share}_m") / diameter
+            sizes[f"radius_{share}"] = run["run"].value(f"zone_radius_{share}_m") / diameter
+            sizes[f"volume_{share}"] = run["run"].value(f"zone_volume_{share}_m3") / sphere_volume
+        for name, end in (("depth", "bottom"), ("radius", "sides")):
+            outermost = run["run"].value(f"plastic_zone_{name}_m")
+            sizes[f"outermost_{name}"] = outermost / diameter
+            sizes[f"outermost_{name}_open_ended"] = int(end in cut or name in growing)
         over = run["energy_J"] / energy_unit(DataFrame([run]).iloc[0])
         rows.append(run | sizes | {"side": what, "energy": over, "mark": int(mark_of(summary))})
     return DataFrame(rows)
+
+
+def _columns() -> list[str]:
+    """Return the names of the columns of sizes: ``depth_50``, ..., ``volume_99``."""
+    return [f"{name}_{share}" for name, share in itertools.product(_SIZES, SHARES)]
 
 
 def _row(zone: dict[str, Any]) -> Iterator[Cell]:
@@ -253,18 +258,19 @@ def _row(zone: dict[str, Any]) -> Iterator[Cell]:
 
 
 def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
-    """Draw depth, radius and volume that hold 50, 90 and 99 % of the energy of yielding against the
+    """Draw the depth, radius and volume with 50, 90 and 99 % of the plastic dissipation against the
     input energy.
     """
     figure, *axes_of_sizes = panels(3.1, len(sizes))
-    there = {what: side for what, side in sides.items() if len(side)}
+    sides_with_zones = {what: side for what, side in sides.items() if len(side)}
     for axes, name in zip(axes_of_sizes, sizes, strict=True):
-        for what, side in there.items():
+        for what, side in sides_with_zones.items():
             _curves(axes, name, side, *_LOOKS[what])
         label(axes, r"$e_\mathrm{in} E/(\sigma_\mathrm{y}^2 D^3)$", _SIZES[name], log="xy")
         _axis_of_contacts(axes, sides["packing"].iloc[0])
     lines: list[dict[str, Any]] = [
-        {"color": _LOOKS[what][0], "linestyle": _LOOKS[what][1], "label": what} for what in there
+        {"color": _LOOKS[what][0], "linestyle": _LOOKS[what][1], "label": what}
+        for what in sides_with_zones
     ]
     lines += [
         {
@@ -277,7 +283,7 @@ def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
         for marker, percent in zip(_MARKERS, SHARES, strict=True)
     ]
     lines.append({"color": "black", "linestyle": ":", "linewidth": 0.9, "label": "outermost yield"})
-    marks = marks_of(concat(there.values())["mark"].tolist())
+    marks = marks_of(concat(sides_with_zones.values())["mark"].tolist())
     lines += [
         {"label": text, **marked_marker(mark, "o", 4, "black")} for mark, text in marks.items()
     ]
@@ -289,17 +295,10 @@ def _zone_sizes(sides: Mapping[str, DataFrame], sizes: list[str]) -> Drawing:
         fontsize=6.5,
         columnspacing=1.0,
     )
-    outermost = [
-        f"outermost_{name}{end}" for name in ("depth", "radius") for end in ("", "_open_ended")
-    ]
-    names = [
-        "side",
-        "energy",
-        "mark",
-        *(f"{name}_{share}" for name in _SIZES for share in SHARES),
-        *outermost,
-    ]
-    table = concat(there.values())[names].rename(
+    names = ["side", "energy", "mark", *_columns()]
+    for name in ("depth", "radius"):
+        names += [f"outermost_{name}", f"outermost_{name}_open_ended"]
+    table = concat(sides_with_zones.values())[names].rename(
         columns={"side": "what", "energy": "energy_normalised"}
     )
     return Drawing(figure, table.to_dict("list"))
@@ -332,19 +331,19 @@ def _curves(axes: Axes, name: str, zones: DataFrame, colour: str, line: str) -> 
 
 
 def _axis_of_contacts(axes: Axes, packing: Any) -> None:
-    """Give the energies of the packing in F_y alpha_y too, on top."""
+    """Add an axis on top with the energies of the packing in F_y alpha_y."""
     factor = packing.energy_normalised / packing.energy
     axes.tick_params(axis="x", which="both", top=False)
 
-    def there(energy: ArrayLike) -> NDArray[np.float64]:
+    def forward(energy: ArrayLike) -> NDArray[np.float64]:
         return factor * np.asarray(energy, float)
 
-    def back(normalised: ArrayLike) -> NDArray[np.float64]:
+    def inverse(normalised: ArrayLike) -> NDArray[np.float64]:
         return np.asarray(normalised, float) / factor
 
-    top = axes.secondary_xaxis("top", functions=(there, back))
+    top = axes.secondary_xaxis("top", functions=(forward, inverse))
     top.set_xlabel(GRANULAR_ENERGY.removeprefix("Input energy ") + ", packing", fontsize=7)
     top.tick_params(labelsize=7)
-    low, high = there(axes.get_xlim())
+    low, high = forward(axes.get_xlim())
     # else the interval of the axis below arrives only when the figure is drawn
     top.xaxis.set_view_interval(low, high, ignore=True)

@@ -149,44 +149,55 @@ class ContinuumCase(ElementCase):
         run: PunchRunSettings | None = parts["run"]
         material: Material | None = parts.get("material")
         if material is not None:
-            if material.yield_strength is None:
-                errors.add(
-                    "material.yield_strength",
-                    "missing; a continuum case needs it: give a number in Pa",
-                )
-            for key, what in (("hardening", "harden"), ("rate_sensitivity", "depend on the rate")):
-                if value := getattr(material, key):
-                    errors.add(
-                        f"material.{key}",
-                        Mismatch(f"{value:g}", f"none; a block does not {what}"),
-                    )
+            _check_material(material, errors)
         if punch is not None:
-            radius = punch.diameter / 2
-            wide = "expected at most the punch's radius"
-            if not 0 < punch.energy < math.inf:
-                errors.add(
-                    "punch",
-                    Mismatch(
-                        f"{punch.mass:g} kg at {punch.velocity:g} m/s, an energy of "
-                        f"{punch.energy:g} J as a number",
-                        remedy="are they in SI units?",
-                    ),
-                )
-            if punch.taper > radius:
-                errors.add("punch.taper", Mismatch(f"{punch.taper:g} m, {wide}, {radius:g} m"))
-            if block is not None and punch.diameter >= block.diameter:
-                errors.add(
-                    "punch.diameter",
-                    Mismatch(
-                        f"{punch.diameter:g} m",
-                        f"less than block.diameter, {block.diameter:g} m",
-                        "make the punch narrower or the block wider",
-                    ),
-                )
-            if run is not None and not isinstance(run.edge_size, str) and run.edge_size > radius:
-                errors.add("run.edge_size", Mismatch(f"{run.edge_size:g} m, {wide}, {radius:g} m"))
+            _check_punch(punch, block, run, errors)
         if run is not None and not isinstance(run.timestep, str) and run.timestep > run.longest:
             errors.add(
                 "run.timestep",
                 Mismatch(f"{run.timestep:g} s", f"at most run.end_time, {run.longest:g} s"),
             )
+
+
+def _check_material(material: Material, errors: ErrorList) -> None:
+    """Check that a block can have the properties of a material."""
+    if material.yield_strength is None:
+        errors.add(
+            "material.yield_strength",
+            "missing; a continuum case needs it: give a number in Pa",
+        )
+    for key, what in (("hardening", "harden"), ("rate_sensitivity", "depend on the rate")):
+        value = getattr(material, key)
+        if value:
+            expected = f"none; a block does not {what}"
+            errors.add(f"material.{key}", Mismatch(f"{value:g}", expected))
+
+
+def _check_punch(
+    punch: Punch, block: Block | None, run: PunchRunSettings | None, errors: ErrorList
+) -> None:
+    """Check the energy of a punch, and its size compared with the block and the elements."""
+    radius = punch.diameter / 2
+    narrow = f"expected at most the punch's radius, {radius:g} m"
+    if not 0 < punch.energy < math.inf:
+        errors.add(
+            "punch",
+            Mismatch(
+                f"{punch.mass:g} kg at {punch.velocity:g} m/s, an energy of "
+                f"{punch.energy:g} J as a number",
+                remedy="are they in SI units?",
+            ),
+        )
+    if punch.taper > radius:
+        errors.add("punch.taper", Mismatch(f"{punch.taper:g} m, {narrow}"))
+    if block is not None and punch.diameter >= block.diameter:
+        errors.add(
+            "punch.diameter",
+            Mismatch(
+                f"{punch.diameter:g} m",
+                f"less than block.diameter, {block.diameter:g} m",
+                "make the punch narrower or the block wider",
+            ),
+        )
+    if run is not None and not isinstance(run.edge_size, str) and run.edge_size > radius:
+        errors.add("run.edge_size", Mismatch(f"{run.edge_size:g} m, {narrow}"))

@@ -64,20 +64,20 @@ class ContinuumResult(ElementResult):
 def energies(result: ContinuumResult) -> Drawing:
     """Draw all energies, and the residual of their sum."""
     time = result["energy/time"]
-    given = result["energy/input"]
+    energy_input = result["energy/input"]
     parts = {name: result[f"energy/{name}"] for name in _LINES}
-    residual = np.abs(np.sum(list(parts.values()), axis=0) - given) / given
+    residual = np.abs(np.sum(list(parts.values()), axis=0) - energy_input) / energy_input
     figure, upper, lower = panels(3.6, rows=2, sharex=True, height_ratios=(3, 1))
     for name, values in parts.items():
         line, colour = _LINES[name]
         against_time(upper, time, values, line, color=colour, label=name)
-    against_time(upper, time, given, ":", color="black", label="input")
-    label(upper, y="Energy (J)", ylim=(0, 1.45 * given[0]))
+    against_time(upper, time, energy_input, ":", color="black", label="input")
+    label(upper, y="Energy (J)", ylim=(0, 1.45 * energy_input[0]))
     upper.legend(ncols=3, loc="upper center", columnspacing=1.0)
     against_time(lower, time, np.where(residual > 0, residual, np.nan), color=GREY, linewidth=0.8)
     label(lower, y="|Residual|\n/ input", log="y")
     columns = {"time_s": time, **{f"{name}_J": values for name, values in parts.items()}}
-    return Drawing(figure, columns | {"input_J": given, "residual_over_input": residual})
+    return Drawing(figure, columns | {"input_J": energy_input, "residual_over_input": residual})
 
 
 def plastic_zone_volume(result: ContinuumResult) -> Drawing:

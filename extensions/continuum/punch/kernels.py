@@ -114,7 +114,10 @@ def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, 
                 s_zz = mean + back * d_zz
                 s_tt = mean + back * d_tt
                 s_rz *= back
-            s[RR], s[ZZ], s[TT], s[RZ] = s_rr, s_zz, s_tt, s_rz
+            s[RR] = s_rr
+            s[ZZ] = s_zz
+            s[TT] = s_tt
+            s[RZ] = s_rz
             # bulk viscosity, on the shorter side of the element
             side = length[j, i]
             rate = e_v / dt
@@ -130,7 +133,8 @@ def _stress(vr, vz, fr, fz, state, br, bz, bt, area, height, length, hourglass, 
             new_r = back * (s[HOUR_R] + q_r)
             new_z = back * (s[HOUR_Z] + q_z)
             artificial += 0.5 * stiffness * ((s[HOUR_R] + new_r) * q_r + (s[HOUR_Z] + new_z) * q_z)
-            s[HOUR_R], s[HOUR_Z] = new_r, new_z
+            s[HOUR_R] = new_r
+            s[HOUR_Z] = new_z
             h_r = 0.25 * stiffness * new_r
             h_z = 0.25 * stiffness * new_z
             # nodal forces
@@ -159,17 +163,17 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
     for _ in range(len(gap) + 1):
         total = punch_mass
         moment = punch_mass * free
-        found = 0
+        n_touching = 0
         for i in range(len(gap)):
             reach = gap[i] + u[i] + dt * v[i]
             if place > reach:
                 total += mass[i]
                 moment += mass[i] * reach
-                found += 1
-        if found == count:
+                n_touching += 1
+        if n_touching == count:
             break
         place = moment / total
-        count = found
+        count = n_touching
     speed = (place - tally[PUNCH_Z]) / dt
     force = 0.0
     tally[CONTACT_NOW] = tally[CONTACT]
@@ -181,23 +185,23 @@ def _touch(u, v, before, mass, gap, tally, punch_mass, dt):
             slip = tally[PUNCH_V] - before[i]
             left = speed - v[i]
             tally[CONTACT] += impulse * (slip + left) / 2
-            tally[CONTACT_NOW] += (
-                impulse * (3 * slip + left) / 8
-            )  # work of the first half of the impulse
+            # work of the first half of the impulse
+            tally[CONTACT_NOW] += impulse * (3 * slip + left) / 8
             force += impulse / dt
     if count > 0:
         tally[TOUCHED] += 1
     tally[FORCE] = force
     tally[PUNCH_KINETIC] = 0.125 * punch_mass * (tally[PUNCH_V] + speed) ** 2
-    tally[PUNCH_Z], tally[PUNCH_V] = place, speed
+    tally[PUNCH_Z] = place
+    tally[PUNCH_V] = speed
 
 
 @compiled
 def advance(
     n_steps, motion, mass, mobility, gap, punch_mass, tally, state, tables, fields, constants, dt
 ):
-    """Take ``n_steps`` central-difference steps; the kinetic energies in ``tally`` are those at the
-    first instant.
+    """Take ``n_steps`` central-difference steps; kinetic energies in ``tally`` are at the first
+    instant.
 
     Parameters
     ----------
@@ -237,7 +241,8 @@ def advance(
                     old_z = before[i]
                 else:
                     new_z = old_z - dt * mobility[1, j, i] * f_z[j, i]
-                v_r[j, i], v_z[j, i] = new_r, new_z
+                v_r[j, i] = new_r
+                v_z[j, i] = new_z
                 u_r[j, i] += dt * new_r
                 u_z[j, i] += dt * new_z
                 if step == 0:
@@ -251,7 +256,8 @@ def advance(
         )
         tally[VISCOUS] += viscous
         tally[HOURGLASS] += artificial
-    tally[PUNCH_KINETIC], tally[CONTACT_NOW] = punch_kinetic, contact
+    tally[PUNCH_KINETIC] = punch_kinetic
+    tally[CONTACT_NOW] = contact
 
 
 @compiled

@@ -154,7 +154,9 @@ def block_mesh(
         ]
     )
     z = ASPECT * near * np.expm1(deep * np.arange(n_z + 1) / n_z)
-    r[0], r[-1], z[-1] = 0.0, radius, height
+    r[0] = 0.0
+    r[-1] = radius
+    z[-1] = height
     return Mesh(r, z)
 
 
@@ -208,11 +210,9 @@ def plan(case: ContinuumCase) -> ElementPlan:
     mesh = mesh_of(case)
     material = Elastoplastic.of(case.material)
     thinnest = min(np.diff(mesh.r).min(), np.diff(mesh.z).min())
-    step = (
-        _STEP_OVER_CROSSING * thinnest / material.longitudinal_speed
-        if isinstance(case.run.timestep, str)
-        else case.run.timestep
-    )
+    step = case.run.timestep
+    if isinstance(step, str):
+        step = _STEP_OVER_CROSSING * thinnest / material.longitudinal_speed
     check_steps(case.name, case.run.longest, step)
     n_steps = _expected_end(case) / step
     return ElementPlan(

@@ -134,15 +134,15 @@ class BlockRun(ElementRun):
     def progress(self) -> tuple[float, str]:
         """Time done, us."""
         last = self.rows[-1]
-        given = self.case.punch.energy
+        energy_input = self.case.punch.energy
         return 1e6 * last[
             "time"
-        ], f"dissipated {last['plastic'] / given:.3f}, balance {self.balance_error:.1e}"
+        ], f"dissipated {last['plastic'] / energy_input:.3f}, balance {self.balance_error:.1e}"
 
     def values(self) -> dict[str, Any]:
         solver = self.solver
         last = self.rows[-1]
-        given = self.case.punch.energy
+        energy_input = self.case.punch.energy
         volumes = self.column("plastic_volume")
         peak = int(volumes.argmax())
         rows, columns = np.nonzero(solver.ever)
@@ -152,12 +152,12 @@ class BlockRun(ElementRun):
             "n_steps": solver.n_steps,
             "end_time_s": last["time"],
             "end_reason": self.end_reason,
-            "energy_input_J": given,
+            "energy_input_J": energy_input,
             **{f"energy_{SUMMARY_NAMES.get(name, name)}_J": last[name] for name in _IN_SUMMARY},
-            "dissipated_fraction": last["plastic"] / given,
+            "dissipated_fraction": last["plastic"] / energy_input,
             "energy_balance_error": self.balance_error,
             "energy_balance_accepted": TOLERANCE,
-            "energy_input_normalised": given / self.case.energy_unit,
+            "energy_input_normalised": energy_input / self.case.energy_unit,
             "plastic_zone_volume_m3": volumes[peak],
             "plastic_zone_time_s": self.rows[peak]["time"],
             "plastic_zone_volume_ever_m3": last["plastic_volume_ever"],
@@ -189,7 +189,9 @@ class BlockRun(ElementRun):
             BOTTOM: 2 * block.height - (sizes["zone_depth_99_m"] or 0.0),
             SIDES: block.diameter - edge - max(sizes["zone_radius_99_m"] or 0.0, edge),
         }
-        times = {name: way / solver.material.longitudinal_speed for name, way in ways.items()}
+        times = {
+            name: distance / solver.material.longitudinal_speed for name, distance in ways.items()
+        }
         touched = {BOTTOM: solver.ever[-1].any(), SIDES: solver.ever[:, -1].any()}
         cut = {"zone_cut": [name for name, touches in touched.items() if touches]}
         return sizes | cut | wave_returns(times, self.column("time"), self.column("plastic"))
@@ -202,8 +204,8 @@ class BlockRun(ElementRun):
         at the punch's edge and depends on the element size.
         """
         solver = self.solver
-        both = solver.von_mises / solver.material.youngs_modulus + solver.state[:, :, STRAIN]
-        strain = both[solver.ever]
+        elastic = solver.von_mises / solver.material.youngs_modulus
+        strain = (elastic + solver.state[:, :, STRAIN])[solver.ever]
         volume = solver.operators.volume[solver.ever]
         if not len(strain):
             return 0.0

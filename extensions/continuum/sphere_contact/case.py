@@ -107,13 +107,13 @@ class SphereContactCase(ElementCase):
         """
         first, second = (
             (
-                one.youngs_modulus,
-                one.poisson_ratio,
-                one.yield_strength,
-                one.hardening or 0.0,
-                one.rate,
+                material.youngs_modulus,
+                material.poisson_ratio,
+                material.yield_strength,
+                material.hardening or 0.0,
+                material.rate,
             )
-            for one in self.materials
+            for material in self.materials
         )
         return self.radii[0] == self.radii[1] and first == second
 
@@ -131,10 +131,10 @@ class SphereContactCase(ElementCase):
         """Return a contact law of this pair by name; a sphere without a yield strength is elastic."""
         from granwave.lammps_inputs.contact.law import contact_of
 
-        limits = [one.yield_strength or math.inf for one in self.materials]
+        limits = [material.yield_strength or math.inf for material in self.materials]
         materials = [
-            dataclasses.replace(one, yield_strength=limit)
-            for one, limit in zip(self.materials, limits, strict=True)
+            dataclasses.replace(material, yield_strength=limit)
+            for material, limit in zip(self.materials, limits, strict=True)
         ]
         return contact_of(materials, self.radii, name)
 

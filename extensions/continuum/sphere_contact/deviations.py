@@ -47,33 +47,35 @@ def compare_loading(case: SphereContactCase, history: pd.DataFrame) -> pd.DataFr
     rows = (
         (history["branch"] == LOADING) & (history["overlap"] > 0) & (history["contact_radius"] > 0)
     )
-    found = history.loc[rows, ["overlap", "force", "contact_radius"]].reset_index(drop=True)
-    found["mean_pressure"] = found["force"] / (math.pi * found["contact_radius"] ** 2)
-    found["law_force"] = case.law.loading_force(found["overlap"].to_numpy())
-    found["law_contact_radius"] = case.law.contact_radius(found["overlap"].to_numpy())
-    law_pressure = found["law_force"] / (math.pi * found["law_contact_radius"] ** 2)
+    loading = history.loc[rows, ["overlap", "force", "contact_radius"]].reset_index(drop=True)
+    loading["mean_pressure"] = loading["force"] / (math.pi * loading["contact_radius"] ** 2)
+    loading["law_force"] = case.law.loading_force(loading["overlap"].to_numpy())
+    loading["law_contact_radius"] = case.law.contact_radius(loading["overlap"].to_numpy())
+    law_pressure = loading["law_force"] / (math.pi * loading["law_contact_radius"] ** 2)
     for name, of_law in zip(
-        COMPARED, (found["law_force"], found["law_contact_radius"], law_pressure), strict=True
+        COMPARED, (loading["law_force"], loading["law_contact_radius"], law_pressure), strict=True
     ):
-        found[f"{name}_deviation"] = 100 * (found[name] / of_law - 1)
-    return found
+        loading[f"{name}_deviation"] = 100 * (loading[name] / of_law - 1)
+    return loading
 
 
 def worst(case: SphereContactCase, loading: pd.DataFrame) -> dict[str, float]:
     """Return the largest and root mean square deviations, per cent, over all resolved overlaps and
     by range.
     """
-    found: dict[str, float] = {}
+    largest: dict[str, float] = {}
     scaled = (loading["overlap"] / case.yield_unit).to_numpy()
     for name in COMPARED:
         for label, (low, high) in {"": (RESOLVED, math.inf), **RANGES}.items():
             part = loading[f"{name}_deviation"].to_numpy()[(scaled >= low) & (scaled < high)]
             key = f"{name}_deviation_{label}_" if label else f"{name}_deviation_"
-            found[f"{key}max_percent"] = (
+            largest[f"{key}max_percent"] = (
                 float(part[np.abs(part).argmax()]) if len(part) else math.nan
             )
-            found[f"{key}rms_percent"] = float(np.sqrt(np.mean(part**2))) if len(part) else math.nan
-    return found
+            largest[f"{key}rms_percent"] = (
+                float(np.sqrt(np.mean(part**2))) if len(part) else math.nan
+            )
+    return largest
 
 
 def compare_cycles(case: SphereContactCase, history: pd.DataFrame) -> pd.DataFrame:

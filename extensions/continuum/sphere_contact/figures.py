@@ -68,11 +68,9 @@ class SphereContactResult(ElementResult):
     @property
     def overlap_label(self) -> str:
         """Axis label of normalised overlaps."""
-        return (
-            r"Overlap $\alpha/\alpha_\mathrm{y}$"
-            if self.plastic
-            else r"Overlap, 400 $\alpha/\alpha_\mathrm{max}$"
-        )
+        if self.plastic:
+            return r"Overlap $\alpha/\alpha_\mathrm{y}$"
+        return r"Overlap, 400 $\alpha/\alpha_\mathrm{max}$"
 
     @property
     def strength(self) -> float:
@@ -80,22 +78,16 @@ class SphereContactResult(ElementResult):
         the unit overlap.
         """
         strength = self.case.law.yield_strength
-        unit, force = self.units
-        return (
-            strength
-            if math.isfinite(strength)
-            else force / (math.pi * self.case.law.effective_radius * unit)
-        )
+        if math.isfinite(strength):
+            return strength
+        overlap, force = self.units
+        return force / (math.pi * self.case.law.effective_radius * overlap)
 
     def hertz(self, overlap: Array) -> Array:
         """Return the force of Hertz's law at overlaps (m), N."""
-        return (
-            4
-            / 3
-            * self.case.law.effective_modulus
-            * math.sqrt(self.case.law.effective_radius)
-            * overlap**1.5
-        )
+        law = self.case.law
+        stiffness = 4 / 3 * law.effective_modulus * math.sqrt(law.effective_radius)
+        return stiffness * overlap**1.5
 
     def branch(self, branch: int, cycle: int = 0) -> NDArray[np.int64]:
         """Return the indices of the entries of one branch; of unloading with that at which it
@@ -169,16 +161,16 @@ def pressure_profiles(result: SphereContactResult) -> Drawing:
 
 
 def _family(curves: dict[str, tuple[Array, Array]], names: tuple[str, str]) -> tuple[Drawing, Axes]:
-    """Draw curves in the colours of a map; ``names``: of the columns of abscissae and ordinates."""
+    """Draw curves in the colours of a map; ``names`` are the columns of abscissae and ordinates."""
     figure, axes = one_panel(2.9, "", "")
     shares = np.linspace(0, 0.92, len(curves))
     for (name, (x, y)), share in zip(curves.items(), shares, strict=True):
         axes.plot(x, y, color=colormaps[FORCE_MAP](share), linewidth=0.9, label=name)
-    columns = {
-        f"{column}_{name}": values
-        for name, pair in curves.items()
-        for column, values in zip(names, pair, strict=True)
-    }
+    abscissa, ordinate = names
+    columns = {}
+    for name, (x, y) in curves.items():
+        columns[f"{abscissa}_{name}"] = x
+        columns[f"{ordinate}_{name}"] = y
     return Drawing(figure, columns), axes
 
 
@@ -205,7 +197,7 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
     """Draw the mean contact pressure against overlap."""
     unit, _ = result.units
     overlap = result["loading/overlap"]
-    found = result["loading/mean_pressure"] / result.strength
+    pressure = result["loading/mean_pressure"] / result.strength
     area = math.pi * result["loading/law_contact_radius"] ** 2
     law = result["loading/law_force"] / area / result.strength
     hertz = (
@@ -215,7 +207,7 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
     )
     columns = {
         "overlap_normalised": overlap / unit,
-        "finite_elements": found,
+        "finite_elements": pressure,
         "law": law,
         "hertz": hertz,
     }
@@ -223,7 +215,7 @@ def mean_pressure(result: SphereContactResult) -> Drawing:
     axes.set(
         xscale="log",
         xlim=(RESOLVED, None),
-        ylim=(0, 1.15 * found[overlap > unit].max(initial=found.max())),
+        ylim=(0, 1.15 * pressure[overlap > unit].max(initial=pressure.max())),
     )
     axes.legend(loc="lower right")
     return drawing
@@ -234,11 +226,11 @@ def contact_area(result: SphereContactResult) -> Drawing:
     unit, _ = result.units
     overlap = result["loading/overlap"] / unit
     area_unit = result.case.law.effective_radius * unit
-    found, law = (
+    area, law = (
         result[f"loading/{name}"] ** 2 / area_unit
         for name in ("contact_radius", "law_contact_radius")
     )
-    columns = {"overlap_normalised": overlap, "finite_elements": found, "law": law}
+    columns = {"overlap_normalised": overlap, "finite_elements": area, "law": law}
     drawing, axes = _compared(result, columns, r"Contact area $A/A_\mathrm{y}$")
     axes.axline((0, 0), slope=1, color=GREY, linewidth=0.8, label="Hertz, Thornton")
     axes.set(xlim=(0, overlap.max()), ylim=(0, None))

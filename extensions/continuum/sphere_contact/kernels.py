@@ -160,7 +160,10 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
             s_zz = mean + back * d_zz
             s_tt = mean + back * d_tt
             s_rz *= back
-        s[RR], s[ZZ], s[TT], s[RZ] = s_rr, s_zz, s_tt, s_rz
+        s[RR] = s_rr
+        s[ZZ] = s_zz
+        s[TT] = s_tt
+        s[RZ] = s_rz
         bulk = viscosity * e_v
         viscous += 0.5 * (s[BULK] + bulk) * e_v * volume
         s[BULK] = bulk
@@ -181,7 +184,8 @@ def stress(x, v, elements, kind, constants, hourglass, state, f, pace):
         new_r = back * (old_r + t_r)
         new_z = back * (old_z + t_z)
         artificial += 0.5 * hourglass[e] * ((old_r + new_r) * t_r + (old_z + new_z) * t_z)
-        s[HOUR_R], s[HOUR_Z] = new_r, new_z
+        s[HOUR_R] = new_r
+        s[HOUR_Z] = new_z
         h_r = 0.25 * hourglass[e] * new_r
         h_z = 0.25 * hourglass[e] * new_z
         # nodal forces
@@ -339,7 +343,7 @@ def masses(x, elements, kind, constants, extra, mass):
 @compiled
 def advance(
     n_steps,
-    wanted,
+    target,
     growth,
     smoothing,
     damping,
@@ -357,8 +361,8 @@ def advance(
 
     Parameters
     ----------
-    wanted, growth
-        Target for the change of the overlap in a step: ``wanted + growth * overlap``.
+    target, growth
+        Target for the change of the overlap in a step: ``target + growth * overlap``.
     smoothing
         Time constant, in steps, of the two low-pass filters through which the rate follows this
         target.
@@ -391,7 +395,7 @@ def advance(
     gain = 1 / (1 + 0.5 * damping)
     drift = 1 / memory
     for step in range(n_steps):
-        tally[TARGET_RATE] += (wanted + growth * tally[OVERLAP] - tally[TARGET_RATE]) / smoothing
+        tally[TARGET_RATE] += (target + growth * tally[OVERLAP] - tally[TARGET_RATE]) / smoothing
         tally[RATE] += (tally[TARGET_RATE] - tally[RATE]) / smoothing
         tally[OVERLAP] += tally[RATE]
         lost = 0.0
@@ -419,7 +423,8 @@ def advance(
             force += other
             energy += more
         tally[WORK] += 0.5 * (tally[FORCE] + force) * halves * tally[RATE]
-        tally[FORCE], tally[PENALTY] = force, energy
+        tally[FORCE] = force
+        tally[PENALTY] = energy
         if step == n_steps - 1:
             kinetic = 0.0
             for i in range(len(mass)):

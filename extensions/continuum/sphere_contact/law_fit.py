@@ -14,10 +14,11 @@ from __future__ import annotations
 import math
 import re
 import sys
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from functools import cached_property
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pandas as pd
@@ -31,23 +32,24 @@ from granwave.extensions.continuum.sphere_contact.law_table import TABLE, contac
 Array = NDArray[np.float64]
 
 LAW = "elastoplastic-fe"
-_DEEPEST = 0.2  # over R*, of the points that count: beyond, the law is a straight line
-_PLACES = np.linspace(0, 1, 40)  # of an unloading, from the residual overlap to the peak
+_DEEPEST = 0.2  # largest overlap of the fit over R*; beyond it the law is a straight line
+_PLACES = np.linspace(0, 1, 40)  # places of an unloading from the residual overlap to the peak
 # overlap over that at first yield, below which the first unloading tells what dissipation begins
 # with
 _FIRST = 6.0
 _BETWEEN = np.array([0.1, 0.25, 0.5, 0.75])  # places from yield to the first unloading
-_POWERS = (2, 4, 6, 8)  # of the errors whose sum is made small, one after the other
+_POWERS = (2, 4, 6, 8)  # powers of the errors whose sums are minimised in turn
+_ERROR = 0.02  # relative error that counts as 1 in these sums
 _QUADRATURE = 400  # points of the work of loading
-_RANGES = ("1-10", "10-100", "100-inf")  # of the overlap over that at first yield
+_RANGES = ("1-10", "10-100", "100-inf")  # ranges of the overlap relative to first yield
 _OTHER = "elastoplastic"
 _KINDS = {
     "equal": "equal spheres", "rigid": "sphere on a rigid flat", "radii": "other radii",
     "unlike": "unlike materials", "held": "held out of the fit",
 }  # fmt: skip
-_MARGIN = 1.5  # of the error bars over the largest error of fitted contacts
+_MARGIN = 1.5  # error bars divided by the largest error of fitted contacts
 _ROUNDED = 0.001  # digits of error bars
-_FROM = (1.0, 10.0, 100.0)  # ranges of error bars, overlap over that at first yield
+_FROM = (1.0, 10.0, 100.0)  # lower ends of the ranges of error bars, overlap over first yield
 _BARS = re.compile(r"(constexpr FeBar FE_BARS.*?\{\n).*?(^\};$)", re.MULTILINE | re.DOTALL)
 _CONSTANT = re.compile(r"^  double (\w+) = (.*);$", re.MULTILINE)
 
@@ -62,9 +64,13 @@ class Measured:
         rigid = "deepest" in values
         nu = values["nu"]
         hardening = values["hardening"]
-        radius, modulus, strength = (
-            math.inf if rigid else values.get(key, 1.0) for key in ("radius", "modulus", "strength")
-        )
+        radius = math.inf
+        modulus = math.inf
+        strength = math.inf
+        if not rigid:
+            radius = values.get("radius", 1.0)
+            modulus = values.get("modulus", 1.0)
+            strength = values.get("strength", 1.0)
         self.bodies = {
             "youngs_modulus": (1.0, modulus),
             "poisson_ratio": (nu, 0.0 if rigid else values.get("nu2", nu)),
@@ -74,28 +80,37 @@ class Measured:
         }
         law = self.law(LAW)
         size = law.effective_radius
-        unit = law.effective_modulus * law.effective_radius**2
-        length, force = (size / 4, unit / 8) if rigid else (size, unit)
-        rows = rows.assign(overlap=rows["overlap"] * length, residual=rows["residual"] * length)
-        rows = rows.assign(force=rows["force"] * force)[rows["overlap"] <= _DEEPEST * size]
-        self.start = law.yield_overlap
-        loading, unloading = (rows[rows["branch"] == name] for name in ("loading", "unloading"))
-        loading = loading[loading["overlap"] > self.start]
-        self.overlap, self.force = (loading[name].to_numpy() for name in ("overlap", "force"))
-        self.peak, self.peak_force, self.residual, self.exponent = (
-            unloading[name].to_numpy() for name in ("overlap", "force", "residual", "exponent")
+        length = size
+        force = law.effective_modulus * size**2
+        if rigid:
+            length = size / 4
+            force = force / 8
+        rows = rows.assign(
+            overlap=rows["overlap"] * length,
+            residual=rows["residual"] * length,
+            force=rows["force"] * force,
         )
+        rows = rows[rows["overlap"] <= _DEEPEST * size]
+        self.start = law.yield_overlap
+        loading = rows[(rows["branch"] == "loading") & (rows["overlap"] > self.start)]
+        self.overlap = loading["overlap"].to_numpy()
+        self.force = loading["force"].to_numpy()
+        unloading = rows[rows["branch"] == "unloading"]
+        self.peak = unloading["overlap"].to_numpy()
+        self.peak_force = unloading["force"].to_numpy()
+        self.residual = unloading["residual"].to_numpy()
+        self.exponent = unloading["exponent"].to_numpy()
 
     def law(self, name: str, constants: Mapping[str, float] | None = None) -> ContactLaw:
-        """Return a law of this contact; one without hardening leaves that out."""
+        """Return a law for this contact; a law without hardening ignores it."""
         return ContactLaw(law=name, fit=dict(constants or {}), **self.bodies)
 
     def loading_errors(self, law: ContactLaw) -> Array:
-        """Return the errors of the force on loading over that of finite elements."""
+        """Return the errors of the force on loading relative to finite elements."""
         return np.asarray(law.loading_force(self.overlap) / self.force - 1)
 
     def unloading_errors(self, law: ContactLaw) -> Array:
-        """Return the errors of the share of the peak force on unloading, at `_PLACES`:
+        """Return the errors of the force on unloading relative to the peak, at `_PLACES`:
         (n_unloadings, n_places).
         """
         overlap = self.residual[:, None] + (self.peak - self.residual)[:, None] * _PLACES
@@ -105,8 +120,8 @@ class Measured:
         return np.asarray(share - _PLACES ** self.exponent[:, None])
 
     def near_yield(self, law: ContactLaw) -> Array:
-        """Return how far the dissipated share is from a straight line between yield and the first
-        unloading.
+        """Return the deviation of the dissipated fraction from a straight line between yield and
+        the first unloading.
         """
         peak = self.peak[0]
         first = self.peak[0] / self.start
@@ -114,8 +129,8 @@ class Measured:
             return np.zeros(0)
         back = law.loading_force(peak) * (peak - self.residual[0]) / (self.exponent[0] + 1)
         at = peak - (1 - _BETWEEN) * (peak - self.start)
-        wanted = _BETWEEN * (1 - back / law.loading_work(peak))
-        return np.asarray(law.dissipated_energy(at) / law.loading_work(at) - wanted)
+        straight = _BETWEEN * (1 - back / law.loading_work(peak))
+        return np.asarray(law.dissipated_energy(at) / law.loading_work(at) - straight)
 
     @cached_property
     def restitution(self) -> Array:
@@ -131,7 +146,7 @@ class Measured:
         return np.asarray(np.sqrt(recovered / np.interp(self.peak, at, work)))
 
     def restitution_errors(self, law: ContactLaw) -> Array:
-        """Return the errors of the coefficient of restitution over that of finite elements."""
+        """Return the errors of the coefficient of restitution relative to finite elements."""
         lost = law.dissipated_energy(self.peak) / law.loading_work(self.peak)
         return np.asarray(np.sqrt(np.clip(1 - lost, 0, 1)) / self.restitution - 1)
 
@@ -145,39 +160,57 @@ def measured() -> list[Measured]:
     ]
 
 
-def fit(found: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
-    """Return the constants of the law: of loading first, then those of unloading, whose names are r
-    and n.
+def fit(contacts: list[Measured], start: Mapping[str, float]) -> dict[str, float]:
+    """Return the constants of the law: first the fit of loading, then of unloading, with names such
+    as r1 and n1.
     """
+    used = [contact for contact in contacts if not contact.held]
+    of_unloading = [name for name in start if name[0] in "rn" and name[1:].isdigit()]
+    of_loading = [name for name in start if name not in of_unloading]
     constants = dict(start)
-    used = [one for one in found if not one.held]
-    groups = [
-        [name for name in start if (name[0] in "rn" and name[1:].isdigit()) == back]
-        for back in (False, True)
-    ]
-    for names, powers in zip(groups, (_POWERS, _POWERS[:3]), strict=True):
-        for power in powers:
-
-            def errors(x: Array, names: list[str] = names, power: int = power) -> Array:
-                trial = constants | dict(zip(names, map(float, x), strict=True))
-                laws = [(one, one.law(LAW, trial)) for one in used]
-                if names is groups[0]:
-                    parts = [one.loading_errors(law) for one, law in laws]
-                else:
-                    parts = [one.unloading_errors(law)[:, ::3].ravel() for one, law in laws]
-                    parts += [2 * one.near_yield(law) for one, law in laws]
-                    parts += [2 * one.restitution_errors(law) for one, law in laws]
-                scaled = np.nan_to_num(np.concatenate(parts) / 0.02, nan=1e3)
-                return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
-
-            x = np.array([constants[name] for name in names])
-            solved = least_squares(errors, x, x_scale=np.maximum(np.abs(x), 0.05), max_nfev=40)
-            constants.update(zip(names, map(float, solved.x), strict=True))
+    for power in _POWERS:
+        _improve(constants, of_loading, used, _errors_on_loading, power)
+    for power in _POWERS[:3]:
+        _improve(constants, of_unloading, used, _errors_on_unloading, power)
     return constants
 
 
+def _improve(
+    constants: dict[str, float],
+    names: list[str],
+    contacts: list[Measured],
+    errors_of: Callable[[Measured, ContactLaw], list[Array]],
+    power: int,
+) -> None:
+    """Fit some of the constants in place, by the least sum of the errors to this power."""
+
+    def errors(x: Array) -> Array:
+        trial = constants | dict(zip(names, map(float, x), strict=True))
+        parts: list[Array] = []
+        for contact in contacts:
+            parts += errors_of(contact, contact.law(LAW, trial))
+        scaled = np.nan_to_num(np.concatenate(parts) / _ERROR, nan=1e3)
+        return np.asarray(np.sign(scaled) * np.abs(scaled) ** (power / 2))
+
+    x = np.array([constants[name] for name in names])
+    solved = least_squares(errors, x, x_scale=np.maximum(np.abs(x), 0.05), max_nfev=40)
+    constants.update(zip(names, map(float, solved.x), strict=True))
+
+
+def _errors_on_loading(contact: Measured, law: ContactLaw) -> list[Array]:
+    return [contact.loading_errors(law)]
+
+
+def _errors_on_unloading(contact: Measured, law: ContactLaw) -> list[Array]:
+    return [
+        contact.unloading_errors(law)[:, ::3].ravel(),
+        2 * contact.near_yield(law),
+        2 * contact.restitution_errors(law),
+    ]
+
+
 def errors(
-    found: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None
+    contacts: list[Measured], name: str = LAW, constants: Mapping[str, float] | None = None
 ) -> pd.DataFrame:
     """Return for each kind of contact the largest error of loading by range of the overlap, of
     unloading, and of the coefficient of restitution, per cent.
@@ -186,16 +219,22 @@ def errors(
     within 5 %.
     """
     rows = []
-    for kind in dict.fromkeys(one.name.partition("_")[0] for one in found):
-        laws = [(one, one.law(name, constants)) for one in found if one.name.startswith(kind)]
-        at = np.concatenate([one.overlap / one.start for one, _ in laws])
-        loading = np.concatenate([one.loading_errors(law) for one, law in laws])
-        back = np.concatenate([np.abs(one.unloading_errors(law)).max(axis=1) for one, law in laws])
+    for kind in dict.fromkeys(contact.name.partition("_")[0] for contact in contacts):
+        laws = [
+            (contact, contact.law(name, constants))
+            for contact in contacts
+            if contact.name.startswith(kind)
+        ]
+        at = np.concatenate([contact.overlap / contact.start for contact, _ in laws])
+        loading = np.concatenate([contact.loading_errors(law) for contact, law in laws])
+        back = np.concatenate(
+            [np.abs(contact.unloading_errors(law)).max(axis=1) for contact, law in laws]
+        )
         ranges = {
             f"{low:g}-{high:g}": (at > low) & (at <= high)
             for low, high in ((1, 10), (10, 100), (100, math.inf))
         }
-        rebound = np.concatenate([np.abs(one.restitution_errors(law)) for one, law in laws])
+        rebound = np.concatenate([np.abs(contact.restitution_errors(law)) for contact, law in laws])
         worst = {label: 100 * np.abs(loading[part]).max() for label, part in ranges.items()}
         rows.append({"contacts": kind, **worst, "within_3": 100 * (np.abs(loading) <= 0.03).mean(),
                      "unloading": 100 * back.max(), "within_5": 100 * (back <= 0.05).mean(),
@@ -203,30 +242,31 @@ def errors(
     return pd.DataFrame(rows).set_index("contacts")
 
 
-def bars(found: list[Measured], constants: Mapping[str, float] | None = None) -> pd.DataFrame:
+def bars(contacts: list[Measured], constants: Mapping[str, float] | None = None) -> pd.DataFrame:
     """Return the error bars: `_MARGIN` times the largest error of fitted contacts, by kind and
-    range of the overlap over that at first yield.
+    range of the overlap relative to first yield.
 
-    Contacts that are held out test them; the margin is for contacts between those of the fit.
+    Held-out contacts test the error bars; the margin is for contacts between the fitted ones.
     """
     rows = []
     for kind, mirrored in (("equal spheres, sphere on a rigid flat", True), ("others", False)):
-        chosen = [one for one in found if one.mirrored == mirrored and not one.held]
+        chosen = [
+            contact for contact in contacts if contact.mirrored == mirrored and not contact.held
+        ]
         for low, high in pairwise((*_FROM, math.inf)):
             largest = largest_errors(chosen, low, high, constants)
-            stated = {
-                name: math.ceil(_MARGIN * value / _ROUNDED) * _ROUNDED
-                for name, value in largest.items()
-            }
-            rows.append({"contacts": kind, "from": low, **stated})
+            row: dict[str, Any] = {"contacts": kind, "from": low}
+            for name, value in largest.items():
+                row[name] = math.ceil(_MARGIN * value / _ROUNDED) * _ROUNDED
+            rows.append(row)
     return pd.DataFrame(rows)
 
 
 def largest_errors(
     chosen: list[Measured], low: float, high: float, constants: Mapping[str, float] | None = None
 ) -> dict[str, float]:
-    """Return the largest errors of force, unloading and restitution of contacts, relative, for
-    overlaps and peaks in a range, over that at first yield.
+    """Return the largest relative errors of force, unloading and restitution of contacts, for
+    overlaps and peaks in a range relative to first yield.
     """
     parts: dict[str, list[Array]] = {"force": [], "unloading": [], "restitution": []}
     for contact in chosen:
@@ -248,18 +288,18 @@ def _bars_in_header(text: str, table: pd.DataFrame) -> str:
     """Return the text of the header with these error bars."""
     lines = []
     for _, rows in table.groupby("contacts", sort=False):
-        entries = [
-            "{" + ", ".join(f"{value:g}" for value in row) + "}"
-            for row in rows[["from", "force", "unloading", "restitution"]].to_numpy()
-        ]
+        entries = []
+        for row in rows[["from", "force", "unloading", "restitution"]].to_numpy():
+            entries.append("{" + ", ".join(map("{:g}".format, row)) + "}")
         lines.append(f"    {{{', '.join(entries)}}},\n")
     return _BARS.sub(lambda match: match[1] + "".join(lines) + match[2], text)
 
 
-def renew(page: Path, found: list[Measured], constants: Mapping[str, float] | None) -> None:
+def renew(page: Path, contacts: list[Measured], constants: Mapping[str, float] | None) -> None:
     """Write the tables of errors and error bars into a page, between its marks."""
-    own, other = (errors(found, name, of) for name, of in ((LAW, constants), (_OTHER, None)))
-    counts = pd.Series([one.name.partition("_")[0] for one in found]).value_counts()
+    own = errors(contacts, LAW, constants)
+    other = errors(contacts, _OTHER)
+    counts = pd.Series([contact.name.partition("_")[0] for contact in contacts]).value_counts()
     heads = ["contacts", *_RANGES, "within 3 %", "unloading", "restitution"]
     heads += [f"`{_OTHER}`: {_RANGES[0]}", *_RANGES[1:], "unloading"]
     rows = []
@@ -273,12 +313,10 @@ def renew(page: Path, found: list[Measured], constants: Mapping[str, float] | No
         ])  # fmt: skip
     text = page.read_text(encoding="utf-8")
     text = _between_marks(text, "law errors", _markdown(heads, rows))
-    stated = bars(found, constants)
-    rows = [
-        [row["contacts"], f"from {row['from']:g}"]
-        + [f"{100 * row[name]:.1f} %" for name in ("force", "unloading", "restitution")]
-        for _, row in stated.iterrows()
-    ]
+    rows = []
+    for _, row in bars(contacts, constants).iterrows():
+        percentages = [f"{100 * row[name]:.1f} %" for name in ("force", "unloading", "restitution")]
+        rows.append([row["contacts"], f"from {row['from']:g}", *percentages])
     heads = ["contacts", "peak", "force", "unloading", "restitution"]
     page.write_text(_between_marks(text, "law bars", _markdown(heads, rows)), encoding="utf-8")
 
@@ -296,16 +334,18 @@ def _between_marks(text: str, name: str, table: str) -> str:
     return f"{before}{start}\n\n{table}\n{end}{after}"
 
 
-def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Path) -> None:
+def draw(contacts: list[Measured], constants: Mapping[str, float] | None, path: Path) -> None:
     """Draw the errors of the force on loading of both laws against the overlap."""
     import matplotlib.pyplot as plt
 
     figure, panels = plt.subplots(1, 2, figsize=(6.4, 2.8), sharey=True, layout="constrained")
     for axes, (name, own) in zip(panels, (("elastoplastic", None), (LAW, constants)), strict=True):
-        for held, label in ((False, "fitted contacts"), (True, "held-out contacts")):
-            chosen = [one for one in found if one.held == held]
-            overlap = np.concatenate([one.overlap / one.start for one in chosen])
-            error = np.concatenate([one.loading_errors(one.law(name, own)) for one in chosen])
+        for held_out, label in ((False, "fitted contacts"), (True, "held-out contacts")):
+            chosen = [contact for contact in contacts if contact.held == held_out]
+            overlap = np.concatenate([contact.overlap / contact.start for contact in chosen])
+            error = np.concatenate(
+                [contact.loading_errors(contact.law(name, own)) for contact in chosen]
+            )
             axes.plot(overlap, 100 * error, ".", markersize=2, label=label)
         axes.axhspan(-3, 3, color="0.85", zorder=0)
         axes.set(
@@ -319,12 +359,12 @@ def draw(found: list[Measured], constants: Mapping[str, float] | None, path: Pat
 
 def main() -> None:
     """Fit if a header is named, and print the errors of this law and of the default one."""
-    found = measured()
+    contacts = measured()
     constants = None
     paths = [Path(argument) for argument in sys.argv[1:]]
     for path in [path for path in paths if path.suffix == ".h"]:
         text = path.read_text(encoding="utf-8")
-        fitted = fit(found, {name: float(value) for name, value in _CONSTANT.findall(text)})
+        fitted = fit(contacts, {name: float(value) for name, value in _CONSTANT.findall(text)})
         constants = {name: float(f"{value:.6g}") for name, value in fitted.items()}
         for name, value in constants.items():
             text = re.sub(
@@ -333,14 +373,14 @@ def main() -> None:
                 text,
                 flags=re.MULTILINE,
             )
-        text = _bars_in_header(text, bars(found, constants))
+        text = _bars_in_header(text, bars(contacts, constants))
         path.write_text(text, encoding="utf-8")
     for path in [path for path in paths if path.suffix == ".webp"]:
-        draw(found, constants, path)
+        draw(contacts, constants, path)
     for path in [path for path in paths if path.suffix == ".md"]:
-        renew(path, found, constants)
+        renew(path, contacts, constants)
     for name, of_law in ((LAW, constants), ("elastoplastic", None)):
-        print(f"{name}\n{errors(found, name, of_law).round(1).to_string()}")
+        print(f"{name}\n{errors(contacts, name, of_law).round(1).to_string()}")
 
 
 if __name__ == "__main__":

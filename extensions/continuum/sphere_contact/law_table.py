@@ -93,7 +93,7 @@ class TableRun(ContactRun):
             solver.state,
             solver.tally,
             solver.mass,
-            *(one.gaps for one in solver._surfaces),
+            *(surface.gaps for surface in solver._surfaces),
         ]
         before = [part.copy() for part in parts]
         every = max(1, round(self._way / 100))
@@ -110,9 +110,9 @@ class TableRun(ContactRun):
 def run(name: str, values: dict[str, float], path: Path) -> None:
     """Run a contact and write its history: branch, cycle, overlap, force, contact radius."""
     case = case_of(name, values)
-    found = TableRun(case)
-    found.integrate()
-    history = found.history
+    table_run = TableRun(case)
+    table_run.integrate()
+    history = table_run.history
     radius = case.law.effective_radius
     modulus = case.law.effective_modulus
     table = pd.DataFrame({
@@ -120,7 +120,7 @@ def run(name: str, values: dict[str, float], path: Path) -> None:
         "force": history["force"] / (modulus * radius**2), "contact_radius": history["contact_radius"] / radius,
         "kinetic": history["kinetic"] / (history["elastic"] + history["plastic"]),
     })  # fmt: skip
-    if found.end_reason != "done":
+    if table_run.end_reason != "done":
         table = table.iloc[:0]
     with replacing(path) as scratch:
         table.to_csv(scratch, index=False, float_format="%.6g")
@@ -166,10 +166,11 @@ def reduce(directory: Path) -> pd.DataFrame:
                 continue
 
             def misfit(
-                found: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share
+                constants: np.ndarray, overlap: np.ndarray = overlap, share: np.ndarray = share
             ) -> np.ndarray:
-                scaled = (overlap / overlap[0] - found[0]) / (1 - found[0])
-                return np.asarray(np.clip(scaled, 1e-9, None) ** found[1] - share)
+                residual, exponent = constants
+                scaled = (overlap / overlap[0] - residual) / (1 - residual)
+                return np.asarray(np.clip(scaled, 1e-9, None) ** exponent - share)
 
             fitted = least_squares(misfit, [overlap[-1] / overlap[0], 1.35])
             rows.append((name, "unloading", overlap[0], part["force"].iloc[0], fitted.x[0] * overlap[0], fitted.x[1],
@@ -192,16 +193,16 @@ def main() -> None:
     options.directory.mkdir(parents=True, exist_ok=True)
     k, n = map(int, options.worker.split("/"))
     kept = set() if options.all else set(stored()["contact"])
-    wanted = {name: values for name, values in contacts().items() if name not in kept}
+    missing = {name: values for name, values in contacts().items() if name not in kept}
     lacking = [
         name
-        for m, name in enumerate(wanted)
+        for m, name in enumerate(missing)
         if m % n == k and not (options.directory / f"{name}.csv").exists()
     ]
     for name in lacking[: options.most]:
-        run(name, wanted[name], options.directory / f"{name}.csv")
+        run(name, missing[name], options.directory / f"{name}.csv")
         print(name, flush=True)
-    if all((options.directory / f"{name}.csv").exists() for name in wanted):
+    if all((options.directory / f"{name}.csv").exists() for name in missing):
         write(reduce(options.directory))
 
 

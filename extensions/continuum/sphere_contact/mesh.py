@@ -151,9 +151,8 @@ def _counted(radius: float, core: float, n: int) -> tuple[Array, Array]:
     each.
     """
     distance = np.geomspace(core, _QUARTER * radius, _SAMPLES)
-    density = (
-        2 * n / _QUARTER / (1 + (distance / (_FAR * radius)) ** 2)
-    )  # rings per unit of ln(distance)
+    # rings per unit of ln(distance)
+    density = 2 * n / _QUARTER / (1 + (distance / (_FAR * radius)) ** 2)
     steps = 0.5 * (density[1:] + density[:-1]) * np.diff(np.log(distance))
     return distance, np.concatenate([[0.0], np.cumsum(steps)])
 
@@ -166,7 +165,8 @@ def _rings(radius: float, core: float, n: int) -> Array:
     distance, count = _counted(radius, core, n)
     number = _n_rings(radius, core, n)
     rings = np.interp(np.arange(number + 1) * count[-1] / number, count, distance)
-    rings[0], rings[-1] = core, _QUARTER * radius
+    rings[0] = core
+    rings[-1] = _QUARTER * radius
     return rings
 
 

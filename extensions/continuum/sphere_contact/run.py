@@ -43,6 +43,7 @@ import pandas as pd
 from numpy.typing import ArrayLike, NDArray
 
 from granwave.analysis.figures.style import write_csv
+from granwave.extensions.continuum.files import CONTACT_TABLE
 from granwave.extensions.continuum.material import STRAIN, Elastoplastic
 from granwave.extensions.continuum.runner import (
     SUMMARY_NAMES,
@@ -67,7 +68,6 @@ from granwave.extensions.continuum.sphere_contact.solver import (
     SurfaceContact,
 )
 from granwave.lammps_inputs.files import replacing
-from granwave.lammps_inputs.run_directory import CONTACT_TABLE
 
 TOLERANCE = 0.02  # largest accepted error of the energy balance over the work of the faces
 PROFILES = (2e-3, 6e-3, 1e-2, 1.4e-2, 1.8e-2, 4e-2, 8e-2, 0.12, 0.16, 0.20)  # overlaps over R*
@@ -263,9 +263,9 @@ class ContactRun(ElementRun):
     @property
     def history(self) -> pd.DataFrame:
         """History with the mean pressures of the contact, Pa."""
-        found = pd.DataFrame(self.rows)
-        area = math.pi * found["contact_radius"] ** 2
-        return found.assign(mean_pressure=(found["force"] / area).where(area > 0, 0.0))
+        table = pd.DataFrame(self.rows)
+        area = math.pi * table["contact_radius"] ** 2
+        return table.assign(mean_pressure=(table["force"] / area).where(area > 0, 0.0))
 
     def values(self) -> dict[str, Any]:
         law = self.case.law
@@ -347,18 +347,19 @@ def _overrun(rate: float, target_rate: float, back: float, smoothing: float) -> 
     """
     if rate <= 0:
         return 0.0
-    here = rate + back
-    there = target_rate + back
+    excess = rate + back
+    target_excess = target_rate + back
     low = 0.0
     high = 50.0
     for _ in range(60):
         middle = 0.5 * (low + high)
-        low, high = (
-            (middle, high) if (here + there * middle) * math.exp(-middle) > back else (low, middle)
-        )
-    return smoothing * (
-        here * (1 - math.exp(-low)) + there * (1 - (1 + low) * math.exp(-low)) - back * low
-    )
+        if (excess + target_excess * middle) * math.exp(-middle) > back:
+            low = middle
+        else:
+            high = middle
+    decay = math.exp(-low)
+    growth = excess * (1 - decay) + target_excess * (1 - (1 + low) * decay) - back * low
+    return smoothing * growth
 
 
 def _of_cycles(cycles: pd.DataFrame) -> dict[str, float]:

@@ -108,19 +108,20 @@ class SphereContactSolver:
         )
         self.kind = np.repeat(np.arange(len(bodies)), [len(body.elements) for body in bodies])
         viscosities = [
-            LINEAR_VISCOSITY * one.longitudinal_modulus * kernels.STABLE for one in materials
+            LINEAR_VISCOSITY * material.longitudinal_modulus * kernels.STABLE
+            for material in materials
         ]
         self._constants = np.array(
             [
                 (
-                    *one.lame,
-                    one.yield_strength,
+                    *material.lame,
+                    material.yield_strength,
                     drag,
-                    one.hardening_modulus,
-                    one.rate_sensitivity,
-                    one.reference_rate,
+                    material.hardening_modulus,
+                    material.rate_sensitivity,
+                    material.reference_rate,
                 )
-                for one, drag in zip(materials, viscosities, strict=True)
+                for material, drag in zip(materials, viscosities, strict=True)
             ]
         )
         self.motion = np.zeros((4, *nodes.shape))
@@ -183,15 +184,15 @@ class SphereContactSolver:
         """Von Mises stresses, (n_elements,), Pa."""
         return von_mises(self.state)
 
-    def advance(self, n_steps: int, wanted: float, growth: float = 0.0) -> None:
-        """Take ``n_steps`` with the target ``wanted + growth * overlap`` (m) for the change of
+    def advance(self, n_steps: int, target: float, growth: float = 0.0) -> None:
+        """Take ``n_steps`` with the target ``target + growth * overlap`` (m) for the change of
         overlap in a step.
         """
         while n_steps > 0:
             part = min(n_steps, _REFRESH - self.n_steps % _REFRESH)
             kernels.advance(
                 part,
-                wanted,
+                target,
                 growth,
                 self.smoothing,
                 self.damping,
@@ -219,18 +220,18 @@ class SphereContactSolver:
         elastic, plastic = kernels.stored(
             self.motion[0], self.elements, self.kind, self._constants, self.state
         )
-        both = 1 / self._halves
+        both_halves = 1 / self._halves
         tally = self.tally
         energies = {
-            "kinetic": both * tally[kernels.KINETIC],
-            "elastic": both * elastic,
-            "penalty": both * tally[kernels.PENALTY],
-            "hourglass": both * tally[kernels.HOURGLASS],
-            "plastic": both * plastic,
-            "viscous": both * tally[kernels.VISCOUS],
-            "damping": both * tally[kernels.DAMPING],
+            "kinetic": both_halves * tally[kernels.KINETIC],
+            "elastic": both_halves * elastic,
+            "penalty": both_halves * tally[kernels.PENALTY],
+            "hourglass": both_halves * tally[kernels.HOURGLASS],
+            "plastic": both_halves * plastic,
+            "viscous": both_halves * tally[kernels.VISCOUS],
+            "damping": both_halves * tally[kernels.DAMPING],
         }
-        work = both * tally[kernels.WORK]
+        work = both_halves * tally[kernels.WORK]
         return energies | {
             "overlap": self.overlap,
             "force": self.force,
@@ -269,7 +270,8 @@ class SphereContactSolver:
 
     def _hourglass(self) -> Array:
         r, z = self.motion[0, self.elements].transpose(2, 0, 1)
-        p, q = (np.array([part[:, i] - part[:, i + 2] for part in (r, z)]) for i in (0, 1))
+        p = np.array([r[:, 0] - r[:, 2], z[:, 0] - z[:, 2]])  # diagonals of the elements
+        q = np.array([r[:, 1] - r[:, 3], z[:, 1] - z[:, 3]])
         area = 0.5 * (p[0] * q[1] - q[0] * p[1])
         squares = ((p**2).sum(axis=0) + (q**2).sum(axis=0)) / (8 * area**2)
         volume = 2 * math.pi * r.mean(axis=1) * area

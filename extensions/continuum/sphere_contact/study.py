@@ -8,6 +8,7 @@ from __future__ import annotations
 import dataclasses
 import math
 from collections.abc import Iterator, Sequence
+from typing import Any
 
 import h5py
 import numpy as np
@@ -16,12 +17,13 @@ from granwave.analysis.document.model import Cell, DocumentTable, TableColumn, p
 from granwave.analysis.figures.series import MARKS, label, panels
 from granwave.analysis.figures.style import Drawing
 from granwave.analysis.measures.signals import Array
-from granwave.analysis.studies.runs import SphereContactRun
 from granwave.analysis.studies.study import Picture, numeric, table_of
+from granwave.extensions.continuum.runs import SphereContactRun
 from granwave.lammps_inputs.files import regular
 from granwave.lammps_inputs.run_directory import RESULT_FILE
 
 TITLE = "Contact law against finite elements"
+RUN_TYPE = SphereContactRun
 TEXT = (
     "Two elastic-perfectly-plastic spheres, pressed together by finite elements. Differences are finite elements over "
     "the contact law, less 1, at equal overlap; alpha_y is the overlap at first yield. The contact grows element by "
@@ -58,68 +60,73 @@ class SphereLoading:
     softer: float | None
 
     def near(self, scaled: float) -> float:
-        """Mean of `over_law` about an overlap over that at first yield; NaN beyond the largest."""
+        """Mean of `over_law` about an overlap relative to first yield; NaN beyond the largest."""
         chosen = np.abs(np.log(self.scaled / scaled)) < _SMOOTH
         return float(self.over_law[chosen].mean()) if chosen.any() else math.nan
 
 
 def select(runs: Sequence[SphereContactRun]) -> list[list[SphereLoading]]:
-    """All runs whose contacts yield, spheres alike first."""
-    found = [_measured(run) for run in runs if math.isfinite(run.value("yield_overlap_m"))]
-    found = [one for one in found if one.scaled[-1] > _SPOTS[-1]]
-    return [sorted(found, key=lambda one: one.place)] if found else []
+    """All runs whose contacts yield, identical spheres first."""
+    loadings = [_measured(run) for run in runs if math.isfinite(run.value("yield_overlap_m"))]
+    loadings = [loading for loading in loadings if loading.scaled[-1] > _SPOTS[-1]]
+    return [sorted(loadings, key=lambda loading: loading.place)] if loadings else []
 
 
-def tables(found: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
-    """Differences from the law at two overlaps and over two ranges, unloading exponents, share of
-    the softer sphere.
+def tables(loadings: Sequence[SphereLoading]) -> Iterator[DocumentTable]:
+    """Differences from the law at two overlaps and over two ranges, unloading exponents, and the
+    fraction of plastic dissipation in the softer sphere.
     """
-    spots = [f"At {spot:g} alpha_y" for spot in _SPOTS]
-    spans = [
-        f"{word}, {span}" for span in ("1 to 10 alpha_y", "beyond") for word in ("Least", "Most")
-    ]
-    others = (
+    headings = (
+        *(f"At {spot:g} alpha_y" for spot in _SPOTS),
+        "Least, 1 to 10 alpha_y",
+        "Most, 1 to 10 alpha_y",
+        "Least, beyond",
+        "Most, beyond",
         "Smallest unloading exponent",
         "Largest unloading exponent",
         "Energy of yielding in the softer sphere",
     )
-    columns = (TableColumn("Spheres", key=True), *numeric(*spots, *spans, *others))
-    rows = []
-    for one in found:
-        deep = one.scaled > _SPOTS[-1]
-        spans_of = one.over_law[(one.scaled >= 1) & ~deep], one.over_law[deep]
-        ends = [end for span in spans_of for end in (span.min(), span.max())]
-        exponents = [one.run.value(f"unloading_exponent_{key}") for key in ("min", "max")]
-        over = [
-            Cell(percent(100 * value), float(value)) for value in (*map(one.near, _SPOTS), *ends)
-        ]
-        rows.append(
-            (
-                Cell(one.name),
-                *over,
-                *(x if math.isfinite(x) else None for x in exponents),
-                one.softer,
-            )
-        )
-    yield table_of("Finite elements over the contact law, less 1", columns, rows)
+    columns = (TableColumn("Spheres", key=True), *numeric(*headings))
+    yield table_of("Finite elements over the contact law, less 1", columns, map(_row, loadings))
 
 
-def pictures(found: Sequence[SphereLoading]) -> Iterator[Picture]:
+def _row(loading: SphereLoading) -> tuple[Any, ...]:
+    """Row of the table of differences."""
+    deep = loading.scaled > _SPOTS[-1]
+    shallow_errors = loading.over_law[(loading.scaled >= 1) & ~deep]
+    deep_errors = loading.over_law[deep]
+    differences = [
+        *map(loading.near, _SPOTS),
+        shallow_errors.min(),
+        shallow_errors.max(),
+        deep_errors.min(),
+        deep_errors.max(),
+    ]
+    exponents = [loading.run.value(f"unloading_exponent_{key}") for key in ("min", "max")]
+    return (
+        Cell(loading.name),
+        *(Cell(percent(100 * value), float(value)) for value in differences),
+        *(exponent if math.isfinite(exponent) else None for exponent in exponents),
+        loading.softer,
+    )
+
+
+def pictures(loadings: Sequence[SphereLoading]) -> Iterator[Picture]:
     """Difference from the law against overlap."""
     figure, axes = panels(2.6)
     data = {}
-    for one, mark in zip(found, MARKS * 2, strict=False):
-        shown = one.scaled > 0.3  # below it the contact has too few elements
+    for loading, mark in zip(loadings, MARKS * 2, strict=False):
+        shown = loading.scaled > 0.3  # below it the contact has too few elements
         axes.plot(
-            one.scaled[shown],
-            100 * one.over_law[shown],
+            loading.scaled[shown],
+            100 * loading.over_law[shown],
             marker=mark,
             markersize=2,
             markevery=40,
-            label=one.name,
+            label=loading.name,
         )
-        data[f"{one.name}: overlap_normalised"] = one.scaled[shown]
-        data[f"{one.name}: finite_elements_over_law"] = one.over_law[shown]
+        data[f"{loading.name}: overlap_normalised"] = loading.scaled[shown]
+        data[f"{loading.name}: finite_elements_over_law"] = loading.over_law[shown]
     axes.axhline(0, color="black", linewidth=0.5)
     label(axes, r"Overlap $\alpha/\alpha_\mathrm{y}$", "Finite elements over law (%)", log="x")
     axes.legend(fontsize=6)
@@ -131,29 +138,34 @@ def pictures(found: Sequence[SphereLoading]) -> Iterator[Picture]:
 
 
 def _measured(run: SphereContactRun) -> SphereLoading:
-    """Read what the study shows of a run."""
+    """Read the curves and values of a run that the study shows."""
     own = run.case["material"]
     partner = run.case.get("partner", {})
     radius = float(run.case["sphere"]["radius"])
     other = partner.get("material", own)
     radii = sorted((radius, float(partner.get("radius", radius))))
-    strengths = [one.get("yield_strength", math.inf) for one in (own, other)]
+    strengths = [material.get("yield_strength", math.inf) for material in (own, other)]
     with h5py.File(regular(run.directory / RESULT_FILE), "r") as file:
-        overlap, force, law = (
-            np.asarray(file["loading"][name]) for name in ("overlap", "force", "law_force")
-        )
-        softer = (
-            _share_of_softer(file["fields"], strengths) if strengths[0] != strengths[1] else None
-        )
-    like = other == own
+        loading = file["loading"]
+        overlap = np.asarray(loading["overlap"])
+        force = np.asarray(loading["force"])
+        law = np.asarray(loading["law_force"])
+        softer = None
+        if strengths[0] != strengths[1]:
+            softer = _share_of_softer(file["fields"], strengths)
+    identical = other == own
     ratio = radii[1] / radii[0]
-    first = own.get("name", "one material")
-    materials = first if like else f"{first} and {other.get('name', 'another')}"
-    name = materials + (f", radii {ratio:g} to 1" if ratio != 1 else ", like radii" if like else "")
+    name = own.get("name", "one material")
+    if not identical:
+        name += f" and {other.get('name', 'another')}"
+    if ratio != 1:
+        name += f", radii {ratio:g} to 1"
+    elif identical:
+        name += ", like radii"
     return SphereLoading(
         run,
         name,
-        (not like, ratio, name),
+        (not identical, ratio, name),
         overlap / run.value("yield_overlap_m"),
         force / law - 1,
         softer,
@@ -161,8 +173,8 @@ def _measured(run: SphereContactRun) -> SphereLoading:
 
 
 def _share_of_softer(file: h5py.Group, strengths: Sequence[float]) -> float:
-    """Return the share of the energy of yielding in the sphere of the smaller yield strength, Pa;
-    infinite: elastic.
+    """Return the fraction of plastic dissipation in the sphere with the smaller yield strength, Pa;
+    an infinite yield strength is elastic.
     """
     fields = {name: np.asarray(values) for name, values in file.items()}
     r, z = fields["position"][fields["elements"]].transpose(2, 0, 1)

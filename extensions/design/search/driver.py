@@ -11,6 +11,13 @@ from importlib.util import find_spec
 from pathlib import Path
 
 from granwave.analysis.document.model import is_number
+from granwave.extensions.design.files import (
+    BEST_DESIGNS,
+    DESIGN,
+    DESIGN_OUTCOME,
+    DESIGN_STUDY,
+    DESIGN_TABLE,
+)
 from granwave.extensions.design.search import guards
 from granwave.extensions.design.search.guards import check_best
 from granwave.extensions.design.search.points import Ended, Points, default_jobs, load, names
@@ -35,27 +42,18 @@ from granwave.lammps_inputs.directories import results_directory
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import (
-    BEST_DESIGNS,
-    DESIGN,
-    DESIGN_OUTCOME,
-    DESIGN_STUDY,
-    DESIGN_TABLE,
-    POINTS,
-    SCAN_REPORT,
-)
+from granwave.lammps_inputs.run_directory import POINTS, SCAN_REPORT
 from granwave.workflows.run.directory import held
 from granwave.workflows.run.progress import Progress
 
 logger = logging.getLogger(__name__)
 
-_ASKED = 10  # designs that are refused until the model is made anew
+_REFUSED_AT_ONCE = 10  # designs that are refused until the model is made anew
 _MOST_STOPPED = 3  # times that a run may be stopped by somebody else
 _MOST_LONGER = 3  # times that the end of a run is put off, each time to twice as late
-_LOST = {
-    "worst": 1.2
-}  # times the best: a design whose runs so far are beyond it is not run further ...
-_LOST_IN_THE_MEAN = 1.5  # ... where the mean or a quantile counts
+# ratio to the best design beyond which a design is not run further, by the statistic of its runs
+_LOST = {"worst": 1.2}
+_LOST_IN_THE_MEAN = 1.5  # for the mean and quantiles
 _OF_PEAK = ("target_*", "wall_peak_force_N", "ground_*", "peak_reduction*")
 _FILES = (DESIGN_STUDY, DESIGN_TABLE, DESIGN_OUTCOME, SCAN_REPORT, *BEST_DESIGNS)
 
@@ -101,7 +99,7 @@ def run_design(
     results = ResultDirectory(results_directory(directory))
     if find_spec("sklearn") is None:
         raise InputError(
-            "granwave design: scikit-learn is not installed; pip install 'granwave[design]'"
+            'granwave design: scikit-learn is not installed; pip install "granwave[design]"'
         )
     with held(results), Interrupts() as stop:
         results.check(resume=resume, force=force)
@@ -146,12 +144,7 @@ class _Search:
         problem = self.problem
         total = self.problem.search.evaluations
         for design in study.designs:
-            lost = [
-                name
-                for name in design.runs
-                if not ResultDirectory(study.directory / POINTS / name).summary()
-            ]
-            if lost and design.state in (COMPLETE, PRUNED):
+            if self._has_lost_runs(design):
                 logger.warning(
                     "%s: runs of design %d are gone; it is run again", problem.name, design.number
                 )
@@ -180,7 +173,15 @@ class _Search:
         if not self.stop.count:
             publish(study, findings)
 
+    def _has_lost_runs(self, design: Design) -> bool:
+        """Return True if a design has ended and a summary of its runs is gone."""
+        if design.state not in (COMPLETE, PRUNED):
+            return False
+        points = self.study.directory / POINTS
+        return any(not ResultDirectory(points / name).summary() for name in design.runs)
+
     def _n_done(self) -> int:
+        """Return the number of evaluations that have ended."""
         done = sum(
             design.ran and design.state != RUNNING and not design.next_to
             for design in self.study.designs
@@ -188,12 +189,16 @@ class _Search:
         return min(done, self.problem.search.evaluations)
 
     def _queue(self, design: Design) -> None:
-        there = names(design.number, self.problem.samples)
+        """Queue the runs of a design that have no values yet."""
+        directories = names(design.number, self.problem.samples)
         self.queue.extend(
-            (design, n) for n, name in enumerate(there) if "value" not in design.runs.get(name, {})
+            (design, n)
+            for n, name in enumerate(directories)
+            if "value" not in design.runs.get(name, {})
         )
 
     def _end(self, design: Design, state: str, reason: str) -> None:
+        """End a design in a state; its queued runs are dropped."""
         design.state = state
         design.reason = reason
         self.queue = deque(entry for entry in self.queue if entry[0] is not design)
@@ -227,148 +232,188 @@ class _Search:
         for ended in finished:
             design, n = self.at_work.pop(ended.name)
             design.seconds += ended.seconds
-            if (
-                ended.interrupted
-            ):  # by a signal: it goes on with the next start, or at once if it came from elsewhere
-                design.runs[ended.name]["stopped"] = stopped = (
-                    design.runs[ended.name].get("stopped", 0) + 1
-                )
-                if not self.stop.count and stopped < _MOST_STOPPED:
-                    self.queue.appendleft((design, n))
-                elif not self.stop.count:
-                    self._end(design, FAILED, "its run was stopped from elsewhere")
+            if ended.interrupted:
+                self._put_back(design, n, ended)
                 continue
             if design.state == RUNNING:
-                self._note(design, n, ended)
-            states = Counter(one.state for one in self.study.designs)
-            parts = [f"{states[state]} {state}" for state in (REFUSED, FAILED) if states[state]]
-            for best in self.study.best()[:1]:
-                values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
-                parts.insert(0, f"best {values} (design {best.number})")
-            self.bar.update(self._n_done(), ", ".join(parts))
+                self._enter(design, n, ended)
+            self._show_progress()
         if finished:
             self.study.write()
 
-    def _note(self, design: Design, n: int, ended: Ended) -> None:
-        """Enter the values of a run, or let it run longer; end the design with its last run."""
+    def _put_back(self, design: Design, n: int, ended: Ended) -> None:
+        """Queue a run that a signal has stopped once more.
+
+        If this search is stopped itself, its next start resumes the run.
+        """
         run = design.runs[ended.name]
-        problem = self.problem
+        run["stopped"] = run.get("stopped", 0) + 1
+        if self.stop.count:
+            return
+        if run["stopped"] < _MOST_STOPPED:
+            self.queue.appendleft((design, n))
+        else:
+            self._end(design, FAILED, "its run was stopped from elsewhere")
+
+    def _show_progress(self) -> None:
+        """Show the best objectives, and how many designs were refused or have failed."""
+        parts = []
+        for best in self.study.best()[:1]:
+            values = ", ".join(f"{name} {value:.4g}" for name, value in best.objectives.items())
+            parts.append(f"best {values} (design {best.number})")
+        states = Counter(design.state for design in self.study.designs)
+        parts += [f"{states[state]} {state}" for state in (REFUSED, FAILED) if states[state]]
+        self.bar.update(self._n_done(), ", ".join(parts))
+
+    def _enter(self, design: Design, n: int, ended: Ended) -> None:
+        """Enter the values of a run, or let it run longer; end the design with its last run."""
         if ended.reason:
-            return self._end(design, FAILED, ended.reason)
-        of_peak = any(
-            fnmatchcase(one.name, pattern) for one in problem.objectives for pattern in _OF_PEAK
+            self._end(design, FAILED, ended.reason)
+        elif self._has_passed(design, n, ended) and self._has_values(design, ended):
+            if self._is_lost(design):
+                self._end(design, PRUNED, "its first runs are far beyond the best design")
+            else:
+                self._complete(design)
+
+    def _has_passed(self, design: Design, n: int, ended: Ended) -> bool:
+        """Return True if a run can be evaluated: the force on the target has passed, if the
+        objectives depend on it.
+
+        Otherwise the run is queued with twice the duration, or the design ends.
+        """
+        run = design.runs[ended.name]
+        if not _depends_on_peak(self.problem):
+            return True
+        series = guards.target_force(self.study.directory / POINTS / ended.name)
+        if series is None:
+            return True
+        time, force = series
+        if guards.has_passed(force):
+            return True
+        end_time = self.problem.tables_of(design.values).get("run", {}).get("end_time")
+        if isinstance(end_time, int | float) and run["longer"] < 2**_MOST_LONGER:
+            run["longer"] *= 2
+            self.queue.appendleft((design, n))
+            return False
+        if not guards.has_come(force):
+            reason = "the force on the target still rises, or has not come, after"
+            self._end(design, REFUSED, f"{reason} {time[-1]:.3g} s")
+            return False
+        run["note"] = (
+            "the force on the target has not fallen to a tenth of its peak at the end of the run"
         )
-        series = (
-            guards.target_force(self.study.directory / POINTS / ended.name) if of_peak else None
-        )
-        if series is not None and not guards.has_passed(series[1]):
-            fixed = isinstance(
-                problem.tables_of(design.values).get("run", {}).get("end_time"), int | float
-            )
-            if fixed and run["longer"] < 2**_MOST_LONGER:
-                run["longer"] *= 2
-                return self.queue.appendleft((design, n))
-            if not guards.has_come(series[1]):
-                end = f"{series[0][-1]:.3g} s"
-                return self._end(
-                    design,
-                    REFUSED,
-                    f"the force on the target still rises, or has not come, after {end}",
-                )
-            run["note"] = (
-                "the force on the target has not fallen to a tenth of its peak at the end of the run"
-            )
+        return True
+
+    def _has_values(self, design: Design, ended: Ended) -> bool:
+        """Enter the values of a run that objectives and limits need; the design fails without."""
+        problem = self.problem
         values = with_derived(ended.summary, design.known["smallest_diameter_m"]) | design.known
-        wanted = [one.name for one in problem.objectives] + [one.name for one in problem.limits]
-        if missing := [name for name in wanted if not is_number(values.get(name))]:
+        names_of_values = [entry.name for entry in (*problem.objectives, *problem.limits)]
+        missing = [name for name in names_of_values if not is_number(values.get(name))]
+        if missing:
             shown = ", ".join(
                 f"{name}: {show(values.get(name)) if values.get(name) else 'null'}"
                 for name in missing
             )
-            return self._end(design, FAILED, f"{shown} in summary.json, expected a number")
-        run["value"] = {name: float(values[name]) for name in wanted}
-        if self._is_lost(design):
-            return self._end(design, PRUNED, "its first runs are far beyond the best design")
-        made = [one["value"] for one in design.runs.values() if "value" in one]
-        if len(made) < len(problem.samples):
-            return None
+            self._end(design, FAILED, f"{shown} in summary.json, expected a number")
+            return False
+        design.runs[ended.name]["value"] = {name: float(values[name]) for name in names_of_values}
+        return True
+
+    def _complete(self, design: Design) -> None:
+        """Enter objectives and limits of a design whose runs have all ended."""
+        problem = self.problem
+        values = [run["value"] for run in design.runs.values() if "value" in run]
+        if len(values) < len(problem.samples):
+            return
         for objective in problem.objectives:
-            found = [row[objective.name] for row in made]
-            design.objectives[objective.name] = problem.statistic_of(objective, found)
-            if len(found) > 1:
-                design.spread[objective.name] = [min(found), max(found)]
+            samples = [row[objective.name] for row in values]
+            design.objectives[objective.name] = problem.statistic_of(objective, samples)
+            if len(samples) > 1:
+                design.spread[objective.name] = [min(samples), max(samples)]
         faults = []
         for limit in problem.limits:
-            worst = design.limited[limit.name] = max(
-                (row[limit.name] for row in made), key=limit.margin
-            )
+            worst = max((row[limit.name] for row in values), key=limit.margin)
+            design.limited[limit.name] = worst
             design.margins[limit.name] = limit.margin(worst)
             faults.append(limit.fault(worst))
         reason = "; ".join(filter(None, faults))
-        return self._end(design, REFUSED if reason else COMPLETE, reason)
+        self._end(design, REFUSED if reason else COMPLETE, reason)
 
     def _is_lost(self, design: Design) -> bool:
-        """Return True if the runs so far are that much worse than the best design that more runs
+        """Return True if the runs so far are so much worse than the best design that further runs
         hardly help.
+
+        The objective of the design is then estimated from these runs, for the model.
         """
         problem = self.problem
         best = next(iter(self.study.best()), None)
         if best is None or len(problem.objectives) > 1 or (design.full and not design.next_to):
             return False
         (objective,) = problem.objectives
-        mine = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
-        if len(mine) == len(problem.samples):
+        values = [run["value"][objective.name] for run in design.runs.values() if "value" in run]
+        if len(values) == len(problem.samples):
             return False
-        same = [run["value"][objective.name] for run in best.runs.values()][
-            : len(mine)
-        ]  # with the same velocities ...
-        ours, theirs = (problem.statistic_of(objective, values) for values in (mine, same))
+        best_values = [run["value"][objective.name] for run in best.runs.values()]
+        statistic = problem.statistic_of(objective, values)
+        best_statistic = problem.statistic_of(objective, best_values[: len(values)])  # same samples
         most = _LOST.get(str(problem.statistic), _LOST_IN_THE_MEAN) ** objective.sign
-        if theirs <= 0 or objective.sign * ours <= objective.sign * most * theirs:
+        if best_statistic <= 0:
             return False
-        design.objectives[objective.name] = (
-            best.objectives[objective.name] * ours / theirs
-        )  # for the model
+        if objective.sign * statistic <= objective.sign * most * best_statistic:
+            return False
+        ratio = statistic / best_statistic
+        design.objectives[objective.name] = best.objectives[objective.name] * ratio
         return True
 
     # --------------------------------------------------------------- designs
 
     def _choose(self) -> bool:
-        """Queue the runs of the next design: of the search, the best once more in full, then those
-        next to the best.
+        """Queue the runs of the next design: of the search, then the best designs in full, then
+        designs next to the best.
 
-        Return False if there is none, or none until those at work have ended.
+        Return False if there is none, or none until the running designs have ended.
         """
         study = self.study
-        problem = self.problem
-        search = self.problem.search
-        if study.exhausted < search.evaluations > study.n_evaluated and self._choose_of_space():
+        evaluations = self.problem.search.evaluations
+        if study.exhausted < evaluations > study.n_evaluated and self._choose_of_space():
             return True
         if any(not design.next_to for design, _ in self.at_work.values()):
             return False
-        if again := study.unconfirmed():
-            for design in again:
-                design.full, tables = True, problem.tables_of(design.values)
-                if cheap := problem.cheaply(tables) != tables:
-                    design.runs = {
-                        name: {"longer": run["longer"]} for name, run in design.runs.items()
-                    }
-                if cheap or design.state == PRUNED:
-                    design.state = RUNNING
-                    design.reason = ""
-                    design.objectives = {}
-                    design.spread = {}
-                    self._queue(design)
+        unconfirmed = study.unconfirmed()
+        if unconfirmed:
+            for design in unconfirmed:
+                self._run_in_full(design)
             return bool(self.queue) or self._choose()
+        return self._choose_next_to_best()
+
+    def _run_in_full(self, design: Design) -> None:
+        """Queue a design with the tolerance of the case, and with all its samples."""
+        design.full = True
+        tables = self.problem.tables_of(design.values)
+        is_coarse = self.problem.cheaply(tables) != tables
+        if is_coarse:
+            design.runs = {name: {"longer": run["longer"]} for name, run in design.runs.items()}
+        if is_coarse or design.state == PRUNED:
+            design.state = RUNNING
+            design.reason = ""
+            design.objectives = {}
+            design.spread = {}
+            self._queue(design)
+
+    def _choose_next_to_best(self) -> bool:
+        """Queue a design next to the best; return False if there is none, or enough were run."""
+        study = self.study
+        problem = self.problem
+        search = problem.search
         best = next(iter(study.best()), None)
-        left = min(search.neighbours, search.evaluations) - sum(
-            bool(design.next_to) for design in study.designs
-        )
-        if best is None or left <= 0 or not search.guards or search.sampler != "model":
+        n_next_to_best = sum(bool(design.next_to) for design in study.designs)
+        if n_next_to_best >= min(search.neighbours, search.evaluations):
             return False
-        for values in promising(
-            *study.asked, [values for _, values in problem.space.neighbours(best.values)]
-        ):
+        if best is None or not search.guards or search.sampler != "model":
+            return False
+        neighbours = [values for _, values in problem.space.neighbours(best.values)]
+        for values in promising(*study.search_arguments, neighbours):
             design = new_design(problem, len(study.designs) + 1, values)
             if design.state != REFUSED:
                 design.full = True
@@ -379,14 +424,16 @@ class _Search:
         return False
 
     def _choose_of_space(self) -> bool:
+        """Queue the next design of the search; return False if no design meets the limits."""
         study = self.study
         problem = self.problem
-        guided = problem.search.sampler == "model"
-        guided = guided and study.n_evaluated >= n_first(problem.space, problem.search.evaluations)
+        n_random = n_first(problem.space, problem.search.evaluations)
+        guided = problem.search.sampler == "model" and study.n_evaluated >= n_random
         before = len(study.designs)
         while len(study.designs) < before + MOST_REFUSED:
             first = len(study.designs)
-            for values in itertools.islice(ordered(*study.asked, guided=guided), _ASKED):
+            candidates = ordered(*study.search_arguments, guided=guided)
+            for values in itertools.islice(candidates, _REFUSED_AT_ONCE):
                 design = new_design(problem, len(study.designs) + 1, values)
                 study.designs.append(design)
                 if design.state != REFUSED:
@@ -395,7 +442,20 @@ class _Search:
             if len(study.designs) == first:
                 break
         else:
-            text = "%s: ends after %d designs: %d more, one after the other, are beyond the limits, or are no packings"
-            logger.warning(text, problem.name, study.n_evaluated, MOST_REFUSED)
+            logger.warning(
+                "%s: ends after %d designs: %d more, one after the other, are beyond the limits, "
+                "or are no packings",
+                problem.name,
+                study.n_evaluated,
+                MOST_REFUSED,
+            )
         study.exhausted = problem.search.evaluations
         return False
+
+
+def _depends_on_peak(problem: DesignProblem) -> bool:
+    """Return True if an objective depends on the peak of the force on the target."""
+    for objective in problem.objectives:
+        if any(fnmatchcase(objective.name, pattern) for pattern in _OF_PEAK):
+            return True
+    return False

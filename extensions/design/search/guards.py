@@ -1,8 +1,7 @@
-"""Checks of the best design: what the optimum could owe to the model, the runs or luck rather than
-to the packing.
+"""Checks of the best design: whether its optimum depends on the model, the runs or chance.
 
-Some are read from its run; the others are further runs with one thing changed. What changes an
-objective by more than 5 % stands in the first lines of the report.
+Some checks read its own run; the others are further runs with one key changed. A change of an
+objective by more than 5 % is in the first lines of the report.
 """
 
 from __future__ import annotations
@@ -17,6 +16,7 @@ from typing import Any
 import h5py
 import numpy as np
 
+from granwave.extensions.design.files import DESIGN_OUTCOME
 from granwave.extensions.design.search.points import Points, names
 from granwave.extensions.design.search.problem import (
     KNOWN_BEFORE,
@@ -36,15 +36,15 @@ from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.lattices import kind_of
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import DESIGN_OUTCOME, POINTS, RESULT_FILE
+from granwave.lammps_inputs.run_directory import POINTS, RESULT_FILE
 from granwave.workflows.run.progress import Progress
 
 Tables = dict[str, Any]
-NOTABLE = 0.05  # change of an objective that is said first
-FALLEN = 0.1  # of its peak: the force on a target has passed where it has fallen to that
-_STILL = 0.05  # share of the impulse that may come in the last tenth of a run
-_MOVING = 0.3  # share of the energy that may be kinetic at the end
-_TOLERANCE = 5e-4  # of the diameter
+NOTABLE = 0.05  # relative change of an objective that the report names first
+FALLEN = 0.1  # fraction of the peak to which the force on a target falls once the impact has passed
+_STILL = 0.05  # fraction of the impulse that may come in the last tenth of a run
+_MOVING = 0.3  # fraction of the energy that may be kinetic at the end
+_TOLERANCE = 5e-4  # scatter of diameters divided by the diameter
 
 
 @dataclasses.dataclass(frozen=True)
@@ -54,15 +54,15 @@ class GuardOutcome:
     Attributes
     ----------
     name
-        Name of the check; of a further run that of its directory, after ``best-``.
+        Name of the check; for a further run the name of its directory, without ``best-``.
     what
-        What is changed, or looked at.
+        Quantity that is changed or inspected.
     text
-        What was found, in a sentence.
+        Finding, in a sentence.
     changes
-        Relative changes of the objectives by name; empty of checks that ran nothing.
+        Relative changes of the objectives by name; empty for checks without a run.
     warning
-        True if it belongs into the first lines.
+        True if it belongs in the first lines of the report.
     """
 
     name: str
@@ -75,8 +75,12 @@ class GuardOutcome:
 def check_best(
     study: DesignStudy, best: Design, points: Points, jobs: int, stop: Interrupts, *, show: bool
 ) -> list[GuardOutcome]:
-    """Check the best design by its own run and by further ones; return the findings, warnings
-    first.
+    """Check the best design by its own run and by further runs.
+
+    Returns
+    -------
+    list of GuardOutcome
+        The findings, warnings first.
     """
     problem = study.problem
     before = (read_json(study.directory / DESIGN_OUTCOME) or {}).get("best") or {}
@@ -88,25 +92,41 @@ def check_best(
     place = study.directory / POINTS / first
     findings = [*findings_without_runs(problem, best, ResultDirectory(place).summary(), place)]
     findings += of_neighbours(problem, best, study.designs)
-    waiting = deque(further_runs(problem, best, run["longer"]) if problem.search.guards else ())
+    if problem.search.guards:
+        further_findings = _run_further(problem, best, run, points, jobs, stop, show=show)
+        findings.extend(further_findings)
+    return sorted(findings, key=lambda finding: not finding.warning)
+
+
+def _run_further(
+    problem: DesignProblem,
+    best: Design,
+    run: Mapping[str, Any],
+    points: Points,
+    jobs: int,
+    stop: Interrupts,
+    *,
+    show: bool,
+) -> Iterator[GuardOutcome]:
+    """Make the further runs of the best design, whose own run is ``run``; give their findings."""
+    waiting = deque(further_runs(problem, best, run["longer"]))
     total = len(waiting)
-    made = {}
+    started = {}
     with contextlib.closing(Progress(total, f"{problem.name}: checks", enabled=show)) as bar:
         while (waiting or points) and not stop.count:
             while waiting and len(points) < jobs:
                 name, what, tables = waiting.popleft()
-                made[f"best-{name}"] = name, what
+                started[f"best-{name}"] = (name, what)
                 points.start(f"best-{name}", tables)
             for ended in points.wait():
-                name, what = made[ended.name]
+                name, what = started[ended.name]
                 after = with_derived(ended.summary, best.known["smallest_diameter_m"])
-                findings.append(finding_of(name, what, problem, run["value"], after))
+                yield finding_of(name, what, problem, run["value"], after)
                 bar.update(total - len(waiting) - len(points), what)
         if stop.count:
             points.stop()
             while points:
                 points.wait()
-    return sorted(findings, key=lambda one: not one.warning)
 
 
 def changes_of(tables: Tables, *, random: bool) -> Iterator[tuple[str, str, dict[str, Any]]]:
@@ -169,13 +189,13 @@ def _compared(
 ) -> tuple[dict[str, float], str]:
     """Return the relative changes of the objectives that have two values, and a text of them."""
     changes = {}
-    for one in problem.objectives:
-        old = before.get(one.name)
-        new = after.get(one.name)
+    for objective in problem.objectives:
+        old = before.get(objective.name)
+        new = after.get(objective.name)
         if isinstance(old, int | float) and isinstance(new, int | float) and old:
-            changes[one.name] = new / old - 1
+            changes[objective.name] = new / old - 1
     return changes, ", ".join(
-        f"{name} {after[name]:.4g} ({100 * one:+.1f} %)" for name, one in changes.items()
+        f"{name} {after[name]:.4g} ({100 * change:+.1f} %)" for name, change in changes.items()
     )
 
 
@@ -190,85 +210,116 @@ def finding_of(
     changes, text = _compared(problem, before, after)
     if not changes:
         return GuardOutcome(name, what, f"{what}: gives no value", warning=True)
-    of_runs = [one for one in problem.limits if one.name not in KNOWN_BEFORE and one.name in after]
-    beyond = [fault for one in of_runs if (fault := one.fault(after[one.name] or 0.0))]
-    text += "".join(f"; beyond a limit: {fault}" for fault in beyond)
-    notable = bool(beyond) or any(abs(change) > NOTABLE for change in changes.values())
+    notable = any(abs(change) > NOTABLE for change in changes.values())
+    for limit in problem.limits:
+        if limit.name not in KNOWN_BEFORE and limit.name in after:
+            fault = limit.fault(after[limit.name] or 0.0)
+            if fault:
+                text += f"; beyond a limit: {fault}"
+                notable = True
     return GuardOutcome(name, what, f"{what}: {text}", changes, notable)
 
 
 def of_neighbours(
     problem: DesignProblem, best: Design, designs: Sequence[Design]
 ) -> Iterator[GuardOutcome]:
-    """Give what was found next to the best design, and how it was moved there."""
-    first = problem.objectives[0]
-    by_values = {repr(one.values): one for one in designs}
-    searched = [one for one in designs if one.state == COMPLETE and not one.next_to]
-    if best.next_to and searched:
-        start = min(searched, key=lambda one: first.sign * one.objectives[first.name])
-        before, after = (one.objectives[first.name] for one in (start, best))
-        said = f"{first.name} {before:.4g} of design {start.number} became {after:.4g}"
-        text = f"the best design was found next to that of the search: {said}"
-        change = after / before - 1 if before else 0.0
-        yield GuardOutcome(
-            "moved", "moves to neighbours", text, {first.name: change}, abs(change) > NOTABLE
-        )
+    """Give the findings of the designs next to the best, and of the moves to them."""
+    yield from _moves(problem, best, designs)
+    by_values = {repr(design.values): design for design in designs}
     left = []
     for n, (key, values) in enumerate(problem.space.neighbours(best.values), start=1):
         what = f"{key} = {show(values[key])}"
         tried = by_values.get(repr(values))
         if tried is None:
-            left += [] if examined(problem, values)[2] else [what]
+            _, _, fault = examined(problem, values)
+            if not fault:
+                left.append(what)
             continue
-        changes, said = _compared(
-            problem, best.objectives, tried.objectives if tried.state == COMPLETE else {}
-        )
-        text = f"{said} (design {tried.number})"
-        if tried.state != COMPLETE:
-            text = f"{tried.state} (design {tried.number}): {tried.reason}"
+        changes: Mapping[str, float] = {}
+        text = f"{tried.state} (design {tried.number}): {tried.reason}"
+        if tried.state == COMPLETE:
+            changes, comparison = _compared(problem, best.objectives, tried.objectives)
+            text = f"{comparison} (design {tried.number})"
         yield GuardOutcome(f"neighbour-{n}", what, f"{what}: {text}", changes)
     if left and problem.search.guards:
         text = f"next to the best, {len(left)} not run that may be better: {', '.join(left[:5])}"
         yield GuardOutcome("neighbours", "neighbours", text, warning=True)
 
 
+def _moves(
+    problem: DesignProblem, best: Design, designs: Sequence[Design]
+) -> Iterator[GuardOutcome]:
+    """Give the change by moves from the best design of the search to designs next to it."""
+    searched = [design for design in designs if design.state == COMPLETE and not design.next_to]
+    if not best.next_to or not searched:
+        return
+    objective = problem.objectives[0]
+    name = objective.name
+    start = min(searched, key=lambda design: objective.sign * design.objectives[name])
+    before = start.objectives[name]
+    after = best.objectives[name]
+    change = after / before - 1 if before else 0.0
+    text = (
+        f"the best design was found next to that of the search: {name} {before:.4g} of design "
+        f"{start.number} became {after:.4g}"
+    )
+    yield GuardOutcome("moved", "moves to neighbours", text, {name: change}, abs(change) > NOTABLE)
+
+
 def findings_without_runs(
     problem: DesignProblem, best: Design, summary: Mapping[str, Any], place: Path
 ) -> Iterator[GuardOutcome]:
-    """Give what is to be said of the best design from its own run."""
+    """Give the findings of the best design's own run, in the directory ``place``."""
     for note in best.notes:
         yield GuardOutcome("end", "the end of the run", note, warning=True)
-    for one in problem.space.variables:
-        if end := one.edge(best.values[one.key]):
-            chosen = f"{one.key} = {show(best.values[one.key])}"
-            text = f"{chosen} is at the {end} end of its range: a wider range may hold better"
-            yield GuardOutcome("edge", one.key, text, warning=True)
-    if beyond := summary.get("contacts_beyond_law"):
+    for variable in problem.space.variables:
+        value = best.values[variable.key]
+        end = variable.edge(value)
+        if end:
+            text = (
+                f"{variable.key} = {show(value)} is at the {end} end of its range: "
+                "a wider range may hold better"
+            )
+            yield GuardOutcome("edge", variable.key, text, warning=True)
+    beyond = summary.get("contacts_beyond_law")
+    if beyond:
         text = f"{beyond} contacts are pressed beyond the range of the contact law"
         yield GuardOutcome("law", "overlaps", text, warning=True)
-    case = problem.case(problem.tables_of(best.values))
-    yields = (
-        case.contact.yields and not case.packing.rule.is_chain
-    )  # elastic packings, and rows, rattle for ever
-    given = summary.get("energy_input_J")
-    kinetic = summary.get("energy_kinetic_J")
-    if given and kinetic is not None:
-        share = kinetic / given
-        moving = "beads that rattle or fly off, or a target that moves"
-        text = f"{100 * share:.0f} % of the energy is kinetic at the end: {moving}"
-        yield GuardOutcome(
-            "flight", "energy in free flight", text, warning=share > _MOVING and yields
-        )
-    if (series := target_force(place)) is not None:
-        share = late_impulse(*series)
+    yield from _kinetic_energy_at_end(problem, best, summary)
+    series = target_force(place)
+    if series is not None:
+        fraction = late_impulse(*series)
         text = (
-            f"{100 * share:.0f} % of the impulse on the target comes in the last tenth of the run"
+            f"{100 * fraction:.0f} % of the impulse on the target comes in the last tenth of the "
+            "run"
         )
-        yield GuardOutcome("impulse", "impulse", text, warning=share > _STILL)
+        yield GuardOutcome("impulse", "impulse", text, warning=fraction > _STILL)
+
+
+def _kinetic_energy_at_end(
+    problem: DesignProblem, best: Design, summary: Mapping[str, Any]
+) -> Iterator[GuardOutcome]:
+    """Give the fraction of the energy that is kinetic at the end of the run.
+
+    It is no warning for elastic packings and chains, which rattle without end.
+    """
+    energy_input = summary.get("energy_input_J")
+    kinetic = summary.get("energy_kinetic_J")
+    if not energy_input or kinetic is None:
+        return
+    case = problem.case(problem.tables_of(best.values))
+    comes_to_rest = case.contact.yields and not case.packing.rule.is_chain
+    fraction = kinetic / energy_input
+    text = (
+        f"{100 * fraction:.0f} % of the energy is kinetic at the end: "
+        "beads that rattle or fly off, or a target that moves"
+    )
+    warning = fraction > _MOVING and comes_to_rest
+    yield GuardOutcome("flight", "energy in free flight", text, warning=warning)
 
 
 def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
-    """Return times, s, and force on the bottom, N, of a run; None without a bottom."""
+    """Return the times, s, and the force on the bottom, N, of a run; None without a bottom."""
     try:
         with h5py.File(regular(place / RESULT_FILE), "r") as file:
             group = file.get("walls/bottom")
@@ -279,8 +330,11 @@ def target_force(place: Path) -> tuple[np.ndarray, np.ndarray] | None:
 
 def has_passed(force: np.ndarray) -> bool:
     """Return True if a force has had its peak and fallen to a tenth of it."""
+    if not has_come(force):
+        return False
     rise = force - force[0]
-    return has_come(force) and bool(np.any(rise[int(rise.argmax()) :] <= FALLEN * rise.max()))
+    after_peak = rise[int(rise.argmax()) :]
+    return bool(np.any(after_peak <= FALLEN * rise.max()))
 
 
 def has_come(force: np.ndarray) -> bool:
@@ -290,7 +344,8 @@ def has_come(force: np.ndarray) -> bool:
 
 
 def late_impulse(time: np.ndarray, force: np.ndarray) -> float:
-    """Return the share of the impulse that comes in the last tenth of a run."""
-    pieces = np.diff(time) * (force[1:] + force[:-1]) / 2
-    total = float(pieces.sum())
-    return float(pieces[time[1:] > 0.9 * time[-1]].sum() / total) if total > 0 else 0.0
+    """Return the fraction of the impulse that comes in the last tenth of a run."""
+    impulse = np.diff(time) * (force[1:] + force[:-1]) / 2
+    total = float(impulse.sum())
+    is_late = time[1:] > 0.9 * time[-1]
+    return float(impulse[is_late].sum() / total) if total > 0 else 0.0

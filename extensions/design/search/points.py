@@ -17,7 +17,7 @@ import sys
 import time
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import IO, Any
 
 import tomli_w
 
@@ -36,14 +36,9 @@ from granwave.workflows.run import forks, mpi, record
 from granwave.workflows.run.directory import RunDirectory
 from granwave.workflows.run.launchers import of_this_machine
 
-_POLL = 0.05  # s
-_STEP = (
-    "srun",
-    "--mpi=pmi2",
-    "--exact",
-    "-N",
-    "1",
-)  # a step of the job of Slurm that this process runs in
+_POLL = 0.05  # time between two looks at the runs, s
+# command of a step of the Slurm job in which this process runs
+_STEP = ("srun", "--mpi=pmi2", "--exact", "-N", "1")
 
 
 @dataclasses.dataclass(frozen=True)
@@ -55,7 +50,7 @@ class Ended:
     summary
         Content of summary.json; empty if the run failed or was interrupted.
     reason
-        Why it failed; empty if it did not.
+        Reason of a failure; empty without.
     """
 
     name: str
@@ -71,7 +66,7 @@ class Points:
     Parameters
     ----------
     results
-        Directory of the search; those of the runs are in a folder of it.
+        Directory of the search; the runs are in a folder of it.
     ranks
         MPI ranks of each run.
     """
@@ -88,7 +83,7 @@ class Points:
         return len(self._running)
 
     def start(self, name: str, tables: Mapping[str, Any]) -> None:
-        """Start the run of a case, or go on with what is in its directory."""
+        """Start the run of a case, or resume it in its directory."""
         place = self.folder / name
         place.mkdir(parents=True, exist_ok=True)
         self.results.claim([f"{self.folder.name}/{name}/"])
@@ -99,8 +94,8 @@ class Points:
             {**tables, "name": f"{self.folder.parent.name}-{name}"}, place / POINT_CASE
         ).to_dict()
         replace_text(place / POINT_CASE, tomli_w.dumps(tables))
-        there = results.tables_as_run()
-        if there is not None and case_digest(there) != case_digest(tables):
+        previous = results.tables_as_run()
+        if previous is not None and case_digest(previous) != case_digest(tables):
             results.clear()
         words = [
             "run",
@@ -111,43 +106,50 @@ class Points:
             "--resume",
         ]
         with (place / POINT_LOG).open("wb") as log:
-            steps = nodes_of_job() > 1
-            if self.ranks > 1 or steps or _mpi_started():
-                alone = [*mpi.PYTHON, "-m", "granwave.workflows", *words]
-                launcher = _STEP if steps else ()
-                command = (
-                    mpi.command(self.ranks, words, launcher) if self.ranks > 1 or steps else alone
-                )
-                stop = {mpi.STOP_FILE: str(place / POINT_STOP), mpi.EXPECTED_RANKS: str(self.ranks)}
-                self._processes[name] = subprocess.Popen(
-                    command,
-                    env={**(mpi.alone() if steps else of_this_machine(mpi.alone())), **stop},
-                    stdin=subprocess.DEVNULL,
-                    stdout=log,
-                    stderr=log,
-                    start_new_session=True,  # Ctrl-C would end the ranks without a checkpoint
-                    preexec_fn=mpi.end_with_parent,
-                )
+            if self.ranks > 1 or nodes_of_job() > 1 or _mpi_started():
+                self._processes[name] = self._launch(words, place, log)
                 process = self._processes[name].pid
             else:
                 process = forks.fork(lambda: _run(tables, place), log.fileno())
         self._running[name] = (process, time.monotonic())
 
+    def _launch(self, words: Sequence[str], place: Path, log: IO[bytes]) -> subprocess.Popen[bytes]:
+        """Start a command of granwave in a process of its own, or on several ranks."""
+        environment = mpi.alone()
+        if nodes_of_job() > 1:
+            command = mpi.command(self.ranks, words, _STEP)
+        else:
+            environment = of_this_machine(environment)
+            command = [*mpi.PYTHON, "-m", "granwave.workflows", *words]
+            if self.ranks > 1:
+                command = mpi.command(self.ranks, words, ())
+        environment[mpi.STOP_FILE] = str(place / POINT_STOP)
+        environment[mpi.EXPECTED_RANKS] = str(self.ranks)
+        return subprocess.Popen(
+            command,
+            env=environment,
+            stdin=subprocess.DEVNULL,
+            stdout=log,
+            stderr=log,
+            start_new_session=True,  # Ctrl-C would end the ranks without a checkpoint
+            preexec_fn=mpi.end_with_parent,
+        )
+
     def wait(self) -> list[Ended]:
-        """Wait until a run ends, or for a moment; return those that ended."""
+        """Wait until a run ends, or for a moment; return the runs that have ended."""
         time.sleep(_POLL)
-        found = []
+        ended = []
         for name, (process, begin) in list(self._running.items()):
             if name in self._processes:
                 status = self._processes[name].poll()
             else:
-                there, waited = os.waitpid(process, os.WNOHANG)
-                status = os.waitstatus_to_exitcode(waited) if there else None
+                ended_id, waited = os.waitpid(process, os.WNOHANG)
+                status = os.waitstatus_to_exitcode(waited) if ended_id else None
             if status is not None:
                 self._processes.pop(name, None)
                 del self._running[name]
-                found.append(self._ended(name, status, time.monotonic() - begin))
-        return found
+                ended.append(self._ended(name, status, time.monotonic() - begin))
+        return ended
 
     def _ended(self, name: str, status: int, seconds: float) -> Ended:
         place = self.folder / name
@@ -187,14 +189,12 @@ def nodes_of_job() -> int:
 
 def default_jobs(ranks: int) -> int:
     """Return the default number of simultaneous runs: cores of this machine, or tasks of the job,
-    over the ranks.
+    divided by the ranks.
     """
-    tasks = (
-        int(os.environ.get("SLURM_NTASKS", 1))
-        if nodes_of_job() > 1
-        else len(os.sched_getaffinity(0))
-    )
-    return max(1, tasks // ranks)
+    n_tasks = len(os.sched_getaffinity(0))
+    if nodes_of_job() > 1:
+        n_tasks = int(os.environ.get("SLURM_NTASKS", 1))
+    return max(1, n_tasks // ranks)
 
 
 def load() -> None:
@@ -217,8 +217,6 @@ def _run(tables: Mapping[str, Any], place: Path) -> int:
 
 def names(number: int, samples: Sequence[object]) -> list[str]:
     """Return the names of the directories of the runs of a design."""
-    return (
-        [f"{number}"]
-        if len(samples) == 1
-        else [f"{number}-{n}" for n in range(1, len(samples) + 1)]
-    )
+    if len(samples) == 1:
+        return [f"{number}"]
+    return [f"{number}-{n}" for n in range(1, len(samples) + 1)]

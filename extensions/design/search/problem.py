@@ -16,7 +16,7 @@ from typing import Any, ClassVar
 
 import numpy as np
 
-from granwave.analysis.quantities import ENTRIES
+from granwave.analysis.quantities import entries
 from granwave.extensions.design.search.variables import Space, Values
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.case import Case
@@ -49,12 +49,12 @@ def value_names() -> list[str]:
     return [
         *KNOWN_BEFORE,
         *_DERIVED,
-        *(entry.name for entry in ENTRIES if entry.name not in _NO_NUMBERS),
+        *(entry.name for entry in entries() if entry.name not in _NO_NUMBERS),
     ]
 
 
 def is_value(name: str) -> bool:
-    return any(fnmatchcase(name, known) for known in value_names())
+    return any(fnmatchcase(name, pattern) for pattern in value_names())
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
@@ -198,14 +198,14 @@ class DesignLimit:
     high: float | None
 
     def margin(self, value: float) -> float:
-        """Return how far a value is beyond its bounds, over the bound; 0 or negative where it is
-        within.
+        """Return the distance of a value beyond its bounds, divided by the bound; 0 or negative
+        within them.
         """
-        return max(
-            (float(sign * (value - bound) / (abs(bound) or 1.0)) for sign, bound in ((1, self.high), (-1, self.low))
-             if bound is not None),
-            default=0.0,
-        )  # fmt: skip
+        margins = []
+        for sign, bound in ((1, self.high), (-1, self.low)):
+            if bound is not None:
+                margins.append(float(sign * (value - bound) / (abs(bound) or 1.0)))
+        return max(margins, default=0.0)
 
     def fault(self, value: float) -> str:
         """Say how a value is beyond its bounds; empty if it is within."""
@@ -231,17 +231,17 @@ class DesignProblem:
     Attributes
     ----------
     base
-        Tables of the case, with those of ``[set]``.
+        Tables of the case, with the values of ``[set]``.
     path
-        Design file; its folder is that of relative paths.
+        Design file; relative paths start from its folder.
     tables
-        Tables of the file, for comparison on a resumed search.
+        Tables of the file, for comparison when a search is resumed.
     samples
         Changes of the case by dotted key for each run of a design; one empty mapping without
         uncertainty.
     tolerance
-        Of the energy balance, until the best designs are run again with that of the case; 0: that
-        of the case.
+        ``run.energy_tolerance`` of the search; the best designs are run again with the tolerance
+        of the case. 0: the tolerance of the case throughout.
     """
 
     name: str
@@ -258,33 +258,31 @@ class DesignProblem:
 
     @property
     def record(self) -> dict[str, Any]:
-        """Tables of the file and of its case, by which a search is known again."""
+        """Tables of the file and of its case, by which a search is recognised."""
         return {**self.tables, "base": self.base}
 
     def tables_of(
         self, values: Values, sample: Mapping[str, Any] | None = None, *, longer: float = 1.0
     ) -> dict[str, Any]:
-        """Return the tables of the case of a design, that ends so many times later than in the
-        design file.
+        """Return the tables of the case of a design.
+
+        ``longer``: the duration of the run divided by that of the design file.
         """
         tables = with_values(with_values(self.base, values), sample or {})
-        return (
-            tables
-            if longer == 1
-            else with_values(tables, {"run.end_time": longer * tables["run"]["end_time"]})
-        )
+        if longer == 1:
+            return tables
+        return with_values(tables, {"run.end_time": longer * tables["run"]["end_time"]})
 
     def cheaply(self, tables: Mapping[str, Any]) -> dict[str, Any]:
-        """Return the tables of a case with the tolerance of the search; the same where it is not
-        larger.
+        """Return the tables of a case with the tolerance of the search.
+
+        They are unchanged if the case has a larger tolerance, or a fixed timestep.
         """
         run = tables.get("run", {})
-        if (
-            self.tolerance <= run.get("energy_tolerance", ENERGY_TOLERANCE)
-            or run.get("timestep", "auto") != "auto"
-        ):
-            return dict(tables)
-        return with_values(tables, {"run.energy_tolerance": self.tolerance})
+        is_larger = self.tolerance > run.get("energy_tolerance", ENERGY_TOLERANCE)
+        if is_larger and run.get("timestep", "auto") == "auto":
+            return with_values(tables, {"run.energy_tolerance": self.tolerance})
+        return dict(tables)
 
     def assembly(self, tables: Mapping[str, Any]) -> Assembly:
         """Read a case, and place its bodies; raise InputError if it is wrong."""
@@ -307,25 +305,37 @@ class DesignProblem:
 def examined(
     problem: DesignProblem, values: Values
 ) -> tuple[dict[str, float], dict[str, float], str]:
-    """Return what is known of a design before a run: values, margins of limits, and why it is
-    refused; empty if not.
+    """Examine a design before a run.
+
+    Returns
+    -------
+    values, margins, fault
+        Values of the packing by name; margins of their limits by name; reason why the design is
+        refused, empty if it is not.
     """
     limits = {limit.name: limit for limit in problem.limits}
     try:
         assembly = problem.assembly(problem.tables_of(values, problem.samples[0]))
-        count = assembly.lattice.n_spheres if "n_spheres" in limits else None
-        too_many = count and limits["n_spheres"].fault(count)
-        known: dict[str, float] = (
-            {"n_spheres": count} if count and too_many else known_before(assembly)
-        )  # which takes memory
+        values_before = _values_before(assembly, limits.get("n_spheres"))
     except InputError as error:
         return {}, {}, "; ".join(error.errors)
-    margins = {name: limit.margin(known[name]) for name, limit in limits.items() if name in known}
-    return (
-        known,
-        margins,
-        "; ".join(filter(None, (limits[name].fault(known[name]) for name in margins))),
-    )
+    margins = {}
+    faults = []
+    for name, limit in limits.items():
+        if name in values_before:
+            margins[name] = limit.margin(values_before[name])
+            faults.append(limit.fault(values_before[name]))
+    return values_before, margins, "; ".join(filter(None, faults))
+
+
+def _values_before(assembly: Assembly, limit: DesignLimit | None) -> dict[str, float]:
+    """Return `known_before`; only the number of spheres if it is beyond its limit, which saves the
+    memory for their positions.
+    """
+    n_spheres = assembly.lattice.n_spheres
+    if limit is not None and n_spheres and limit.fault(n_spheres):
+        return {"n_spheres": n_spheres}
+    return known_before(assembly)
 
 
 def known_before(assembly: Assembly) -> dict[str, float]:
@@ -333,9 +343,8 @@ def known_before(assembly: Assembly) -> dict[str, float]:
     n = assembly.lattice.n_spheres
     diameters = assembly.sphere_diameters()[:n]
     positions = assembly.positions()[:n]
-    spans = (positions + diameters[:, None] / 2).max(axis=0) - (
-        positions - diameters[:, None] / 2
-    ).min(axis=0)
+    radii = diameters[:, None] / 2
+    spans = (positions + radii).max(axis=0) - (positions - radii).min(axis=0)
     return {
         "mass_kg": float(assembly.sphere_masses()[:n].sum()),
         "height_m": float(spans[2]),
@@ -346,53 +355,56 @@ def known_before(assembly: Assembly) -> dict[str, float]:
 
 
 def with_derived(summary: Mapping[str, Any], smallest_diameter: float) -> dict[str, Any]:
-    """Return a summary with the values that are made of others, and those that are known before a
-    run.
+    """Return a summary with the values that limits and objectives derive from others.
 
-    ``overlap_over_radius``: the largest overlap over the effective radius of two of the smallest
-    spheres, a quarter of their diameter. ``kinetic_share``: of the energy put in, at the end.
+    ``overlap_over_radius`` is the largest overlap divided by the effective radius of two of the
+    smallest spheres, a quarter of their diameter. ``kinetic_share`` is the kinetic energy at the
+    end divided by the energy input.
     """
-    count = summary.get("n_spheres")
+    overlap = summary.get("peak_overlap_m")
+    kinetic = summary.get("energy_kinetic_J")
     yielded = summary.get("n_plastic_spheres")
-    overlap, given, kinetic = (
-        summary.get(name) for name in ("peak_overlap_m", "energy_input_J", "energy_kinetic_J")
-    )
     return {
         **summary,
         "mass_kg": summary.get("packing_mass_kg"),
         "height_m": summary.get("packing_height_m"),
         "overlap_over_radius": None if overlap is None else 4 * overlap / smallest_diameter,
-        "kinetic_share": None if kinetic is None or not given else kinetic / given,
-        "yielded_share": yielded / count if count and yielded is not None else None,
+        "kinetic_share": _ratio(kinetic, summary.get("energy_input_J")),
+        "yielded_share": _ratio(yielded, summary.get("n_spheres")),
     }
+
+
+def _ratio(part: float | None, total: float | None) -> float | None:
+    """Return the ratio of two values; None if one is missing or the total is 0."""
+    return part / total if part is not None and total else None
 
 
 def with_values(tables: Mapping[str, Any], values: Mapping[str, Any]) -> dict[str, Any]:
     """Return the tables of a case with the values of a design.
 
-    Parts of a key that are numbers are places in a list, from 0; after ``replace`` ids of grains,
-    such as ``5`` or ``1-16,33-48``, whose entry of ``[[replace]]`` is changed or added.
+    A number in a key is a position in a list, from 0. After ``replace`` it is an id of a grain, or
+    several such as ``1-16,33-48``, whose entry of ``[[replace]]`` is changed or added.
 
     Raises
     ------
     InputError
         Part of a key is no table or list, or there is no such place.
     """
-    found = copy.deepcopy(dict(tables))
+    changed = copy.deepcopy(dict(tables))
     errors = []
-    # whole tables first, then keys inside them; a grain's new place after what is said of its old
-    # one
+    # whole tables before keys inside them; the new position of a grain after its other keys
     for key in sorted(values, key=lambda key: (key.count("."), key.endswith(".index"))):
         try:
-            _set(found, key.split("."), values[key])
+            _set(changed, key.split("."), values[key])
         except ValidationError as error:
             errors.append(fault_of(str(error), key=key))
     if errors:
         raise InputError(errors)
-    return found
+    return changed
 
 
 def _set(table: Any, path: Sequence[str], value: Any) -> None:
+    """Set the value at the parts of a key, in a table or list; tables on the way are added."""
     name = path[0]
     rest = path[1:]
     if name == _REPLACE and len(rest) > 1 and (ids := ids_of(rest[0])):
@@ -403,7 +415,8 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
     if isinstance(table, list):
         if not ids_of(name, single=True) or int(name) >= len(table):
             raise ValidationError(
-                f"found a list of {len(table)} in the case, expected a place from 0 to {len(table) - 1}"
+                f"found a list of {len(table)} in the case, "
+                f"expected a place from 0 to {len(table) - 1}"
             )
         place = int(name)
     elif not isinstance(table, dict):
@@ -419,39 +432,49 @@ def _set(table: Any, path: Sequence[str], value: Any) -> None:
 
 
 def ids_of(text: str, *, single: bool = False) -> list[int]:
-    """Return the numbers of a part of a key, such as ``5`` or, unless single, ``1-16,33-48``; empty
-    if it is none.
+    """Return the ids in a part of a key, such as ``5`` or, unless single, ``1-16,33-48``; empty if
+    the part is a name.
     """
     if not re.fullmatch(r"\d+" if single else r"\d+(-\d+)?(,\d+(-\d+)?)*", text, re.ASCII):
         return []
-    ends = [part.split("-") for part in text.split(",")]
-    spans = [range(int(first), int(last[0] if last else first) + 1) for first, *last in ends]
-    return [n for span in spans for n in span] if sum(map(len, spans)) <= _MOST_IDS else []
+    spans = []
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        spans.append(range(int(first), int(last or first) + 1))
+    if sum(map(len, spans)) > _MOST_IDS:
+        return []
+    return list(itertools.chain.from_iterable(spans))
 
 
 def _entries_of(grains: Sequence[int], entries: list[dict[str, Any]]) -> list[dict[str, Any]]:
-    """Return the entries of ``[[replace]]`` of some grains; a new one has the values of the last
-    that covers them.
+    """Return the entries of ``[[replace]]`` of some grains; missing entries are added.
+
+    An added entry has the values of the last entry that covers its grains.
     """
-    covering: dict[int, int | None] = dict.fromkeys(grains, None)
+    covering: dict[int, int | None] = dict.fromkeys(grains, None)  # place of the entry by grain
     for place, entry in enumerate(entries):
         with contextlib.suppress(ValidationError):
             covering |= dict.fromkeys(covering.keys() & INDEX.read(entry.get("index", [])), place)
-    found = []
-    for one in dict.fromkeys(covering.values()):
-        ids = [grain for grain in covering if covering[grain] == one]
-        before = {} if one is None else entries[one]
-        if before and sorted(INDEX.read(before["index"])) == sorted(ids):
-            found.append(before)
-            continue
-        steps = {second - first for first, second in itertools.pairwise(ids)}
-        index: Any = ids if steps else ids[0]
-        if len(steps) == 1 and min(steps) > 0:
-            index = {
-                "first": ids[0],
-                "last": ids[-1],
-                **({"step": steps.pop()} if steps != {1} else {}),
-            }
-        found.append({**copy.deepcopy(before), "index": index})
-        entries.append(found[-1])
-    return found
+    entries_of_grains = []
+    for place in dict.fromkeys(covering.values()):
+        ids = [grain for grain, entry_place in covering.items() if entry_place == place]
+        entry = {} if place is None else entries[place]
+        if not entry or sorted(INDEX.read(entry["index"])) != sorted(ids):
+            entry = {**copy.deepcopy(entry), "index": _index_of(ids)}
+            entries.append(entry)
+        entries_of_grains.append(entry)
+    return entries_of_grains
+
+
+def _index_of(ids: Sequence[int]) -> Any:
+    """Return the key ``index`` of some grains: an id, a range, or a list."""
+    steps = {second - first for first, second in itertools.pairwise(ids)}
+    if not steps:
+        return ids[0]
+    if len(steps) > 1 or min(steps) <= 0:
+        return list(ids)
+    index = {"first": ids[0], "last": ids[-1]}
+    step = steps.pop()
+    if step != 1:
+        index["step"] = step
+    return index

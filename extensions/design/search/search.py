@@ -1,4 +1,4 @@
-"""Choice of the next design: a Gaussian process of what is known, and the largest expected
+"""Choice of the next design: a Gaussian process of the designs so far, and the largest expected
 improvement.
 
 First designs are drawn at random. From then on a Gaussian process (Matern 5/2, one length for each
@@ -16,7 +16,7 @@ import dataclasses
 import itertools
 import math
 import warnings
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from functools import cache
 from typing import Any
 
@@ -28,32 +28,33 @@ from scipy.stats import norm
 from granwave.extensions.design.search.variables import Space, Values
 
 Array = NDArray[np.float64]
-_ENUMERATED = 3000  # designs of a space up to which all are candidates
-# candidates: random ones, and changes of each of the best
-_RANDOM = 1024
-_OF_BEST = 8
-_CHANGES = 64
+_ENUMERATED = 3000  # number of designs of a space up to which all are candidates
+_RANDOM = 1024  # random candidates of a larger space
+_OF_BEST = 8  # best designs of which changed ones are candidates
+_CHANGES = 64  # candidates made from each of these
 _MOST_RANDOM = 20_000  # draws in search of a design that was not tried
-_LEAST_DEVIATION = 1e-9  # of a model
+_LEAST_DEVIATION = 1e-9  # smallest standard deviation of a prediction
 _LEAST_PROBABLE = 0.01  # probability to meet the limits, below which a candidate comes last
-_MOST_MODELLED = 300  # designs that the model of the objective is made of
-# designs that the model of a limit is made of, and the latest of them
-_MOST_ROWS = 120
-_LATEST = 40
+_MOST_MODELLED = 300  # largest number of designs in the model of the objective
+_MOST_ROWS = 120  # largest number of designs in the model of a limit
+_LATEST = 40  # latest designs that the model of a limit always contains
+_FAR = -6  # below it the two terms of the expected improvement cancel to rounding
+_JOINT = 0.05  # weight of the sum of two objectives in their joint loss (ParEGO)
+_FEWEST_MODELLED = 4  # complete designs that a model of the whole space needs
 
 
 @dataclasses.dataclass(frozen=True)
-class Known:
-    """A design of which something is known.
+class TriedDesign:
+    """A design that was run or refused, or is being run.
 
     Attributes
     ----------
     losses
-        Objectives, each to be made small; None if not known, as of designs in work or refused.
+        Objectives, each to be minimised; None for designs that are refused or still running.
     margins
-        By limit: how far a value is beyond it, over the limit; negative or 0 where it is met.
+        Relative distance of a value beyond its limit, by limit; negative or 0 where it is met.
     in_work
-        True of a design that is being run.
+        True for a design that is being run.
     """
 
     values: Values
@@ -63,7 +64,7 @@ class Known:
 
     @property
     def feasible(self) -> bool:
-        """True if no known value is beyond its limit."""
+        """True if no value is beyond its limit."""
         return all(margin <= 0 for margin in self.margins.values())
 
 
@@ -73,128 +74,153 @@ def n_first(space: Space, evaluations: int) -> int:
 
 
 def random_designs(space: Space, seed: int, start: int = 0) -> Iterator[Values]:
-    """Give designs at random, without end; those from the same start on are the same."""
+    """Give random designs without end; the same ones for the same seed and start."""
     rng = np.random.default_rng([seed, start])
     while True:
         yield space.at(rng.random(len(space.variables)).tolist())
 
 
-def ordered(space: Space, known: Sequence[Known], seed: int, *, guided: bool) -> Iterator[Values]:
+def ordered(
+    space: Space, designs: Sequence[TriedDesign], seed: int, *, guided: bool
+) -> Iterator[Values]:
     """Give designs that were not tried, the most promising first.
 
     Parameters
     ----------
-    known
-        Earlier designs: complete ones, refused ones and those in work.
+    designs
+        Earlier designs: complete, refused and running ones.
     guided
         False: at random.
     """
-    rng = np.random.default_rng([seed, len(known)])
-    complete = [one for one in known if one.losses]
-    if not guided or len(complete) < 2:
-        yield from _drawn(space, known, seed, rng)
+    rng = np.random.default_rng([seed, len(designs)])
+    if not guided or len(_complete(designs)) < 2:
+        yield from _drawn(space, designs, seed, rng)
         return
-    tried = {repr(one.values) for one in known}
-    if space.size <= _ENUMERATED:
-        found = [values for values in space.all() if repr(values) not in tried]
-    else:
-        drawn = itertools.islice(random_designs(space, int(rng.integers(2**31))), _RANDOM)
-        best = sorted(complete, key=lambda one: (not one.feasible, one.losses))[:_OF_BEST]
-        changed = [space.changed(one.values, rng) for one in best for _ in range(_CHANGES)]
-        found = list(
-            {
-                repr(values): values for values in (*drawn, *changed) if repr(values) not in tried
-            }.values()
-        )
-    if not found:
+    candidates = _candidates(space, designs, rng)
+    if not candidates:
         return
-    worth = worth_of(space, known, found, rng)
+    worth = worth_of(space, designs, candidates, rng)
     for place in np.argsort(-worth, kind="stable"):
-        yield found[place]
+        yield candidates[place]
 
 
 def promising(
-    space: Space, known: Sequence[Known], seed: int, found: Sequence[Values]
+    space: Space, designs: Sequence[TriedDesign], seed: int, candidates: Sequence[Values]
 ) -> list[Values]:
-    """Return those of some designs that were not tried, the most promising first."""
-    tried = {repr(one.values) for one in known}
-    left = [values for values in found if repr(values) not in tried]
-    if len(left) < 2 or sum(one.losses is not None for one in known) < 2:
+    """Return the candidates that were not tried, the most promising first."""
+    tried = _names(designs)
+    left = [values for values in candidates if repr(values) not in tried]
+    if len(left) < 2 or len(_complete(designs)) < 2:
         return left
-    worth = worth_of(space, known, left, np.random.default_rng([seed, len(known)]))
+    worth = worth_of(space, designs, left, np.random.default_rng([seed, len(designs)]))
     return [left[place] for place in np.argsort(-worth, kind="stable")]
 
 
-def _drawn(space: Space, known: Sequence[Known], seed: int, rng: Generator) -> Iterator[Values]:
-    tried = {repr(one.values) for one in known}
-    small = space.size <= _ENUMERATED
-    left = (
-        {repr(values): values for values in space.all() if repr(values) not in tried}
-        if small
-        else {}
-    )
-    for values in itertools.islice(random_designs(space, seed, len(known)), _MOST_RANDOM):
+def _complete(designs: Iterable[TriedDesign]) -> list[TriedDesign]:
+    """Return the designs with objectives."""
+    return [design for design in designs if design.losses]
+
+
+def _names(designs: Iterable[TriedDesign]) -> set[str]:
+    """Return a text for each design, by which values are compared."""
+    return {repr(design.values) for design in designs}
+
+
+def _by_loss(design: TriedDesign) -> tuple[bool, tuple[float, ...]]:
+    """Return the rank of a complete design: by its losses, after those that meet the limits."""
+    return not design.feasible, design.losses or ()
+
+
+def _candidates(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> list[Values]:
+    """Return all untried designs of a small space, else random ones and changes of the best."""
+    tried = _names(designs)
+    if space.size <= _ENUMERATED:
+        return [values for values in space.all() if repr(values) not in tried]
+    drawn = random_designs(space, int(rng.integers(2**31)))
+    candidates = list(itertools.islice(drawn, _RANDOM))
+    for design in sorted(_complete(designs), key=_by_loss)[:_OF_BEST]:
+        candidates += [space.changed(design.values, rng) for _ in range(_CHANGES)]
+    untried = {repr(values): values for values in candidates if repr(values) not in tried}
+    return list(untried.values())
+
+
+def _drawn(
+    space: Space, designs: Sequence[TriedDesign], seed: int, rng: Generator
+) -> Iterator[Values]:
+    """Give untried designs at random; of a small space at last all others."""
+    tried = _names(designs)
+    left: dict[str, Values] = {}
+    is_small = space.size <= _ENUMERATED
+    if is_small:
+        left = {repr(values): values for values in space.all() if repr(values) not in tried}
+    for values in itertools.islice(random_designs(space, seed, len(designs)), _MOST_RANDOM):
         name = repr(values)
         if name not in tried:
             tried.add(name)
             left.pop(name, None)
             yield values
-        if small and not left:
+        if is_small and not left:
             return
     rest = list(left.values())
     yield from (rest[n] for n in rng.permutation(len(rest)))
 
 
 def worth_of(
-    space: Space, known: Sequence[Known], found: Sequence[Values], rng: Generator
+    space: Space, tried: Sequence[TriedDesign], candidates: Sequence[Values], rng: Generator
 ) -> Array:
-    """Return what candidates are ordered by: (n,).
+    """Return the worth of candidates, by which they are ordered: (n,).
 
-    It is the logarithm of the expected improvement where the limits may be met, and below that of
-    all those the logarithm of the probability that they are.
+    The worth is the logarithm of the expected improvement plus the logarithm of the probability
+    that the limits are met. Candidates with a small probability come last, ordered by it.
     """
-    complete = [one for one in known if one.losses]
-    if len(complete) > _MOST_MODELLED:  # the best and the latest, in their order
-        half = _MOST_MODELLED // 2
-        ranked = sorted(
-            range(len(complete)), key=lambda n: (not complete[n].feasible, complete[n].losses)
-        )
-        complete = [
-            complete[n]
-            for n in sorted({*ranked[:half], *range(len(complete) - half, len(complete))})
-        ]
-    designs = [one.values for one in complete]
-    scores = joined(np.array([one.losses for one in complete]), rng)
-    feasible = np.array([one.feasible for one in complete])
-    x = space.features(found)
+    complete = _best_and_latest(_complete(tried))
+    designs = [design.values for design in complete]
+    scores = joined(np.array([design.losses for design in complete]), rng)
+    feasible = np.array([design.feasible for design in complete])
+    x = space.features(candidates)
     model = fitted(space, designs, scores)
-    pending = [one.values for one in known if one.losses is None and one.in_work]
-    if pending:  # as if they had been found to be what is expected
-        scores_too = np.concatenate([scores, model.predict(space.features(pending))])
-        model = fitted(space, [*designs, *pending], scores_too)
+    running = [design.values for design in tried if design.losses is None and design.in_work]
+    if running:  # with their predictions for results
+        predictions = model.predict(space.features(running))
+        model = fitted(space, [*designs, *running], np.concatenate([scores, predictions]))
     mean, deviation = model.predict(x, return_std=True)
-    deviation = np.maximum(deviation, _LEAST_DEVIATION)
-    worth = np.zeros(len(x))  # first of all a design that meets the limits
+    worth = np.zeros(len(x))  # without a feasible design the limits alone count
     if feasible.any():
-        z = (scores[feasible].min() - mean) / deviation
-        far = z < -6  # where the difference of the two terms is lost to rounding
-        near = np.where(far, 0.0, z)
-        away = np.where(far, z, 1.0)
-        improvement = np.log(norm.pdf(near) + near * norm.cdf(near))
-        worth = np.log(deviation) + np.where(
-            far, norm.logpdf(z) - 2 * np.log(np.abs(away)), improvement
-        )
-    within = np.zeros(len(x))
-    for limit in _limits(space, known, rng):
+        least = float(scores[feasible].min())
+        worth = _log_improvement(least, mean, np.maximum(deviation, _LEAST_DEVIATION))
+    log_probability = np.zeros(len(x))
+    for limit in _limits(space, tried, rng):
         middle, width = limit.predict(x, return_std=True)
-        within += norm.logcdf(-middle / np.maximum(width, _LEAST_DEVIATION))
-    hopeless = within < math.log(_LEAST_PROBABLE)
-    return np.where(hopeless, within + worth.min() - 1, worth + within)
+        log_probability += norm.logcdf(-middle / np.maximum(width, _LEAST_DEVIATION))
+    hopeless = log_probability < math.log(_LEAST_PROBABLE)
+    return np.where(hopeless, log_probability + worth.min() - 1, worth + log_probability)
+
+
+def _best_and_latest(complete: list[TriedDesign]) -> list[TriedDesign]:
+    """Return the designs for the model of the objective, in their order."""
+    if len(complete) <= _MOST_MODELLED:
+        return complete
+    half = _MOST_MODELLED // 2
+    ranked = sorted(range(len(complete)), key=lambda n: _by_loss(complete[n]))
+    latest = range(len(complete) - half, len(complete))
+    return [complete[n] for n in sorted({*ranked[:half], *latest})]
+
+
+def _log_improvement(least: float, mean: Array, deviation: Array) -> Array:
+    """Return the logarithm of the expected improvement of a smallest score: (n,)."""
+    z = (least - mean) / deviation
+    far = z < _FAR
+    near_z = np.where(far, 0.0, z)
+    far_z = np.where(far, z, 1.0)
+    improvement = np.log(norm.pdf(near_z) + near_z * norm.cdf(near_z))
+    asymptote = norm.logpdf(z) - 2 * np.log(np.abs(far_z))
+    return np.asarray(np.log(deviation) + np.where(far, asymptote, improvement))
 
 
 def joined(losses: Array, rng: Generator | None = None) -> Array:
-    """Join objectives to one number for each design: logarithms of positive ones, weighted anew at
-    each call.
+    """Join the objectives of designs, (n, n_objectives), to a score for each: (n,).
+
+    Positive objectives count by their logarithms; several have random weights, drawn at each call.
     """
     columns = []
     for column in losses.T:
@@ -205,7 +231,7 @@ def joined(losses: Array, rng: Generator | None = None) -> Array:
         return columns[0]
     weights = (rng or np.random.default_rng(0)).dirichlet(np.ones(len(columns)))
     weighted = np.array([weight * column for weight, column in zip(weights, columns, strict=True)])
-    joint: Array = weighted.max(axis=0) + 0.05 * weighted.sum(axis=0)
+    joint: Array = weighted.max(axis=0) + _JOINT * weighted.sum(axis=0)
     return joint
 
 
@@ -217,10 +243,12 @@ def _threads() -> Any:
 
 
 def _scaled(losses: Array) -> Array:
-    """Return the logarithms of losses that all have one sign, in their order; others as they are."""
+    """Return the logarithms of losses of one sign, in the order of the losses; others unchanged."""
     if (losses > 0).all():
         return np.log(losses)
-    return -np.log(-losses) if (losses < 0).all() else losses
+    if (losses < 0).all():
+        return -np.log(-losses)
+    return losses
 
 
 def fitted(space: Space, designs: Sequence[Values], values: Array) -> Any:
@@ -231,93 +259,104 @@ def fitted(space: Space, designs: Sequence[Values], values: Array) -> Any:
     x = space.features(designs)
     matern = Matern(np.ones(x.shape[1]), (0.1, 10.0), nu=2.5)
     kernel = ConstantKernel(1.0, (1e-2, 1e2)) * matern + WhiteKernel(1e-4, (1e-8, 0.1))
-    with (
-        warnings.catch_warnings(),
-        _threads().limit(limits=1),
-    ):  # on small matrices threads wait for each other
+    # on small matrices several threads are slower than one
+    with warnings.catch_warnings(), _threads().limit(limits=1):
         warnings.simplefilter("ignore")  # a length at its bound
         return GaussianProcessRegressor(kernel, normalize_y=True).fit(x, values)
 
 
-def importance(space: Space, known: Sequence[Known], n: int = 512) -> dict[str, float]:
-    """Return the share of the variance of the first objective that each variable makes alone
+def importance(space: Space, designs: Sequence[TriedDesign], n: int = 512) -> dict[str, float]:
+    """Return the fraction of the variance of the first objective due to each variable alone
     (first-order Sobol index).
 
-    Of the fitted model over the whole space; what is missing from 1 are joint effects.
+    The variance is that of the fitted model over the whole space; the rest to 1 is due to joint
+    effects of several variables.
     """
-    complete = [one for one in known if one.losses]
-    if len(complete) < 4:
+    complete = _complete(designs)
+    if len(complete) < _FEWEST_MODELLED:
         return {}
-    losses = np.array([one.losses for one in complete])
-    model = fitted(space, [one.values for one in complete], joined(losses[:, :1]))
+    losses = np.array([design.losses for design in complete])
+    model = fitted(space, [design.values for design in complete], joined(losses[:, :1]))
     drawn = random_designs(space, 1)
-    first, second = ([next(drawn) for _ in range(n)] for _ in range(2))
-    a, b = (model.predict(space.features(designs)) for designs in (first, second))
-    variance = float(np.var(np.concatenate([a, b])))
+    first = list(itertools.islice(drawn, n))
+    second = list(itertools.islice(drawn, n))
+    first_scores = model.predict(space.features(first))
+    second_scores = model.predict(space.features(second))
+    variance = float(np.var(np.concatenate([first_scores, second_scores])))
     if not variance:
         return {}
-    found = {}
-    for one in space.variables:
-        mixed = [
-            {**left, one.key: right[one.key]} for left, right in zip(first, second, strict=True)
-        ]
-        found[one.key] = float(np.mean(b * (model.predict(space.features(mixed)) - a)) / variance)
-    return {
-        key: min(max(share, 0.0), 1.0) if math.isfinite(share) else 0.0
-        for key, share in found.items()
-    }
+    indices = {}
+    for variable in space.variables:
+        key = variable.key
+        mixed = [{**a, key: b[key]} for a, b in zip(first, second, strict=True)]
+        change = model.predict(space.features(mixed)) - first_scores
+        index = float(np.mean(second_scores * change)) / variance
+        indices[key] = min(max(index, 0.0), 1.0) if math.isfinite(index) else 0.0
+    return indices
 
 
 def front(losses: Sequence[Sequence[float]]) -> list[int]:
-    """Return the places of the designs that none of the others beats in all objectives, by the
-    first objective.
+    """Return the places of the designs on the Pareto front, by the first objective.
+
+    A design is on the front if no other design is at least as good in all objectives and better in
+    one. Of equal designs the first is taken.
     """
     table = [tuple(row) for row in losses]
-    places = {row: n for n, row in reversed(list(enumerate(table)))}  # the first of equal ones
+    places = {row: n for n, row in reversed(list(enumerate(table)))}
     values = np.array(list(places))
-    beaten = [
-        bool(((values <= row).all(axis=1) & (values != row).any(axis=1)).any()) for row in values
-    ]
-    return [places[row] for row, worse in sorted(zip(places, beaten, strict=True)) if not worse]
+    on_front = []
+    for row, place in places.items():
+        better = (values <= row).all(axis=1) & (values != row).any(axis=1)
+        if not better.any():
+            on_front.append((row, place))
+    return [place for _, place in sorted(on_front)]
 
 
-def expected_random(space: Space, known: Sequence[Known], counts: Sequence[int]) -> list[float]:
-    """Return the smallest first loss that so many designs at random would have, in the mean, by the
-    fitted model.
+def expected_random(
+    space: Space, designs: Sequence[TriedDesign], counts: Sequence[int]
+) -> list[float]:
+    """Return the mean of the smallest first loss of so many random designs, by the fitted model.
 
-    Only of designs that the model takes to be within the limits; empty where too little is known.
+    Only designs within the limits of the model count. Empty if too few designs are complete.
     """
-    complete = [one for one in known if one.losses]
-    losses = np.array([one.losses[0] for one in complete if one.losses])
-    if len(complete) < 4 or not ((losses > 0).all() or (losses < 0).all()):
+    complete = _complete(designs)
+    losses = np.array([design.losses[0] for design in complete if design.losses])
+    if len(complete) < _FEWEST_MODELLED or not ((losses > 0).all() or (losses < 0).all()):
         return []
     drawn = list(itertools.islice(random_designs(space, 2), 2 * _RANDOM))
     x = space.features(drawn)
     within = np.ones(len(x), dtype=bool)
-    for model in _limits(space, known, np.random.default_rng(3)):
+    for model in _limits(space, designs, np.random.default_rng(3)):
         within &= model.predict(x) <= 0
-    sign = math.copysign(1.0, losses[0])
     if not within.any():
         return []
-    scaled = fitted(space, [one.values for one in complete], _scaled(losses)).predict(x[within])
-    found = sign * np.exp(sign * np.sort(scaled))
-    places = np.arange(len(found) + 1) / len(found)
-    return [float(found @ ((1 - places[:-1]) ** n - (1 - places[1:]) ** n)) for n in counts]
+    sign = math.copysign(1.0, losses[0])
+    model = fitted(space, [design.values for design in complete], _scaled(losses))
+    sorted_losses = sign * np.exp(sign * np.sort(model.predict(x[within])))
+    ranks = np.arange(len(sorted_losses) + 1) / len(sorted_losses)
+    return [float(sorted_losses @ ((1 - ranks[:-1]) ** n - (1 - ranks[1:]) ** n)) for n in counts]
 
 
-def _limits(space: Space, known: Sequence[Known], rng: Generator) -> Iterator[Any]:
-    """Give a model of how far each limit is exceeded, of those that some designs exceed."""
-    for name in dict.fromkeys(name for one in known for name in one.margins):
-        rows = [one for one in known if name in one.margins]
-        if (
-            any(one.margins[name] > 0 for one in rows)
-            and len({one.margins[name] for one in rows}) > 1
-        ):
-            if len(rows) > _MOST_ROWS:  # those that were run, the latest, and some of the others
-                kept = {n for n, one in enumerate(rows) if one.losses} | set(
-                    range(len(rows) - _LATEST, len(rows))
-                )
-                rest = rng.permutation([n for n in range(len(rows)) if n not in kept])
-                rows = [rows[n] for n in sorted({*kept, *rest[: max(0, _MOST_ROWS - len(kept))]})]
-            margins = np.array([one.margins[name] for one in rows])
-            yield fitted(space, [one.values for one in rows], np.arcsinh(3 * margins))
+def _limits(space: Space, designs: Sequence[TriedDesign], rng: Generator) -> Iterator[Any]:
+    """Give a model of the margin of each limit that some designs exceed."""
+    names: dict[str, None] = {}
+    for design in designs:
+        names.update(dict.fromkeys(design.margins))
+    for name in names:
+        rows = [design for design in designs if name in design.margins]
+        margins = {design.margins[name] for design in rows}
+        if max(margins) > 0 and len(margins) > 1:
+            rows = _limited_rows(rows, rng)
+            values = np.arcsinh(3 * np.array([design.margins[name] for design in rows]))
+            yield fitted(space, [design.values for design in rows], values)
+
+
+def _limited_rows(rows: list[TriedDesign], rng: Generator) -> list[TriedDesign]:
+    """Return the designs for the model of a limit: complete ones, the latest, and some others."""
+    if len(rows) <= _MOST_ROWS:
+        return rows
+    kept = {n for n, design in enumerate(rows) if design.losses}
+    kept |= set(range(len(rows) - _LATEST, len(rows)))
+    rest = rng.permutation([n for n in range(len(rows)) if n not in kept])
+    others = rest[: max(0, _MOST_ROWS - len(kept))]
+    return [rows[n] for n in sorted({*kept, *others})]

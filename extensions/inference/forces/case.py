@@ -104,7 +104,7 @@ class WallsType(ValueType):
             len(point) != len(normal) or not size,
             f"{_WALL_FORM}; point and normal with as many numbers, the normal not zero",
         )
-        return point, tuple(one / size for one in normal)
+        return point, tuple(component / size for component in normal)
 
     @property
     def json(self) -> dict[str, Any]:
@@ -301,17 +301,17 @@ class InferCase:
     @property
     def walls(self) -> dict[str, StraightWall]:
         """Walls by name."""
-        found = {}
+        planes = {}
         for name, place in self.infer.walls:
             if isinstance(place, tuple):
-                found[name] = StraightWall(*place)
+                planes[name] = StraightWall(*place)
                 continue
             axis, sign = NAMED_WALLS[self.dimension][name]
             unit = np.eye(self.dimension)[axis]
-            found[name] = StraightWall(
+            planes[name] = StraightWall(
                 tuple((place * unit).tolist()), tuple((sign * unit).tolist())
             )
-        return found
+        return planes
 
     @property
     def gravity(self) -> tuple[float, ...]:
@@ -361,13 +361,13 @@ def _material(table: Any, errors: ErrorList) -> GrainMaterial | None:
             if name not in ("name", "source", "yield_strength")
         }
         return read_table(GrainMaterial, own, "material", errors)
-    found: Material | None = read_material(table, errors)
-    if found is None:
+    material: Material | None = read_material(table, errors)
+    if material is None:
         return None
     return GrainMaterial(
-        density=found.density,
-        poisson_ratio=found.poisson_ratio,
-        youngs_modulus=found.youngs_modulus,
+        density=material.density,
+        poisson_ratio=material.poisson_ratio,
+        youngs_modulus=material.youngs_modulus,
     )
 
 

@@ -85,11 +85,14 @@ def make_equations(grains: MeasuredGrains, contacts: CandidateContacts) -> Equat
     n = len(grains)
     pairs = PAIRS[grains.dimension]
     turns = grains.spin.shape[1]
-    both = contacts.second >= 0
-    of = np.concatenate([contacts.first, contacts.second[both]])
-    which = np.concatenate([np.arange(len(contacts)), np.flatnonzero(both)])
-    arm = np.concatenate([contacts.arm, contacts.partner_arm[both]]) / grains.radius[of, None]
-    force = np.concatenate([contacts.basis, -contacts.basis[both]])
+    between_grains = contacts.second >= 0
+    of = np.concatenate([contacts.first, contacts.second[between_grains]])
+    which = np.concatenate([np.arange(len(contacts)), np.flatnonzero(between_grains)])
+    arm = (
+        np.concatenate([contacts.arm, contacts.partner_arm[between_grains]])
+        / grains.radius[of, None]
+    )
+    force = np.concatenate([contacts.basis, -contacts.basis[between_grains]])
     columns = which[:, None] * d + np.arange(d)
 
     def matrix(values: Array, n_rows: int) -> sparse.csr_array:
@@ -101,9 +104,11 @@ def make_equations(grains: MeasuredGrains, contacts: CandidateContacts) -> Equat
             (values.ravel(), (places[0].ravel(), places[1].ravel())), shape=shape
         )
 
-    moment = np.cross(arm[:, :, None], force, axis=1) if d == 3 else (
-        arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0]
-    )[:, None]  # fmt: skip
+    if d == 3:
+        moment = np.cross(arm[:, :, None], force, axis=1)
+    else:
+        in_plane = arm[:, 0, None] * force[:, 1] - arm[:, 1, None] * force[:, 0]
+        moment = in_plane[:, None]
     dyads = [
         0.5 * (arm[:, a, None] * force[:, b] + arm[:, b, None] * force[:, a]) for a, b in pairs
     ]
@@ -269,28 +274,24 @@ def refuse_undetermined(equations: Equations, friction: Array, ridge: float) -> 
     n_contacts = len(friction)
     keep = unknown_columns(friction, equations.motion.shape[1] // n_contacts)
     unknown = len(keep)
-    given = equations.n_equations
-    if unknown > _DENSE:
-        rank = min(unknown, given)
-        condition = None
-    else:
-        values = (
-            np.linalg.svd(equations.matrix[:, keep].toarray(), compute_uv=False)
-            if given
-            else np.zeros(1)
-        )
+    n_equations = equations.n_equations
+    rank = min(unknown, n_equations)
+    condition = None
+    if unknown <= _DENSE:
+        values = np.zeros(1)
+        if n_equations:
+            values = np.linalg.svd(equations.matrix[:, keep].toarray(), compute_uv=False)
         rank = int(np.count_nonzero(values > _SINGULAR * values[0])) if values[0] > 0 else 0
         condition = float(values[0] / values[-1]) if rank == unknown else None
     if rank < unknown and not ridge:
-        few = (
-            "fewer equations than unknowns: "
-            if given < unknown
-            else "equations that do not determine the forces: "
-        )
+        fault = "equations that do not determine the forces"
+        if n_equations < unknown:
+            fault = "fewer equations than unknowns"
         raise InputError(
-            f"{few}{given} equations of rank {rank} for {unknown} components of the forces of {n_contacts} contacts; "
-            "measure strains and accelerations of more grains, lower infer.contact_tolerance, take infer.friction = 0 "
-            "where it may be neglected, or give infer.ridge, which takes the smallest forces that fit"
+            f"{fault}: {n_equations} equations of rank {rank} for {unknown} components of the "
+            f"forces of {n_contacts} contacts; measure strains and accelerations of more grains, "
+            "lower infer.contact_tolerance, take infer.friction = 0 where it may be neglected, or "
+            "give infer.ridge, which takes the smallest forces that fit"
         )
     return condition
 

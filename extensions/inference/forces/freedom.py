@@ -65,13 +65,13 @@ def freedom(force: Array, friction: Array, gradient: Array) -> Freedom:
     rows = list[int]()
     columns = list[int]()
     values = list[float]()
-    held = list[float]()
+    stiffnesses = list[float]()
 
     def add(contact: int, direction: Array, stiffness: float = 0.0) -> None:
         rows.extend(range(contact * dimension, (contact + 1) * dimension))
-        columns.extend([len(held)] * dimension)
+        columns.extend([len(stiffnesses)] * dimension)
         values.extend(direction.tolist())
-        held.append(stiffness)
+        stiffnesses.append(stiffness)
 
     each = np.eye(dimension)
     for contact in np.flatnonzero(loaded).tolist():
@@ -84,9 +84,9 @@ def freedom(force: Array, friction: Array, gradient: Array) -> Freedom:
             along = force[contact, 1:] / size[contact]
             pulled = max(-float(gradient[contact, 1:] @ along), 0.0)
             add(contact, np.array([0.0, -along[1], along[0]]), pulled / size[contact])
-    shape = (force.size, len(held))
+    shape = (force.size, len(stiffnesses))
     directions = sparse.coo_array((values, (rows, columns)), shape=shape).tocsr()
-    return Freedom(directions, np.array(held))
+    return Freedom(directions, np.array(stiffnesses))
 
 
 def expected_misfit(
@@ -114,8 +114,10 @@ def expected_misfit(
     triangle = np.linalg.qr(np.concatenate([columns, holding]), mode="r")
     basis = linalg.solve_triangular(triangle, columns.T, trans="T").T
     seen = basis.T @ noise
-    both = basis.T @ basis
-    mean = float((noise**2).sum() - 2 * (seen**2).sum() + np.einsum("ij,ik,jk", both, seen, seen))
+    overlap = basis.T @ basis
+    mean = float(
+        (noise**2).sum() - 2 * (seen**2).sum() + np.einsum("ij,ik,jk", overlap, seen, seen)
+    )
     return mean if mean > math.sqrt(np.finfo(float).eps) * n_equations else 0.0
 
 

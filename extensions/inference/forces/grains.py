@@ -28,18 +28,18 @@ PAIRS: dict[int, tuple[tuple[int, int], ...]] = {
     3: ((0, 0), (1, 1), (2, 2), (1, 2), (0, 2), (0, 1)),
 }
 #: Names of the components, by dimension.
-TENSOR = {
-    dimension: tuple("".join("xyz"[axis] for axis in pair) for pair in pairs)
-    for dimension, pairs in PAIRS.items()
+TENSOR: dict[int, tuple[str, ...]] = {
+    2: ("xx", "yy", "xy"),
+    3: ("xx", "yy", "zz", "yz", "xz", "xy"),
 }
-
-#: Factors of the components, by dimension: sums of squares do not depend on the axes then.
+#: Factors of the components, by dimension, with which sums of squares do not depend on the axes.
 SCALES = {
-    dimension: np.array([1.0 if a == b else np.sqrt(2) for a, b in pairs])
-    for dimension, pairs in PAIRS.items()
+    2: np.array([1.0, 1.0, np.sqrt(2)]),
+    3: np.array([1.0, 1.0, 1.0, np.sqrt(2), np.sqrt(2), np.sqrt(2)]),
 }
 #: Number of components of rotations, by dimension.
 TURNS = {2: 1, 3: 3}
+NORMAL = 0  # column of the normal component of a force; the others are tangential
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -115,10 +115,10 @@ class MeasuredGrains:
     @property
     def has_motion(self) -> NDArray[np.bool_]:
         """True for grains whose accelerations are known: (n,)."""
-        known = np.isfinite(self.acceleration).all(axis=1) & np.isfinite(
+        complete = np.isfinite(self.acceleration).all(axis=1) & np.isfinite(
             self.angular_acceleration
         ).all(axis=1)
-        return np.asarray(known, dtype=bool)
+        return np.asarray(complete, dtype=bool)
 
     @property
     def has_stress(self) -> NDArray[np.bool_]:
@@ -236,10 +236,10 @@ class CandidateContacts:
 
     def touched(self, n_grains: int) -> NDArray[np.bool_]:
         """Return True for grains with a possible contact: (n_grains,)."""
-        found = np.zeros(n_grains, dtype=bool)
-        found[self.first] = True
-        found[self.second[self.second >= 0]] = True
-        return found
+        is_touched = np.zeros(n_grains, dtype=bool)
+        is_touched[self.first] = True
+        is_touched[self.second[self.second >= 0]] = True
+        return is_touched
 
     def partners(self, ids: NDArray[np.int64]) -> list[str]:
         """Return the ids of the second grains, and the names of walls, as text."""
@@ -262,17 +262,15 @@ def find_contacts(
 ) -> CandidateContacts:
     """Return the pairs of grains, and of grains and walls, that may touch.
 
-    Pairs count up to a distance (R_i + R_j)(1 + tolerance), walls up to R (1 + 2 tolerance), but
-    not of grains that pass walls.
+    Two grains may touch up to a distance (R_i + R_j)(1 + tolerance) of their centres; a grain may
+    touch a wall up to R (1 + 2 tolerance), unless it passes walls.
     """
     x = grains.position
     radius = grains.radius
     reach = 2 * float(radius.max(initial=0.0)) * (1 + tolerance)
-    pairs = (
-        cKDTree(x).query_pairs(reach, output_type="ndarray")
-        if len(x) > 1
-        else np.empty((0, 2), dtype=np.int64)
-    )
+    pairs = np.empty((0, 2), dtype=np.int64)
+    if len(x) > 1:
+        pairs = cKDTree(x).query_pairs(reach, output_type="ndarray")
     i, j = pairs.astype(np.int64).T
     apart = x[i] - x[j]
     distance = np.linalg.norm(apart, axis=1)
@@ -281,7 +279,7 @@ def find_contacts(
     i, j, apart, distance = (values[near][order] for values in (i, j, apart, distance))
     normal = apart / distance[:, None]
     lever = (distance + radius[i] - radius[j]) / 2
-    found = [
+    blocks = [
         (
             i,
             j,
@@ -297,7 +295,7 @@ def find_contacts(
         rows = np.flatnonzero((away <= radius * (1 + 2 * tolerance)) & grains.at_walls)
         arm = -away[rows, None] * n
         full = np.full(len(rows), -1)
-        found.append(
+        blocks.append(
             (
                 rows,
                 full,
@@ -308,12 +306,12 @@ def find_contacts(
             )
         )
     first, second, wall_of, normals, arms, partner_arms = (
-        np.concatenate(parts) for parts in zip(*found, strict=True)
+        np.concatenate(parts) for parts in zip(*blocks, strict=True)
     )
     if grains.dimension == 2:
         basis = np.stack([normals, np.stack([-normals[:, 1], normals[:, 0]], axis=1)], axis=2)
     else:
-        one = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
-        one /= np.linalg.norm(one, axis=1)[:, None]
-        basis = np.stack([normals, one, np.cross(normals, one)], axis=2)
+        tangent = np.cross(normals, np.eye(3)[np.abs(normals).argmin(axis=1)])
+        tangent /= np.linalg.norm(tangent, axis=1)[:, None]
+        basis = np.stack([normals, tangent, np.cross(normals, tangent)], axis=2)
     return CandidateContacts(first, second, wall_of, basis, arms, partner_arms, tuple(walls))

@@ -120,14 +120,19 @@ class Inference:
         """Return the sizes of the residuals of motion and of stress by grain; NaN where not
         measured: (n,), N.
         """
-        rows = self.equations.motion_grain, self.equations.stress_grain
-        found = []
-        for own, values in zip(rows, np.split(self.residual, [len(rows[0])]), strict=True):
-            squares, known = (
-                np.bincount(own, one, minlength=len(self.grains)) for one in (values**2, None)
-            )
-            found.append(np.where(known > 0, np.sqrt(squares), np.nan))
-        return found[0], found[1]
+        n_motion = len(self.equations.motion_grain)
+        motion, stress = np.split(self.residual, [n_motion])
+        return (
+            self._sizes(self.equations.motion_grain, motion),
+            self._sizes(self.equations.stress_grain, stress),
+        )
+
+    def _sizes(self, grain: NDArray[np.int64], residual: Array) -> Array:
+        """Return the norm of the residuals of each grain, given the grain of each residual."""
+        n = len(self.grains)
+        squares = np.bincount(grain, residual**2, minlength=n)
+        counts = np.bincount(grain, minlength=n)
+        return np.where(counts > 0, np.sqrt(squares), np.nan)
 
 
 def infer(
@@ -147,8 +152,7 @@ def infer(
     Raises
     ------
     InputError
-        A grain touches nothing, the equations do not determine the forces, or nothing tells the
-        modulus.
+        A grain touches nothing, or the equations do not determine the forces or the modulus.
     """
     contacts = find_contacts(grains, walls, settings.contact_tolerance)
     _refuse_misplaced(grains, walls, contacts, settings.contact_tolerance)
@@ -158,17 +162,12 @@ def infer(
     friction = settings.friction_of(contacts)
     noise = settings.deviations
     kept = eq.unknown_columns(friction, grains.dimension)
-    known = noise.complete(grains)
+    is_complete = noise.complete(grains)
     condition = eq.refuse_undetermined(equations, friction, settings.ridge)
-    if settings.weights in ("white", "correlated") and not known and not settings.finds_modulus:
-        raise InputError(
-            f'infer.weights: found "{settings.weights}" without the standard deviations that it takes; expected '
-            "infer.noise of all that was measured"
-        )
-    kind: Weights = settings.weights or ("white" if known or settings.finds_modulus else "equal")
-    spread = eq.covariance(
-        grains, noise if known else relative_noise(grains, 1.0)
-    )  # unknown: a share of the data
+    kind = _weights(settings, is_complete=is_complete)
+    if not is_complete:  # relative to the measured values
+        noise = relative_noise(grains, 1.0)
+    spread = eq.covariance(grains, noise)
     weighed = spread.weighting(kind)
     exact = spread.weighting("correlated") if settings.finds_modulus else weighed
 
@@ -186,7 +185,7 @@ def infer(
     search = None
     factor = 1.0
     if settings.finds_modulus:
-        n_more = None if known else equations.n_equations - len(kept) - 1
+        n_more = None if is_complete else equations.n_equations - len(kept) - 1
         search = find_modulus(equations, lambda trial: misfit(trial, equations.data(trial)), n_more)
         factor = search.factor
     force, _ = solution(equations.data(factor), weighed(factor))
@@ -208,7 +207,7 @@ def infer(
         return solution(fixed + best * strained, weighed(best))[0]
 
     errors = None
-    if settings.repetitions > 1 and known:
+    if settings.repetitions > 1 and is_complete:
         rng = np.random.default_rng(settings.seed)
         n = settings.repetitions
         bar = progress_bar(progress, iterable=range(n), desc="repetitions with noise", leave=False)
@@ -221,47 +220,64 @@ def infer(
     )  # fmt: skip
 
 
+def _weights(settings: Infer, *, is_complete: bool) -> Weights:
+    """Return the kind of weights, given whether all standard deviations are known."""
+    may_whiten = is_complete or settings.finds_modulus
+    if settings.weights in ("white", "correlated") and not may_whiten:
+        raise InputError(
+            f'infer.weights: found "{settings.weights}" without the standard deviations that it '
+            "takes; expected infer.noise of all that was measured"
+        )
+    return settings.weights or ("white" if may_whiten else "equal")
+
+
 def _refuse_misplaced(
     grains: MeasuredGrains,
     walls: Mapping[str, StraightWall],
     contacts: CandidateContacts,
     tolerance: float,
 ) -> None:
-    """Raise InputError if centres of grains lie behind walls that they do not pass, or a grain
-    touches nothing.
+    """Raise InputError for grains behind walls that they do not pass, and for grains that touch
+    nothing.
     """
-
-    def few(ids: NDArray[np.int64]) -> str:
-        return ", ".join(map(str, ids[:_SHOWN].tolist())) + (", ..." if len(ids) > _SHOWN else "")
-
     errors = []
     for name, wall in walls.items():
-        behind = (
-            (grains.position - np.array(wall.point)) @ np.array(wall.normal) <= 0
-        ) & grains.at_walls
+        distance = (grains.position - np.array(wall.point)) @ np.array(wall.normal)
+        behind = (distance <= 0) & grains.at_walls
         if behind.any():
             errors.append(
-                f"grain {few(grains.ids[behind])}: lies behind the wall {name}; check infer.walls.{name} and the "
-                "places, both in m"
+                f"grain {_first_ids(grains.ids[behind])}: lies behind the wall {name}; check "
+                f"infer.walls.{name} and the places, both in m"
             )
     if errors:
         raise InputError(errors)
     touched = contacts.touched(len(grains))
     if not touched.all():
         raise InputError(
-            f"grain {few(grains.ids[~touched])}: touches nothing: no grain or wall lies within a relative gap of "
-            f"{tolerance:g}; give the walls in infer.walls, raise infer.contact_tolerance, or leave the row out"
+            f"grain {_first_ids(grains.ids[~touched])}: touches nothing: no grain or wall lies "
+            f"within a relative gap of {tolerance:g}; give the walls in infer.walls, raise "
+            "infer.contact_tolerance, or leave the row out"
         )
 
 
+def _first_ids(ids: NDArray[np.int64]) -> str:
+    """Return the first ids in words."""
+    shown = [*map(str, ids[:_SHOWN].tolist())]
+    if len(ids) > _SHOWN:
+        shown.append("...")
+    return ", ".join(shown)
+
+
 def relative_noise(grains: MeasuredGrains, share: float) -> Noise:
-    """Return noise that is a share of the root mean squares of strains (or stresses) and of
+    """Return noise in proportion to the root mean squares of strains (or stresses) and of
     accelerations.
     """
 
     def size(values: Array) -> float | None:
-        found = values[np.isfinite(values)]
-        return share * float(np.sqrt(np.mean(found**2))) or None if len(found) else None
+        finite = values[np.isfinite(values)]
+        if not len(finite):
+            return None
+        return share * float(np.sqrt(np.mean(finite**2))) or None
 
     turning = size(grains.angular_acceleration)
     motion = size(grains.acceleration)

@@ -1,13 +1,15 @@
-"""Measured grains, from a table (CSV) and the case: one instant, or those of a time series.
+"""Measured grains, from a table (CSV) and the case: one instant, or a time series.
 
-Each fault of the table is said with its line.
+Each fault of the table is reported with its line.
 """
 
 from __future__ import annotations
 
+import itertools
 import math
 import re
-from collections.abc import Callable, Sequence
+from collections import Counter
+from collections.abc import Callable, Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -27,24 +29,21 @@ from granwave.extensions.inference.forces.grains import (
 )
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.files import read_csv_rows, read_number
+from granwave.lammps_inputs.files import read_number
+from granwave.lammps_inputs.tables.layout import read_rows
 
 _UNIT = re.compile("_(m_s2|rad_s2|rad_s|rad|kg_m3|Pa|m|s|N)$")
 _SHOWN = 10  # largest number of faults in a message
-UNMEASURED = (
-    "acceleration",
-    "spin",
-    "angular_acceleration",
-    "strain",
-    "stress",
-)  # whose cells may be empty
+#: Groups of columns whose cells may be empty.
+UNMEASURED = ("acceleration", "spin", "angular_acceleration", "strain", "stress")
+_MAY_BE_PARTIAL = ("material", "other", "position")  # groups of which single columns may be missing
 LARGEST_STRAIN = 1.0
-_INSIDE = 0.5  # distance over the sum of the radii below which two rows cannot be two grains
-_EVEN = 0.01  # of the interval: frames farther off their time are not evenly spaced
+_INSIDE = 0.5  # distance / (R_i + R_j) below which two rows cannot be two grains
+_EVEN = 0.01  # largest deviation of the interval between frames, relative to the median
 
 
 def groups(dimension: int) -> dict[str, tuple[str, ...]]:
-    """Return the names of the columns by what they tell."""
+    """Return the names of the columns by group."""
     axes = "xyz"[:dimension]
     turns = ("",) if dimension == 2 else ("_x", "_y", "_z")
     return {
@@ -62,11 +61,13 @@ def groups(dimension: int) -> dict[str, tuple[str, ...]]:
 
 
 def aliases(dimension: int) -> dict[str, str]:
-    """Return names without units, and with those of stresses, that columns may have too."""
-    known = groups(dimension)
-    found = {_UNIT.sub("", name): name for names in known.values() for name in names}
-    found |= {f"{name}_Pa": name for name in known["stress"]}
-    return {short: name for short, name in found.items() if short != name}
+    """Return the names of columns by their aliases: without units, stresses also with units."""
+    names_by_group = groups(dimension)
+    name_of_alias = {}
+    for names in names_by_group.values():
+        name_of_alias |= {_UNIT.sub("", name): name for name in names}
+    name_of_alias |= {f"{name}_Pa": name for name in names_by_group["stress"]}
+    return {alias: name for alias, name in name_of_alias.items() if alias != name}
 
 
 def _at(time: float) -> str:
@@ -90,67 +91,83 @@ def _number(text: str) -> float:
 
 def _read_columns(path: str | Path, dimension: int) -> pd.DataFrame:
     """Return the columns of numbers, NaN where a cell is empty; the index has the line of each row."""
-    rows = read_csv_rows(Path(path))
+    rows = read_rows(Path(path))
     if not rows:
         raise InputError(
             f"{path}: found nothing, expected a line of names and a row for each grain"
         )
-    number, header = rows[0]
-    where = f"{path}: line {number}"
-    known = groups(dimension)
-    short = aliases(dimension)
-    given = [name.strip() for name in header]
-    names = [short.get(name, name) for name in given]
-    everything = [name for group in known.values() for name in group]
-    errors = [
-        f"{where}: found a column {show(one)}, expected names among {', '.join(everything)}"
-        for name, one in zip(names, given, strict=True)
-        if name not in everything
-    ]
-    for name in dict.fromkeys(name for name in names if names.count(name) > 1):
-        errors.append(
-            f"{where}: found the column {name} {names.count(name)} times, expected it once"
-        )
-    if missing := [name for name in (*known["position"], "radius_m") if name not in names]:
-        errors.append(
-            f"{where}: lacks {', '.join(missing)}; expected {', '.join(known['position'])}, radius_m"
-        )
-    for group, columns in known.items():
-        there = [name for name in columns if name in names]
-        if there and len(there) < len(columns) and group not in ("material", "other", "position"):
-            errors.append(
-                f"{where}: found {', '.join(there)}, expected all of {', '.join(columns)}, or none"
-            )
-    strains, stresses = ({*known[group]} & {*names} for group in ("strain", "stress"))
-    if len(strains) == len(stresses) == len(known["strain"]):
-        errors.append(f"{where}: found strains and stresses, expected one of them")
-    if not strains | stresses:
-        errors.append(
-            f"{where}: lacks strains or stresses; expected {', '.join(known['strain'])}, "
-            f"or {', '.join(known['stress'])} (Pa)"
-        )
-    if {"time_s", "frame"} <= {*names}:
-        errors.append(f"{where}: found time_s and frame, expected one of them")
-    _raise(path, errors)
-    lines = [line for line, _ in rows[1:]]
+    (number, header), *body = rows
+    headings = [heading.strip() for heading in header]
+    name_of_alias = aliases(dimension)
+    names = [name_of_alias.get(heading, heading) for heading in headings]
+    faults = _faults_of_names(headings, names, dimension)
+    _raise(path, [f"{path}: line {number}: {fault}" for fault in faults])
     errors = [
         f"{path}: line {line}: found {len(cells)} values, expected {len(names)}: {', '.join(names)}"
-        for line, cells in rows[1:]
+        for line, cells in body
         if len(cells) != len(names)
     ]
     _raise(path, errors)
-    if not lines:
+    if not body:
         raise InputError(f"{path}: found no grain, expected a row for each below the line of names")
-    texts = pd.DataFrame([cells for _, cells in rows[1:]], lines, names, dtype=str).apply(
-        lambda one: one.str.strip()
-    )
+    lines = [line for line, _ in body]
+    texts = pd.DataFrame([cells for _, cells in body], lines, names, dtype=str)
+    return _numbers(path, texts.apply(lambda column: column.str.strip()), dimension)
+
+
+def _faults_of_names(
+    headings: Sequence[str], names: Sequence[str], dimension: int
+) -> Iterator[str]:
+    """Give the faults of the headings of a table, and of the names that they stand for."""
+    names_by_group = groups(dimension)
+    known = list(itertools.chain.from_iterable(names_by_group.values()))
+    for name, heading in zip(names, headings, strict=True):
+        if name not in known:
+            yield f"found a column {show(heading)}, expected names among {', '.join(known)}"
+    for name, count in Counter(names).items():
+        if count > 1:
+            yield f"found the column {name} {count} times, expected it once"
+    places = names_by_group["position"]
+    missing = [name for name in (*places, "radius_m") if name not in names]
+    if missing:
+        yield f"lacks {', '.join(missing)}; expected {', '.join(places)}, radius_m"
+    for group, columns in names_by_group.items():
+        present = [name for name in columns if name in names]
+        if present and len(present) < len(columns) and group not in _MAY_BE_PARTIAL:
+            yield f"found {', '.join(present)}, expected all of {', '.join(columns)}, or none"
+    yield from _faults_of_deformation(names, names_by_group)
+    if {"time_s", "frame"} <= {*names}:
+        yield "found time_s and frame, expected one of them"
+
+
+def _faults_of_deformation(
+    names: Sequence[str], names_by_group: dict[str, tuple[str, ...]]
+) -> Iterator[str]:
+    """Give the faults of the columns of strains and stresses, of which a table has one."""
+    strains = {*names_by_group["strain"]} & {*names}
+    stresses = {*names_by_group["stress"]} & {*names}
+    if len(strains) == len(stresses) == len(names_by_group["strain"]):
+        yield "found strains and stresses, expected one of them"
+    if not strains | stresses:
+        yield (
+            f"lacks strains or stresses; expected {', '.join(names_by_group['strain'])}, "
+            f"or {', '.join(names_by_group['stress'])} (Pa)"
+        )
+
+
+def _numbers(path: str | Path, texts: pd.DataFrame, dimension: int) -> pd.DataFrame:
+    """Convert the cells of a table to numbers, NaN where an empty cell is allowed."""
+    names_by_group = groups(dimension)
+    optional = itertools.chain.from_iterable(names_by_group[group] for group in UNMEASURED)
+    may_be_empty = texts.columns.isin(list(optional))
     values = texts.map(_number).astype(np.float64)
-    may_be_empty = texts.columns.isin([name for group in UNMEASURED for name in known[group]])
+    errors = []
     for row, column in np.argwhere(~np.isfinite(values) & ~((texts == "") & may_be_empty)):
         empty = "; leave cells empty where nothing was measured" if may_be_empty[column] else ""
         text = show(texts.iloc[row, column])
         errors.append(
-            f"{path}: line {lines[row]}: {names[column]}: found {text}, expected a finite number{empty}"
+            f"{path}: line {texts.index[row]}: {texts.columns[column]}: found {text}, expected a "
+            f"finite number{empty}"
         )
     _raise(path, errors)
     return values
@@ -173,21 +190,18 @@ def read_measurement(
         The table cannot be read or is wrong (with the lines), or the case lacks what it needs.
     """
     table = _Table(path, case)
-    motion = (
-        table.differences()
-        if len(table.rows) > 1 and not table.has("acceleration")
-        else table.given_motion()
-    )
+    is_series = len(table.rows) > 1 and not table.has("acceleration")
+    motion = table.differences() if is_series else table.measured_motion()
     times = list(motion)
     if case.infer.time is not None:
         if not any(map(math.isfinite, times)):
             raise InputError(f"{path}: found no column time_s or frame, which infer.time needs")
         times = [times[int(np.argmin(np.abs(np.array(times) - case.infer.time)))]]
-    found = [table.grains(time, *motion[time]) for time in times]
+    frames = [table.grains(time, *motion[time]) for time in times]
     # all grains are stretched under the other sign convention
     what = "strains" if table.has("strain") else "stresses"
     words = "contacts only push, so that grains are compressed, and compression is negative"
-    for time, grains in zip(times, found, strict=True):
+    for time, grains in zip(times, frames, strict=True):
         mean = grains.stress[grains.has_stress, : case.dimension].sum(axis=1) / case.dimension
         if len(mean) and (mean > 0).all():
             raise InputError(
@@ -198,12 +212,11 @@ def read_measurement(
             table.notes.append(
                 f"most of the {what}{_at(time)} stretch the grains: {words}; are the signs right?"
             )
-    return times, found, table.notes
+    return times, frames, table.notes
 
 
 class _Table:
-    """Table of grains, its rows by instant in the order of the ids; see `read_measurement` for its
-    errors.
+    """Table of grains, with the rows of each instant in the order of the ids.
 
     Attributes
     ----------
@@ -243,28 +256,38 @@ class _Table:
         errors: list[str] = []
         self.rows: dict[float, NDArray[np.int64]] = {}
         for time, part in instants["id"]:
-            self.rows[time] = rows = part.sort_values(kind="stable").index.to_numpy()
-            again = rows[1:][np.diff(ids[rows]) == 0]
-            words = f"again{_at(time)}, expected each grain once"
-            errors += [
-                f"{path}: line {lines[row]}: id: found {ids[row]:g} {words}"
-                for row in np.sort(again)
-            ]
-            x = self.take("position")[rows]
-            radius = self.each("radius_m")[rows]
-            own = lines[rows]
-            i, j = (
-                cKDTree(x).query_pairs(2 * _INSIDE * float(radius.max()), output_type="ndarray").T
-            )
-            apart = np.linalg.norm(x[i] - x[j], axis=1)
-            deep = apart < _INSIDE * (radius[i] + radius[j])
-            errors += [
-                f"{path}: line {max(own[a], own[b])}: lies in the grain of line {min(own[a], own[b])}: "
-                f"found a distance of {one:.3g} m of centres with radii of {radius[a]:.3g} and {radius[b]:.3g} m; "
-                "expected other places or radii (in m), or one row for each grain"
-                for a, b, one in zip(i[deep], j[deep], apart[deep], strict=True)
-            ]
+            rows = part.sort_values(kind="stable").index.to_numpy()
+            self.rows[time] = rows
+            errors += self._repeated(time, rows, ids[rows])
+            errors += self._inside_others(rows)
         _raise(path, errors)
+
+    def _repeated(self, time: float, rows: NDArray[np.int64], ids: Array) -> Iterator[str]:
+        """Give the faults of rows that repeat an id at an instant, given the rows sorted by id."""
+        is_repeated = np.append(False, np.diff(ids) == 0)
+        id_of_row = dict(zip(rows[is_repeated].tolist(), ids[is_repeated].tolist(), strict=True))
+        for row, number in sorted(id_of_row.items()):
+            yield (
+                f"{self.path}: line {self.columns.index[row]}: id: found {number:g} "
+                f"again{_at(time)}, expected each grain once"
+            )
+
+    def _inside_others(self, rows: NDArray[np.int64]) -> Iterator[str]:
+        """Give the faults of grains of an instant that lie inside each other."""
+        x = self.take("position")[rows]
+        radius = self.each("radius_m")[rows]
+        lines = self.columns.index[rows]
+        reach = 2 * _INSIDE * float(radius.max())
+        for a, b in cKDTree(x).query_pairs(reach, output_type="ndarray"):
+            distance = float(np.linalg.norm(x[a] - x[b]))
+            if distance < _INSIDE * (radius[a] + radius[b]):
+                first, last = sorted((lines[a], lines[b]))
+                yield (
+                    f"{self.path}: line {last}: lies in the grain of line {first}: found a "
+                    f"distance of {distance:.3g} m of centres with radii of {radius[a]:.3g} and "
+                    f"{radius[b]:.3g} m; expected other places or radii (in m), or one row for "
+                    "each grain"
+                )
 
     def has(self, group: str) -> bool:
         """Return True if there are all columns of a group."""
@@ -276,11 +299,9 @@ class _Table:
 
     def each(self, name: str, default: float = math.nan) -> Array:
         """Return a column, or the default value in each row: (n_rows,)."""
-        return (
-            self.columns[name].to_numpy()
-            if name in self.columns
-            else np.full(len(self.columns), default)
-        )
+        if name in self.columns:
+            return self.columns[name].to_numpy()
+        return np.full(len(self.columns), default)
 
     def _check_values(self) -> None:
         """Raise InputError for values that cannot be, and for partly empty groups of cells."""
@@ -322,49 +343,47 @@ class _Table:
         """Raise InputError for strains without a modulus."""
         case = self.case
         assert case.material is not None
-        known = (
+        has_modulus = (
             case.material.youngs_modulus
             or "youngs_modulus_Pa" in self.columns
             or case.infer.modulus == FIND
         )
-        if self.has("strain") and not known:
+        if self.has("strain") and not has_modulus:
             moving = self.has("acceleration") or not {"time_s", "frame"}.isdisjoint(self.columns)
-            way = "since without accelerations nothing tells it"
+            reason = "since without accelerations nothing tells it"
             if moving:
-                way = 'or infer.modulus = "find", which finds it from the accelerations'
+                reason = 'or infer.modulus = "find", which finds it from the accelerations'
             raise InputError(
                 f"{case.source}: material.youngs_modulus: missing; strains give forces only with a modulus: give it, "
-                f"{way}"
+                f"{reason}"
             )
 
-    def given_motion(self) -> dict[float, tuple[Array, ...]]:
-        """Return accelerations, spins and angular accelerations by time; what was not measured is
-        zero, with a note.
+    def measured_motion(self) -> dict[float, tuple[Array, ...]]:
+        """Return accelerations, spins and angular accelerations by time; quantities that were not
+        measured are zero, with a note.
         """
         moving = self.has("acceleration")
-        acceleration = (
-            self.take("acceleration")
-            if moving
-            else np.zeros((len(self.columns), self.case.dimension))
-        )
-        if not moving:
+        if moving:
+            acceleration = self.take("acceleration")
+        else:
+            acceleration = np.zeros((len(self.columns), self.case.dimension))
             self.notes.append("no accelerations were measured: the grains are taken to be at rest")
         still = np.where(np.isnan(acceleration).any(axis=1), math.nan, 0.0)[:, None].repeat(
             self.turns, axis=1
         )
-        found = [acceleration]
+        motions = [acceleration]
         for group, word in (
             ("spin", "angular velocities"),
             ("angular_acceleration", "angular accelerations"),
         ):
-            found.append(self.take(group) if self.has(group) else still)
+            motions.append(self.take(group) if self.has(group) else still)
             if moving and not self.has(group):
                 self.notes.append(f"no {word} were measured: they are taken to be zero")
-        return {time: tuple(values[rows] for values in found) for time, rows in self.rows.items()}
+        return {time: _rows_of(motions, rows) for time, rows in self.rows.items()}
 
     def differences(self) -> dict[float, tuple[Array, ...]]:
-        """Return the motions by parabolas through the frames around each instant that has enough of
-        them.
+        """Return the motions by parabolas through the frames around each instant with enough frames
+        on both sides.
         """
         window = self.case.infer.window
         times = np.array(list(self.rows))
@@ -382,10 +401,12 @@ class _Table:
                 f"{path}: found {len(times)} frames, expected at least {window} (infer.window) to differentiate"
             )
         ids = [self.each("id")[rows].tolist() for rows in self.rows.values()]
-        if others := [time for time, there in zip(times, ids, strict=True) if there != ids[0]]:
-            raise InputError(
-                f"{path}: the grains at {others[0]:g} s are not those at {times[0]:g} s; expected all in all frames"
-            )
+        for time, ids_of_frame in zip(times, ids, strict=True):
+            if ids_of_frame != ids[0]:
+                raise InputError(
+                    f"{path}: the grains at {time:g} s are not those at {times[0]:g} s; expected "
+                    "all in all frames"
+                )
         inner = slice(window // 2, len(times) - window // 2)
 
         def frames(group: str) -> Array:
@@ -434,15 +455,18 @@ class _Table:
             compliance = np.linalg.inv(elastic).astype(np.float64)
         else:
             stress = self.take("stress")[rows]
-        ids = (
-            self.each("id")[rows].astype(np.int64)
-            if "id" in self.columns
-            else np.arange(1, len(rows) + 1)
-        )
-        passes_walls = (
-            self.each("passes_walls")[rows] == 1 if "passes_walls" in self.columns else None
-        )
+        ids = np.arange(1, len(rows) + 1)
+        if "id" in self.columns:
+            ids = self.each("id")[rows].astype(np.int64)
+        passes_walls = None
+        if "passes_walls" in self.columns:
+            passes_walls = self.each("passes_walls")[rows] == 1
         return MeasuredGrains(
             ids, self.take("position")[rows], radius, mass, volume, acceleration, spin, turning, force, stress,
             compliance, modulus, passes_walls,
         )  # fmt: skip
+
+
+def _rows_of(columns: Sequence[Array], rows: NDArray[np.int64]) -> tuple[Array, ...]:
+    """Return some rows of each array."""
+    return tuple(column[rows] for column in columns)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import itertools
 import json
 import math
 from collections.abc import Mapping, Sequence
@@ -29,49 +30,47 @@ from granwave.analysis.figures.style import (
     style,
     write_csv,
 )
-from granwave.extensions.inference.forces.grains import Array
-from granwave.extensions.inference.forces.infer import Inference
-from granwave.lammps_inputs.files import plain, replace_text, replacing
-from granwave.lammps_inputs.own_files import AnyPath, figure_files
-from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.lammps_inputs.run_directory import (
+from granwave.extensions.inference.files import (
     INFERENCE,
     INFERRED_FORCES,
     INFERRED_GRAINS,
     MADE_CASE,
     MADE_MEASUREMENT,
-    SUMMARY_FILE,
 )
+from granwave.extensions.inference.forces.grains import NORMAL, Array
+from granwave.extensions.inference.forces.infer import Inference
+from granwave.lammps_inputs.files import plain, replace_text, replacing
+from granwave.lammps_inputs.own_files import AnyPath, figure_files
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE
 
 FIGURES = ("force_network", "residuals", "force_errors", "modulus", "noise")
 FILES = (INFERRED_FORCES, INFERRED_GRAINS, MADE_MEASUREMENT, MADE_CASE, SUMMARY_FILE)
-WRITTEN = (*FILES, *(file for name in FIGURES for file in figure_files(name)))
-_WIDEST = 5.0  # line of the largest force, points
-_TALLEST = 8.0  # figure, inches
+WRITTEN = (*FILES, *itertools.chain.from_iterable(map(figure_files, FIGURES)))
+_WIDEST = 5.0  # width of the line of the largest force, points
+_TALLEST = 8.0  # largest height of a figure, inches
 _OUTLINE = "#b8b8b8"
-_DEPTH = 2  # axis along which depth is measured, as everywhere
+_DEPTH = 2  # axis along which depth is measured
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Inferred:
-    """Forces inferred from a table of grains, or from measurements made of a run, before they are
-    written.
+    """Forces inferred from a table of grains, or from simulated measurements of a run.
 
     Attributes
     ----------
     found, times
-        Inference at each instant, s; NaN for a table without times. Of a run only one, from the
-        first measurement with the largest noise.
+        Inferences and their instants, s; NaN for a table without times. A run has only one, from
+        the first measurement with the largest noise.
     summary
         Content of summary.json.
     measurement, case
-        Columns of measurement.csv, of that measurement, and tables of the case that it is inferred
-        with; None for a table.
+        Columns of measurement.csv, and tables of the case for its inference; None for a table.
     true
         True forces of a run, components as in `Inference.force`: (m, d), N.
     noise
-        Noise, and mean and standard deviation of the error of the forces over the repetitions: (3,
-        n).
+        Noise, and the mean and standard deviation of the error of the forces over repetitions:
+        (3, n).
     """
 
     found: Sequence[Inference]
@@ -84,36 +83,33 @@ class Inferred:
 
     @property
     def forces(self) -> pd.DataFrame:
-        """Columns of forces.csv, of a run with the true forces: a row for each candidate contact.
+        """Columns of forces.csv, with the true forces for a run: a row for each candidate contact.
 
-        ``i`` is the id of the grain that the normal points into, ``j`` that of its partner or the
-        name of a wall. In the plane a tangential force is positive along (-ny, nx); in space its
-        vector is given. Forces act on ``i``.
+        Forces act on the grain with the id ``i``, into which the normal points; ``j`` is the id of
+        the partner or the name of a wall. In the plane a tangential force is positive along
+        (-ny, nx); in space it is a magnitude, next to the components of the force.
         """
         tables = []
-        for one in self.found:
-            contacts = one.contacts
-            ids = one.grains.ids
-            axes = list("xyz"[: one.grains.dimension])
+        for inference in self.found:
+            contacts = inference.contacts
+            ids = inference.grains.ids
+            axes = list("xyz"[: inference.grains.dimension])
             table = pd.DataFrame({"i": ids[contacts.first], "j": contacts.partners(ids)})
             table[[f"n{axis}" for axis in axes]] = contacts.normal
-            table["normal_force_N"], table["tangential_force_N"] = (
-                one.force[:, 0],
-                _tangential(one.force),
-            )
-            if one.spread is not None:
-                table["normal_error_N"], table["tangential_error_N"] = one.errors
-            table[[f"f{axis}_N" for axis in axes]] = contacts.vectors(one.force)
-            table[[f"{axis}_m" for axis in axes]] = (
-                one.grains.position[contacts.first] + contacts.arm
-            )
+            table["normal_force_N"] = inference.force[:, NORMAL]
+            table["tangential_force_N"] = _tangential(inference.force)
+            if inference.spread is not None:
+                normal_error, tangential_error = inference.errors
+                table["normal_error_N"] = normal_error
+                table["tangential_error_N"] = tangential_error
+            table[[f"f{axis}_N" for axis in axes]] = contacts.vectors(inference.force)
+            points = inference.grains.position[contacts.first] + contacts.arm
+            table[[f"{axis}_m" for axis in axes]] = points
             tables.append(table)
         table = self._joined(tables)
         if self.true is not None:
-            table["true_normal_force_N"], table["true_tangential_force_N"] = (
-                self.true[:, 0],
-                _tangential(self.true),
-            )
+            table["true_normal_force_N"] = self.true[:, NORMAL]
+            table["true_tangential_force_N"] = _tangential(self.true)
         return table
 
     @property
@@ -121,11 +117,16 @@ class Inferred:
         """Columns of grains.csv: residuals of the equations of each grain, NaN where nothing was
         measured.
         """
-        names = ("id", "residual_motion_N", "residual_stress_N")
-        columns = [(one.grains.ids, *one.residual_of_grains()) for one in self.found]
-        return self._joined(
-            [pd.DataFrame(dict(zip(names, values, strict=True))) for values in columns]
-        )
+        tables = []
+        for inference in self.found:
+            motion, stress = inference.residual_of_grains()
+            columns = {
+                "id": inference.grains.ids,
+                "residual_motion_N": motion,
+                "residual_stress_N": stress,
+            }
+            tables.append(pd.DataFrame(columns))
+        return self._joined(tables)
 
     def _joined(self, tables: Sequence[pd.DataFrame]) -> pd.DataFrame:
         """Put the tables of the instants below each other, after a column of times if these are
@@ -168,7 +169,7 @@ class Inferred:
             replace_text(results / name, text)
         if not figures:
             return
-        shown = max(self.found, key=lambda one: float(one.force.max(initial=0.0)))
+        shown = max(self.found, key=lambda inference: float(inference.force.max(initial=0.0)))
         folder = FigureFolder(results)
         with style():
             for name, draw in zip(FIGURES, (network, residuals, errors, modulus), strict=False):
@@ -182,13 +183,13 @@ def _tangential(force: Array) -> Array:
     return force[:, 1] if force.shape[1] == 2 else np.asarray(np.linalg.norm(force[:, 1:], axis=1))
 
 
-def network(found: Inference) -> Drawing:
+def network(inference: Inference) -> Drawing:
     """Draw the grains and the forces between them; lines are as wide as the force is large."""
-    contacts = found.contacts
-    ids = found.grains.ids
-    position = found.grains.position
-    size = np.linalg.norm(found.force, axis=1)
-    figure, axes, shown, _ = _map(found, facecolors="#f4f4f4")
+    contacts = inference.contacts
+    ids = inference.grains.ids
+    position = inference.grains.position
+    size = np.linalg.norm(inference.force, axis=1)
+    figure, axes, shown, _ = _map(inference, facecolors="#f4f4f4")
     ends = position[contacts.first] + contacts.arm
     pairs = contacts.second >= 0
     ends[pairs] = position[contacts.second[pairs]]
@@ -213,30 +214,31 @@ def network(found: Inference) -> Drawing:
     return Drawing(figure, columns)
 
 
-def residuals(found: Inference) -> Drawing:
+def residuals(inference: Inference) -> Drawing:
     """Draw the residuals of each grain's equations, over the root mean square of the forces."""
-    motion, stress = found.residual_of_grains()
+    motion, stress = inference.residual_of_grains()
     total = np.sqrt(np.nan_to_num(motion) ** 2 + np.nan_to_num(stress) ** 2)
     total[np.isnan(motion) & np.isnan(stress)] = np.nan
-    scale = float(np.sqrt(np.mean(found.force[:, 0] ** 2))) or 1.0
-    figure, axes, _, discs = _map(found, cmap="cividis", array=total / scale)
+    scale = float(np.sqrt(np.mean(inference.force[:, 0] ** 2))) or 1.0
+    figure, axes, _, discs = _map(inference, cmap="cividis", array=total / scale)
     figure.colorbar(discs, ax=axes, label="Residual / rms normal force", shrink=0.8, pad=0.02)
     return Drawing(
-        figure, {"id": found.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress}
+        figure,
+        {"id": inference.grains.ids, "residual_motion_N": motion, "residual_stress_N": stress},
     )
 
 
-def errors(found: Inference) -> Drawing | None:
+def errors(inference: Inference) -> Drawing | None:
     """Draw the standard errors of normal and tangential forces against the force; None if there are
     none.
     """
-    if found.spread is None:
+    if inference.spread is None:
         return None
-    size = np.linalg.norm(found.force, axis=1)
+    size = np.linalg.norm(inference.force, axis=1)
     figure, axes = one_panel(2.6, "Contact force (N)", "Standard error (N)")
-    normal, shear = found.errors
+    normal, shear = inference.errors
     axes.plot(size, normal, ".", color=BLUE, ms=4, label="normal force")
-    if found.settings.friction > 0:
+    if inference.settings.friction > 0:
         axes.plot(size, shear, "+", color=ORANGE, ms=4, mew=0.7, label="tangential force")
     axes.plot(
         [0, size.max()], [0, 0.1 * size.max()], "--", color=GREY, lw=0.8, label="10 % of the force"
@@ -246,18 +248,18 @@ def errors(found: Inference) -> Drawing | None:
     return Drawing(figure, {"force_N": size, "normal_error_N": normal, "tangential_error_N": shear})
 
 
-def modulus(found: Inference) -> Drawing | None:
+def modulus(inference: Inference) -> Drawing | None:
     """Draw chi^2 against Young's modulus; None if it was not searched for."""
-    if found.search is None or found.grains.modulus is None:
+    if inference.search is None or inference.grains.modulus is None:
         return None
-    scale = float(found.grains.modulus[0])
-    values = scale * found.search.factors
-    best = scale * found.factor
+    scale = float(inference.grains.modulus[0])
+    values = scale * inference.search.factors
+    best = scale * inference.factor
     figure, axes = one_panel(2.4, "Young's modulus (MPa)", r"$\chi^2$")
-    axes.loglog(values / 1e6, found.search.chi2, "o-", color=BLUE, ms=3, lw=0.8)
+    axes.loglog(values / 1e6, inference.search.chi2, "o-", color=BLUE, ms=3, lw=0.8)
     axes.axvline(best / 1e6, color=ORANGE, lw=0.8)
-    axes.set_title(f"{best / 1e6:.4g} MPa ± {100 * found.search.error:.2g} %")
-    return Drawing(figure, {"youngs_modulus_Pa": values, "chi2": found.search.chi2})
+    axes.set_title(f"{best / 1e6:.4g} MPa ± {100 * inference.search.error:.2g} %")
+    return Drawing(figure, {"youngs_modulus_Pa": values, "chi2": inference.search.chi2})
 
 
 def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
@@ -281,7 +283,7 @@ def against_noise(noise: Array, error: Array, spread: Array) -> Drawing:
     return Drawing(figure, {"noise": noise, "error": error, "standard_deviation": spread})
 
 
-def _map(found: Inference, **options: Any) -> tuple[Figure, Axes, list[int], EllipseCollection]:
+def _map(inference: Inference, **options: Any) -> tuple[Figure, Axes, list[int], EllipseCollection]:
     """Draw the grains as discs, in mm; z, the depth below the top of a packing, goes down.
 
     Returns
@@ -291,11 +293,11 @@ def _map(found: Inference, **options: Any) -> tuple[Figure, Axes, list[int], Ell
         order.
     """
     shown = [0, 1]
-    if found.grains.dimension == 3:
-        along = np.abs(found.contacts.vectors(found.force)).sum(axis=0)
+    if inference.grains.dimension == 3:
+        along = np.abs(inference.contacts.vectors(inference.force)).sum(axis=0)
         shown = sorted(np.argsort(-along, kind="stable")[:2].tolist())
-    x = 1e3 * found.grains.position[:, shown]
-    radius = 1e3 * found.grains.radius
+    x = 1e3 * inference.grains.position[:, shown]
+    radius = 1e3 * inference.grains.radius
     low = (x - radius[:, None]).min(axis=0)
     high = (x + radius[:, None]).max(axis=0)
     width, height = high - low

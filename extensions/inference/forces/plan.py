@@ -1,5 +1,5 @@
-"""Plan of an experiment: measurements made of a finished run, and how far the forces inferred from
-them are off.
+"""Plan of an experiment: simulated measurements of a finished run, and the errors of the forces
+inferred from them.
 """
 
 from __future__ import annotations
@@ -8,7 +8,7 @@ import dataclasses
 import math
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -76,107 +76,173 @@ def plan_experiment(
     """
     if position_noise and frame_rate is None:
         raise InputError(
-            "--position-noise: found it without --frame-rate, which tells the frames that it falls on"
+            "--position-noise: found it without --frame-rate, which tells the frames that it falls "
+            "on"
         )
     with Result(source) as result:
         run = Snapshots(result)
         name = result.case.name
     state, settings = _settings(run, case)
-    if time is None:
-        number = run.largest_snapshot(0.0 if frame_rate is None else 1 / frame_rate)
-    elif run.times[0] <= time <= run.times[-1]:
-        number = int(np.argmin(np.abs(run.times - time)))
-    else:
-        raise InputError(
-            f"--time {time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s"
-        )
+    number = _snapshot(run, time, frame_rate)
     exact, true = run.state(number, settings.contact_tolerance)
     if not true.any():
         raise InputError(
             f"{source}: bears no force at {run.times[number]:.4g} s; choose another --time"
         )
-    material = None if case is None else case.material
-    poisson = run.poisson_ratio if material is None else np.full(len(exact), material.poisson_ratio)
-    compliance = np.linalg.inv(stiffness(run.youngs_modulus, poisson, state)).astype(np.float64)
-    exact = dataclasses.replace(exact, compliance=compliance, modulus=run.youngs_modulus)
+    exact = _with_compliance(run, exact, case, state)
     walls = run.walls(number)
     rows = find_contacts(exact, walls, settings.contact_tolerance).touched(len(exact))
     exact = exact.take(rows)
-    lonely = int(np.count_nonzero(~rows))
-    notes = [f"{lonely} of {len(rows)} grains touch nothing and are left out"] if lonely else []
-    rng = np.random.default_rng(seed)
+    n_lonely = int(np.count_nonzero(~rows))
+    notes = []
+    if n_lonely:
+        notes.append(f"{n_lonely} of {len(rows)} grains touch nothing and are left out")
+    camera = None if frame_rate is None else _Camera(frame_rate, position_noise)
+    experiment = _Experiment(run, number, exact, rows, camera, np.random.default_rng(seed))
     levels = sorted(noise)
-
-    def measure(level: float) -> tuple[MeasuredGrains, Noise]:
-        """Return grains with errors, and the standard deviations of these as an experimenter would
-        know them.
-        """
-        errors = relative_noise(exact, level) if level else Noise()
-
-        def off(values: Array, size: float | None) -> Array:
-            return values + size * rng.normal(size=values.shape) if size else values
-
-        strain = off(exact.strain, errors.strain)
-        stress = np.asarray(
-            np.linalg.solve(compliance[rows], strain[:, :, None])[:, :, 0], dtype=np.float64
-        )
-        if frame_rate is None:
-            acceleration = off(exact.acceleration, errors.acceleration)
-            turning = off(exact.angular_acceleration, errors.angular_acceleration)
-        else:
-            seen = seen_by_camera(run, number, frame_rate, position_noise, rng)
-            acceleration, turning = (
-                np.where(exact.has_motion[:, None], one[rows], np.nan) for one in seen
-            )
-            # an experimenter knows the error of places, and sees the strains'; differences over too
-            # long frames stay unknown
-            size = math.sqrt(6) * position_noise * frame_rate**2
-            errors = Noise(strain=errors.strain, acceleration=size or None)
-        measured = dataclasses.replace(
-            exact, stress=stress, acceleration=acceleration, angular_acceleration=turning
-        )
-        return measured, errors
-
-    turns = {level: repetitions if level or position_noise else 1 for level in levels}
+    n_measurements = {level: repetitions if level or position_noise else 1 for level in levels}
     errors: dict[float, list[float]] = {level: [] for level in levels}
-    off = []
-    with progress_bar(progress, total=sum(turns.values()), desc="measurements", leave=False) as bar:
-        for level, repetition in (
-            (level, n) for level, n_turns in turns.items() for n in range(n_turns)
-        ):
-            measured, spread = measure(level)
-            if repetition == 0:
-                kept = measured
-                known = spread
-            one = infer(measured, walls, dataclasses.replace(settings, noise=spread, repetitions=0))
-            off.append(_relative(measured.acceleration, exact.acceleration))
-            errors[level].append(_relative(one.force, true))
-            bar.update()
-    found = infer(
-        kept,
-        walls,
-        dataclasses.replace(settings, noise=known, repetitions=repetitions),
-        progress=progress,
-    )
-    means, deviations = ([float(of(errors[level])) for level in levels] for of in (np.mean, np.std))
+    acceleration_errors = []
+    total = sum(n_measurements.values())
+    with progress_bar(progress, total=total, desc="measurements", leave=False) as bar:
+        for level, count in n_measurements.items():
+            for repetition in range(count):
+                measured, deviations = experiment.measure(level)
+                if repetition == 0:
+                    kept = measured
+                    kept_noise = deviations
+                once = dataclasses.replace(settings, noise=deviations, repetitions=0)
+                estimate = infer(measured, walls, once)
+                acceleration_errors.append(_relative(measured.acceleration, exact.acceleration))
+                errors[level].append(_relative(estimate.force, true))
+                bar.update()
+    repeated = dataclasses.replace(settings, noise=kept_noise, repetitions=repetitions)
+    inference = infer(kept, walls, repeated, progress=progress)
+    means = [float(np.mean(errors[level])) for level in levels]
+    spreads = [float(np.std(errors[level])) for level in levels]
     instant = float(run.times[number])
     several = len(levels) > 1
-    summary = summary_of(name, str(source), state, [found], [instant], notes) | {
+    summary = summary_of(name, str(source), state, [inference], [instant], notes) | {
         "true_force_error": means if several else means[0],
         "noise": levels if several else levels[0],
         "frame_rate_Hz": frame_rate,
         "position_noise_m": position_noise if frame_rate else None,
-        "acceleration_error": float(np.mean(off)),
+        "acceleration_error": float(np.mean(acceleration_errors)),
     }
     return Inferred(
-        [found],
+        [inference],
         [instant],
         summary,
         measurement=_columns(kept, run, rows),
-        case=_case(run, state, found.settings, walls),
+        case=_case(run, state, inference.settings, walls),
         true=true,
-        noise=np.array([levels, means, deviations]) if several else None,
+        noise=np.array([levels, means, spreads]) if several else None,
     )
+
+
+def _snapshot(run: Snapshots, time: float | None, frame_rate: float | None) -> int:
+    """Return the number of the snapshot at a time, or of the snapshot with the largest forces."""
+    if time is None:
+        return run.largest_snapshot(0.0 if frame_rate is None else 1 / frame_rate)
+    if run.times[0] <= time <= run.times[-1]:
+        return int(np.argmin(np.abs(run.times - time)))
+    raise InputError(
+        f"--time {time:g}: expected an instant from {run.times[0]:g} to {run.times[-1]:.6g} s"
+    )
+
+
+def _with_compliance(
+    run: Snapshots, grains: MeasuredGrains, case: InferCase | None, state: State
+) -> MeasuredGrains:
+    """Return the grains of a run with moduli and compliances, by which they have strains."""
+    poisson_ratio = run.poisson_ratio
+    if case is not None and case.material is not None:
+        poisson_ratio = np.full(len(grains), case.material.poisson_ratio)
+    elastic = stiffness(run.youngs_modulus, poisson_ratio, state)
+    compliance = np.linalg.inv(elastic).astype(np.float64)
+    return dataclasses.replace(grains, compliance=compliance, modulus=run.youngs_modulus)
+
+
+class _Camera(NamedTuple):
+    """Camera that records the positions of grains.
+
+    Attributes
+    ----------
+    rate
+        Frames per second.
+    noise
+        Standard deviation of each coordinate, m.
+    """
+
+    rate: float
+    noise: float
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class _Experiment:
+    """Simulated experiment on the grains of a snapshot.
+
+    Attributes
+    ----------
+    number
+        Number of the snapshot.
+    exact
+        Grains with exact motions and stresses: (n,).
+    rows
+        True for these among the grains of the run: (n_all,).
+    camera
+        Source of the accelerations; None if they are measured.
+    """
+
+    run: Snapshots
+    number: int
+    exact: MeasuredGrains
+    rows: NDArray[np.bool_]
+    camera: _Camera | None
+    rng: np.random.Generator
+
+    def measure(self, level: float) -> tuple[MeasuredGrains, Noise]:
+        """Return grains with errors, and the standard deviations that an experimenter would know.
+
+        ``level`` is the noise divided by the root mean square of the measured quantities.
+        """
+        exact = self.exact
+        assert exact.compliance is not None
+        noise = relative_noise(exact, level) if level else Noise()
+        strain = self._with_errors(exact.strain, noise.strain)
+        stress = np.linalg.solve(exact.compliance, strain[:, :, None])[:, :, 0]
+        if self.camera is None:
+            acceleration = self._with_errors(exact.acceleration, noise.acceleration)
+            turning = self._with_errors(exact.angular_acceleration, noise.angular_acceleration)
+        else:
+            acceleration, turning = self._seen(self.camera)
+            # the error of second differences; errors due to long intervals stay unknown
+            deviation = math.sqrt(6) * self.camera.noise * self.camera.rate**2
+            noise = Noise(strain=noise.strain, acceleration=deviation or None)
+        measured = dataclasses.replace(
+            exact,
+            stress=np.asarray(stress, dtype=np.float64),
+            acceleration=acceleration,
+            angular_acceleration=turning,
+        )
+        return measured, noise
+
+    def _with_errors(self, values: Array, deviation: float | None) -> Array:
+        """Return values with normally distributed errors."""
+        if not deviation:
+            return values
+        return values + deviation * self.rng.normal(size=values.shape)
+
+    def _seen(self, camera: _Camera) -> tuple[Array, Array]:
+        """Return accelerations and angular accelerations from frames; NaN where unknown."""
+        acceleration, turning = seen_by_camera(
+            self.run, self.number, camera.rate, camera.noise, self.rng
+        )
+        has_motion = self.exact.has_motion[:, None]
+        return (
+            np.where(has_motion, acceleration[self.rows], np.nan),
+            np.where(has_motion, turning[self.rows], np.nan),
+        )
 
 
 def _case(
@@ -185,7 +251,7 @@ def _case(
     """Return the tables of a case with which `granwave infer` reads the measurement; materials are
     in its columns.
     """
-    same = (
+    setting_names = (
         "friction",
         "wall_friction",
         "contact_tolerance",
@@ -194,22 +260,23 @@ def _case(
         "ridge",
         "weights",
     )
-    wanted: dict[str, Any] = {
+    table: dict[str, Any] = {
         "state": state,
         "thickness": run.length,
-        **{name: getattr(settings, name) for name in same},
+        **{name: getattr(settings, name) for name in setting_names},
     }
-    wanted["walls"] = {
-        name: {"point": list(one.point), "normal": list(one.normal)} for name, one in walls.items()
+    table["walls"] = {
+        name: {"point": list(plane.point), "normal": list(plane.normal)}
+        for name, plane in walls.items()
     }
     noise = {name: size for name, size in dataclasses.asdict(settings.deviations).items() if size}
     if noise:
-        wanted["noise"] = noise
+        table["noise"] = noise
     names = ("density", "youngs_modulus", "poisson_ratio")
     material = {name: float(getattr(run, name)[0]) for name in names}
     return {
         "material": material,
-        "infer": {name: value for name, value in wanted.items() if value is not None},
+        "infer": {name: value for name, value in table.items() if value is not None},
     }
 
 
@@ -231,10 +298,10 @@ def _settings(run: Snapshots, case: InferCase | None) -> tuple[State, Infer]:
     return case.infer.state, settings
 
 
-def _relative(found: Array, true: Array) -> float:
-    known = np.isfinite(true)
-    size = float(np.linalg.norm(true[known]))
-    return float(np.linalg.norm((found - true)[known])) / size if size > 0 else 0.0
+def _relative(inferred: Array, true: Array) -> float:
+    finite = np.isfinite(true)
+    size = float(np.linalg.norm(true[finite]))
+    return float(np.linalg.norm((inferred - true)[finite])) / size if size > 0 else 0.0
 
 
 def _columns(grains: MeasuredGrains, run: Snapshots, rows: NDArray[np.bool_]) -> Columns:

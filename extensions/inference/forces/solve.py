@@ -21,7 +21,7 @@ import numpy as np
 from scipy import linalg, optimize, sparse
 
 from granwave.extensions.inference.forces.equations import Equations, unknown_columns
-from granwave.extensions.inference.forces.grains import Array, MeasuredGrains
+from granwave.extensions.inference.forces.grains import NORMAL, Array, MeasuredGrains
 from granwave.lammps_inputs.errors import InputError, RunError
 
 #: Number of unknowns beyond which problems in the plane are solved by the conic solver, which uses sparse matrices.
@@ -60,20 +60,18 @@ def solve(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
     """
     if matrix.shape[1] > DENSE_UNKNOWNS or (dimension == 3 and friction.any()):
         return solve_conic(matrix, data, friction, dimension)
-    # a force is a sum of pushes along the two edges of its cone in the plane; in space, without
-    # friction, a push
+    # in the plane a force is a sum of two forces along the edges of its cone, both compressive
     rough = friction > 0
-    edges = matrix[:, ::dimension].toarray()
-    tangent = matrix[:, 1::dimension].toarray()
-    edges = np.concatenate(
-        [edges + friction * tangent, (edges - friction * tangent)[:, rough]], axis=1
-    )
+    normal = matrix[:, ::dimension].toarray()
+    sheared = friction * matrix[:, 1::dimension].toarray()
+    edges = np.concatenate([normal + sheared, (normal - sheared)[:, rough]], axis=1)
     factors, _ = optimize.nnls(edges, data, maxiter=20 * edges.shape[1])
     upper = factors[: len(friction)]
     lower = np.zeros(len(friction))
     lower[rough] = factors[len(friction) :]
     force = np.zeros((len(friction), dimension))
-    force[:, 0], force[:, 1] = upper + lower, friction * (upper - lower)
+    force[:, NORMAL] = upper + lower
+    force[:, 1] = friction * (upper - lower)
     return force
 
 
@@ -105,20 +103,20 @@ def _free(matrix: sparse.csr_array, data: Array, friction: Array, dimension: int
         diagonal = np.abs(triangle.diagonal())
         if diagonal.min(initial=1.0) <= _SINGULAR * diagonal.max(initial=0.0):
             return None
-        found = linalg.solve_triangular(triangle, columns.T @ data)
-        found += linalg.solve_triangular(triangle, columns.T @ (data - matrix @ found))
+        solution = linalg.solve_triangular(triangle, columns.T @ data)
+        solution += linalg.solve_triangular(triangle, columns.T @ (data - matrix @ solution))
     else:
         try:
             factors = sparse.linalg.splu(sparse.csc_array(matrix.T @ matrix))
         except RuntimeError:  # singular
             return None
-        found = factors.solve(matrix.T @ data)
+        solution = factors.solve(matrix.T @ data)
         for _ in range(2):
-            found += factors.solve(matrix.T @ (data - matrix @ found))
-    if not np.isfinite(found).all():
+            solution += factors.solve(matrix.T @ (data - matrix @ solution))
+    if not np.isfinite(solution).all():
         return None
     force = np.zeros(len(friction) * dimension)
-    force[kept] = found
+    force[kept] = solution
     return force.reshape(-1, dimension)
 
 
@@ -181,11 +179,11 @@ def _by_cones(matrix: sparse.csr_array, data: Array, friction: Array, dimension:
         cones,
         settings,
     )
-    found = solver.solve()
-    if str(found.status) not in _SOLVED:
-        raise RunError(f"the conic solver did not find the forces: it ended as {found.status}")
+    solution = solver.solve()
+    if str(solution.status) not in _SOLVED:
+        raise RunError(f"the conic solver did not find the forces: it ended as {solution.status}")
     force = np.zeros(len(friction) * dimension)
-    force[kept] = size * np.array(found.x[:n_columns])
+    force[kept] = size * np.array(solution.x[:n_columns])
     return _onto(force.reshape(-1, dimension), friction)
 
 
@@ -212,9 +210,9 @@ class ModulusSearch:
 
 def free_misfit(matrix: sparse.csr_array, data: Array) -> float:
     """Return the least |matrix f - data|^2 of any forces f, within the cone or not."""
-    both = np.concatenate([matrix.toarray(), data[:, None]], axis=1)
-    triangle = np.asarray(np.linalg.qr(both, mode="r"))
-    return float(triangle[-1, -1] ** 2) if both.shape[0] >= both.shape[1] else 0.0
+    augmented = np.concatenate([matrix.toarray(), data[:, None]], axis=1)
+    triangle = np.asarray(np.linalg.qr(augmented, mode="r"))
+    return float(triangle[-1, -1] ** 2) if augmented.shape[0] >= augmented.shape[1] else 0.0
 
 
 def refuse_unknowable(grains: MeasuredGrains, equations: Equations) -> None:
@@ -269,10 +267,10 @@ def find_modulus(
         )
     low = centre + float(grid[best - 1])
     high = centre + float(grid[best + 1])
-    found = optimize.minimize_scalar(
+    minimum = optimize.minimize_scalar(
         at, bounds=(low, high), method="bounded", options={"xatol": _OF_FACTOR}
     )
-    logarithm = float(found.x)
+    logarithm = float(minimum.x)
     curvature = (at(logarithm + _STEP) - 2 * at(logarithm) + at(logarithm - _STEP)) / _STEP**2
     factors, least = np.array(sorted(tried.items())).T
     scale = 1.0 if n_more is None else float(least.min()) / max(n_more, 1)
@@ -285,10 +283,10 @@ def search_near(chi2: Callable[[float], float], factor: float, width: float) -> 
     centre = math.log(factor)
     width = min(width, _WIDTH)
     bounds = (centre - width, centre + width)
-    found = optimize.minimize_scalar(
+    minimum = optimize.minimize_scalar(
         lambda logarithm: chi2(math.exp(logarithm)),
         bounds=bounds,
         method="bounded",
         options={"xatol": 0.01 * width},
     )
-    return math.exp(float(found.x))
+    return math.exp(float(minimum.x))

@@ -26,7 +26,9 @@ from granwave.extensions.inference.forces.grains import (
     find_contacts,
     volume_of,
 )
+from granwave.lammps_inputs.case.material import Shape
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import Wall as CaseWall
 from granwave.lammps_inputs.packing.walls import walls
 
@@ -63,8 +65,8 @@ class Snapshots:
     frames, forces
         Snapshots of grains and of contacts.
     turn
-        Components of vectors of the run that those of the measurement are made of, with their
-        signs: (d, 3).
+        Rows of the matrix that turns vectors of the run into the coordinates of the measurement:
+        (d, 3).
     friction
         Largest coefficient of friction of grains and of walls.
     strikers
@@ -80,32 +82,15 @@ class Snapshots:
         case = result.case
         assembly = result.assembly
         self.directory = str(result.path.parent)
-        if not case.output.contact_forces:
-            raise InputError(
-                f"{self.directory}: its snapshots hold no contact forces; run the case again with "
-                "output.contact_forces=true"
-            )
-        there = walls(assembly)
-        for found, name in ((assembly.lattice.periodic, "periodic sides"), (assembly.bars, "bars"),
-                            (any(wall.tube for wall in there), "a tube")):  # fmt: skip
-            if found:
-                raise InputError(f"{self.directory}: has {name}, expected grains between planes, as a camera would "
-                                 "see them")  # fmt: skip
-        shapes = set(assembly.grain_shapes())
-        cylinder = shapes.pop()
-        if shapes or (cylinder is not None and 1.0 not in np.abs(cylinder.axis[1:])):
-            raise InputError(
-                f"{self.directory}: has cylinders of several lengths or axes, or spheres too; expected spheres, or "
-                "cylinders of one length along y or z"
-            )
+        _refuse_unseen(result, self.directory)
+        cylinder = _shape_of_grains(assembly, self.directory)
         axis = ""
         self.turn = np.eye(3)
         about = np.eye(3)
         if cylinder is not None:
             axis = "y" if cylinder.axis[1] else "z"
-            # about the axis of rotation
             self.turn = _TURNS[axis]
-            about = np.eye(3)[["xyz".index(axis)]]
+            about = np.eye(3)[["xyz".index(axis)]]  # rotations are about the axis
         self.dimension = 3 if cylinder is None else 2
         self.length = 1.0 if cylinder is None else cylinder.length
         self.ids = result["particles/spheres/id"].astype(np.int64)
@@ -137,19 +122,12 @@ class Snapshots:
         inertia = _OF_SPHERE * self.density * self.volume * self.radius**2
         torque = np.stack([frame.vector("tqx", "tqy", "tqz") @ about.T for frame in self.frames])
         self.angular_acceleration = torque / inertia[:, None]
-        self.wall_fixes: dict[str, tuple[CaseWall, tuple[str, ...]]] = {
-            wall.name: (wall, tuple(fix for fix, _, _ in wall.fixes))
-            for wall in there
-            if not wall.held_layer and "xyz"[wall.axis] != axis
-        }
-        self.moved = {
-            name: np.interp(
-                self.times, result[f"walls/{name}/time"], result[f"walls/{name}/displacement"]
-            )
-            if f"walls/{name}/displacement" in result
-            else np.zeros(len(self.times))
-            for name in self.wall_fixes
-        }
+        self.wall_fixes: dict[str, tuple[CaseWall, tuple[str, ...]]] = {}
+        for wall in walls(assembly):
+            if not wall.held_layer and "xyz"[wall.axis] != axis:
+                fixes = tuple(fix for fix, _, _ in wall.fixes)
+                self.wall_fixes[wall.name] = (wall, fixes)
+        self.moved = {name: _displacement(result, name, self.times) for name in self.wall_fixes}
         frictions = [case.contact.friction, *(pair.contact.friction for pair in case.pair)]
         at_walls = frictions if case.boundary.friction is None else [case.boundary.friction]
         self.friction = max(frictions), max(at_walls)
@@ -163,16 +141,14 @@ class Snapshots:
 
     def walls(self, number: int) -> dict[str, StraightWall]:
         """Return the walls at a snapshot, by name."""
-        found = {}
+        planes = {}
         for name, (wall, _) in self.wall_fixes.items():
-            along = self.turn[
-                :, wall.axis
-            ]  # the axis of the run in the coordinates of the measurement
+            along = self.turn[:, wall.axis]  # axis of the run in coordinates of the measurement
             level = wall.coordinate + wall.outward * float(self.moved[name][number])
-            found[name] = StraightWall(
-                *(tuple((size * along + 0.0).tolist()) for size in (level, -wall.outward))
-            )
-        return found
+            point = level * along + 0.0  # without negative zeros
+            normal = -wall.outward * along + 0.0
+            planes[name] = StraightWall(tuple(point.tolist()), tuple(normal.tolist()))
+        return planes
 
     def largest_snapshot(self, spare: float = 0.0) -> int:
         """Return the number of the snapshot with the largest sum of forces, ``spare`` seconds away
@@ -215,26 +191,28 @@ class Snapshots:
         equations = make_equations(grains, contacts)
         of_pairs = (equations.motion @ true.ravel()).reshape(n, -1)[:, d:] * self.radius[:, None]
         torque = self.angular_acceleration[number] * grains.inertia[:, None] - of_pairs
-        known = self._walls(grains, contacts, frame, rest, torque, true)
+        wall_force = self._walls(grains, contacts, frame, rest, torque, true)
         # what is held in place has unknown forces upon it, and is left out of the measurement
         size = float(np.abs(true).max(initial=0.0))
-        held = (np.linalg.norm(total, axis=1) == 0) & (np.linalg.norm(known, axis=1) > _REST * size)
-        known[np.linalg.norm(known, axis=1) <= _REST * size] = 0.0
+        at_rest = (np.linalg.norm(total, axis=1) == 0) & (
+            np.linalg.norm(wall_force, axis=1) > _REST * size
+        )
+        wall_force[np.linalg.norm(wall_force, axis=1) <= _REST * size] = 0.0
         sums = (equations.motion @ true.ravel()).reshape(n, -1)
         turning = sums[:, d:] * (self.radius / grains.inertia)[:, None]
-        exact = (sums[:, :d] + known) / mass[:, None]
+        exact = (sums[:, :d] + wall_force) / mass[:, None]
         moments = (equations.stress @ true.ravel() - equations.spin_data).reshape(
             n, -1
         ) * self.radius[:, None]
         stress = moments / SCALES[d] / self.volume[:, None]
         for values in (exact, turning, stress):
-            values[held] = np.nan
-        known[held] = 0.0
+            values[at_rest] = np.nan
+        wall_force[at_rest] = 0.0
         measured = dataclasses.replace(
             grains,
             acceleration=exact,
             angular_acceleration=turning,
-            known_force=known,
+            known_force=wall_force,
             stress=stress,
         )
         return measured, true
@@ -244,14 +222,14 @@ class Snapshots:
     ) -> Array:
         """Enter the forces of pairs into ``true``; return their sums on each grain: (n, d), N."""
         rows = np.searchsorted(self.ids, forces.vector("i", "j").astype(np.int64))
-        there = forces["force"] > 0
-        i, j = np.sort(rows[there], axis=1).T
-        swapped = rows[there][:, 0] != i
+        loaded = forces["force"] > 0
+        i, j = np.sort(rows[loaded], axis=1).T
+        swapped = rows[loaded][:, 0] != i
         apart = grains.position[i] - grains.position[j]
         normal = apart / np.linalg.norm(apart, axis=1)[:, None]
-        shear = forces.vector("tx", "ty", "tz")[there] @ self.turn.T
+        shear = forces.vector("tx", "ty", "tz")[loaded] @ self.turn.T
         shear[swapped] *= -1
-        vectors = forces["force"][there, None] * normal + shear
+        vectors = forces["force"][loaded, None] * normal + shear
         pairs = contacts.second >= 0  # which are the first
         candidates = pd.MultiIndex.from_arrays([contacts.first[pairs], contacts.second[pairs]])
         columns = candidates.get_indexer(pd.MultiIndex.from_arrays([i, j]))
@@ -274,15 +252,16 @@ class Snapshots:
         torque: Array,
         true: Array,
     ) -> Array:
-        """Enter the forces of walls into ``true``; return what is left of the forces on each grain:
+        """Enter the forces of walls into ``true``; return the remaining force on each grain:
         (n, d), N.
 
-        The normal forces were recorded. Tangential forces follow from the rest of a grain's force
-        and torque, in which LAMMPS counts them with a lever of radius minus half the overlap, of
+        The normal forces are recorded. Tangential forces follow from the remaining force and
+        torque on a grain. In LAMMPS their lever is the radius minus half the overlap, for
         cylinders minus the overlap.
         """
-        recorded = [sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains)))
-                    for _, fixes in self.wall_fixes.values()]  # fmt: skip
+        recorded = []
+        for _, fixes in self.wall_fixes.values():
+            recorded.append(sum((frame[f"wall_{fix}"] for fix in fixes), np.zeros(len(grains))))
         at_walls = np.flatnonzero(contacts.second < 0)
         own = contacts.first[at_walls]
         pushes = np.reshape(recorded, (-1, len(grains)))[contacts.wall[at_walls], own]
@@ -303,7 +282,7 @@ class Snapshots:
             else:
                 moments = (levers[0] * tangents[1] - levers[1] * tangents[0])[None]
             matrix = np.concatenate([tangents, moments / scale])
-            found, _, rank, _ = np.linalg.lstsq(
+            solution, _, rank, _ = np.linalg.lstsq(
                 matrix, np.concatenate([left[grain], torque[grain] / scale]), rcond=None
             )
             if rank < matrix.shape[1]:
@@ -311,9 +290,50 @@ class Snapshots:
                     f"{self.directory}: grain {self.ids[grain]} rubs at {len(own)} walls, whose forces its motion does "
                     "not tell apart; choose another --time, or a packing without friction of its walls"
                 )
-            true[own, 1:] = found.reshape(len(own), -1)
-            left[grain] -= tangents @ found
+            true[own, 1:] = solution.reshape(len(own), -1)
+            left[grain] -= tangents @ solution
         return left
+
+
+def _refuse_unseen(result: Result, directory: str) -> None:
+    """Raise InputError for a run that a camera could not see, or without contact forces."""
+    assembly = result.assembly
+    if not result.case.output.contact_forces:
+        raise InputError(
+            f"{directory}: its snapshots hold no contact forces; run the case again with "
+            "output.contact_forces=true"
+        )
+    hindrances = {
+        "periodic sides": assembly.lattice.periodic,
+        "bars": bool(assembly.bars),
+        "a tube": any(wall.tube for wall in walls(assembly)),
+    }
+    for name, is_present in hindrances.items():
+        if is_present:
+            raise InputError(
+                f"{directory}: has {name}, expected grains between planes, as a camera would see "
+                "them"
+            )
+
+
+def _shape_of_grains(assembly: Assembly, directory: str) -> Shape:
+    """Return the shape that all grains have: a cylinder, or None for spheres."""
+    shapes = set(assembly.grain_shapes())
+    cylinder = shapes.pop()
+    if shapes or (cylinder is not None and 1.0 not in np.abs(cylinder.axis[1:])):
+        raise InputError(
+            f"{directory}: has cylinders of several lengths or axes, or spheres too; expected "
+            "spheres, or cylinders of one length along y or z"
+        )
+    return cylinder
+
+
+def _displacement(result: Result, wall: str, times: Array) -> Array:
+    """Return the outward displacement of a wall at some times, m: (n_times,)."""
+    group = f"walls/{wall}"
+    if f"{group}/displacement" not in result:
+        return np.zeros(len(times))
+    return np.interp(times, result[f"{group}/time"], result[f"{group}/displacement"])
 
 
 def seen_by_camera(

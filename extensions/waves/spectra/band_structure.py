@@ -19,8 +19,8 @@ from granwave.extensions.waves.spectra.bands import (
     gaps,
     solve_bands,
 )
+from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.extensions.waves.spectra.network import Array
-from granwave.extensions.waves.spectra.quantities import POINTS
 from granwave.extensions.waves.spectra.states import State, cell_state
 from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
 from granwave.extensions.waves.spectra.wave_vectors import ComplexBands, complex_bands, make_path
@@ -75,27 +75,28 @@ def long_wave_speeds(stiffness: Stiffness, directions: Array) -> Array:
     """Return the speeds of long waves along unit vectors (n, 3), rising: (n, n_waves), m/s; NaN
     where nothing resists.
 
-    As many as there are directions in which the grains can be displaced together.
+    There is a wave for each direction in which all grains can be displaced together.
     """
     network = stiffness.network
-    n_waves = int(network.moves[:, :3].all(axis=0).sum()) if network.n_grains else 0
+    is_free = np.zeros(3, dtype=bool)
+    if network.n_grains:
+        is_free = network.moves[:, :3].all(axis=0)
     if len(network.supports):
-        held = (np.abs(network.supports.normal).max(axis=0) > 0) | (
-            network.supports.tangential.max() > 0
-        )
-        n_waves = int((network.moves[:, :3].all(axis=0) & ~held).sum())
+        is_normal = np.abs(network.supports.normal).max(axis=0) > 0
+        is_free = is_free & ~(is_normal | (network.supports.tangential.max() > 0))
     size = float(np.linalg.norm(network.periods, axis=1).max())
-    k = directions * (_LONG / size)
-    square, _ = stiffness.spectrum(k, n_waves)
-    there = square > _RIGID * stiffness.largest * _LONG**2
-    return np.where(there, np.sqrt(np.where(there, square, 0.0)) / (_LONG / size), np.nan)
+    wave_number = _LONG / size
+    square, _ = stiffness.spectrum(directions * wave_number, int(is_free.sum()))
+    propagates = square > _RIGID * stiffness.largest * _LONG**2
+    return np.where(propagates, np.sqrt(np.where(propagates, square, 0.0)) / wave_number, np.nan)
 
 
 def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | None:
     """Return slowness and frequencies over a plane; None for large cells, and if the packing does
     not repeat there.
     """
-    network, (a, b) = stiffness.network, PLANES[plane]
+    network = stiffness.network
+    a, b = PLANES[plane]
     if network.n_freedoms > _MOST_FREEDOMS or len(network.periods) < 2:
         return None
     inside = network.periods.T @ np.linalg.pinv(network.periods.T)
@@ -103,12 +104,15 @@ def surface(stiffness: Stiffness, plane: str, n_bands: int = 3) -> PlaneWaves | 
         return None
     angle = np.linspace(0, 2 * np.pi, _ANGLES, endpoint=False)
     directions = np.zeros((_ANGLES, 3))
-    directions[:, a], directions[:, b] = np.cos(angle), np.sin(angle)
+    directions[:, a] = np.cos(angle)
+    directions[:, b] = np.sin(angle)
     reciprocal = 2 * np.pi * np.linalg.pinv(network.periods)
     reach = float(np.abs(reciprocal).max()) * 0.75
     k = np.linspace(-reach, reach, _GRID)
     grid = np.zeros((_GRID * _GRID, 3))
-    grid[:, a], grid[:, b] = (one.ravel() for one in np.meshgrid(k, k))
+    k_a, k_b = np.meshgrid(k, k)
+    grid[:, a] = k_a.ravel()
+    grid[:, b] = k_b.ravel()
     square = np.concatenate(
         [np.linalg.eigvalsh(stiffness.dense(part)) for part in np.array_split(grid, 16)]
     )
@@ -174,13 +178,12 @@ class BandStructure:
         network = self.state.network
         between = [gap for gap in self.gaps if gap.below and np.isfinite(gap.high)]
         widest = max(between, key=lambda gap: gap.high - gap.low, default=None)
-        inside = None
-        if self.complex_bands is not None and widest is not None:
-            there = (self.complex_bands.frequency > widest.low) & (
-                self.complex_bands.frequency < widest.high
-            )
-            decay = self.complex_bands.least[there & np.isfinite(self.complex_bands.least)]
-            inside = float(decay.max()) if len(decay) else None
+        spacing = None if self.complex_bands is None else self.complex_bands.spacing
+        static_force = 0.0
+        stiffness = 0.0
+        if len(network.springs):
+            static_force = float(network.springs.force.mean())
+            stiffness = float(network.springs.stiffness.mean())
         return {
             "name": self.state.name,
             "kind": "bands",
@@ -191,10 +194,8 @@ class BandStructure:
             "n_left_out": len(network.left_out),
             "n_freedoms": network.n_freedoms,
             "n_bands": self.bands.square.shape[1],
-            "static_force_N": float(network.springs.force.mean()) if len(network.springs) else 0.0,
-            "contact_stiffness_N_per_m": float(network.springs.stiffness.mean())
-            if len(network.springs)
-            else 0.0,
+            "static_force_N": static_force,
+            "contact_stiffness_N_per_m": stiffness,
             "unit_frequency_Hz": self.unit_frequency,
             "highest_frequency_Hz": float(np.nanmax(self.bands.frequency)),
             "speeds_m_s": self.speeds.tolist(),
@@ -202,14 +203,21 @@ class BandStructure:
             "gaps_Hz": [[gap.low, gap.high] for gap in self.gaps],
             "widest_gap_Hz": None if widest is None else [widest.low, widest.high],
             "widest_gap_relative": None if widest is None else widest.relative_width,
-            "attenuation_in_widest_gap": inside,
-            "attenuation_spacing_m": None
-            if self.complex_bands is None
-            else self.complex_bands.spacing,
+            "attenuation_in_widest_gap": self._attenuation_in(widest),
+            "attenuation_spacing_m": spacing,
             "n_floppy": int(self.bands.floppy.sum(axis=1).max()),
             "static_residual": self.state.residual,
             "state_spread": self.state.spread,
         }
+
+    def _attenuation_in(self, gap: Gap | None) -> float | None:
+        """Return the largest attenuation from plane to plane in a gap; None if it is not known."""
+        if self.complex_bands is None or gap is None:
+            return None
+        frequency = self.complex_bands.frequency
+        least = self.complex_bands.least
+        decay = least[(frequency > gap.low) & (frequency < gap.high) & np.isfinite(least)]
+        return float(decay.max()) if len(decay) else None
 
 
 def band_structure(
@@ -261,28 +269,37 @@ def band_structure(
     if directions:
         state = dataclasses.replace(state, network=state.network.turned_off(directions))
     stiffness = stiffness_of(state.network)
-    way = make_path(path, state.network.periods, points)
+    route = make_path(path, state.network.periods, points)
     near_top = None
     if slab:
-        depth, (grain, _) = state.network.position[:, 2], state.network.freedoms
+        depth = state.network.position[:, 2]
+        grain, _ = state.network.freedoms
         near_top = depth[grain] <= depth.min() + NEAR_TOP * np.ptp(depth)
-    bands = solve_bands(stiffness, way, n_bands, near_top)
+    bands = solve_bands(stiffness, route, n_bands, near_top)
     note = describe_floppy(bands)
     if note and not allow_floppy:
-        cure = 'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
-        if ROLLING in note:
-            cure = "contact.rolling, [[hold]] with rotation = true, contact.friction=0"
-        raise InputError(
-            f"{state.name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves these modes "
-            "blank"
-        )
-    start = way.k[0]
-    towards = way.k[1] - way.k[0]
+        raise InputError(_floppy(state.name, note))
+    start = route.k[0]
+    towards = route.k[1] - route.k[0]
     direction = towards / np.linalg.norm(towards)
     top = float(np.nanmax(bands.frequency, initial=0.0))
     frequency = np.linspace(0.0, _BEYOND * top, _FREQUENCIES)[1:]
     decaying = complex_bands(stiffness, start, direction, frequency) if top else None
     planes = [plane] if plane else ["xz", "xy", "yz"]
-    curves = next((one for name in planes if (one := surface(stiffness, name)) is not None), None)
+    surfaces = (surface(stiffness, name) for name in planes)
+    curves = next((waves for waves in surfaces if waves is not None), None)
     speeds = long_wave_speeds(stiffness, direction[None])[0]
     return BandStructure(state, bands, tuple(gaps(bands)), decaying, curves, speeds, note)
+
+
+def _floppy(name: str, note: str) -> str:
+    """Return the message for modes without resistance, with the means against them."""
+    cure = (
+        'friction, a load from all sides (precompression.kind = "uniform"), --directions, [[hold]]'
+    )
+    if ROLLING in note:
+        cure = "contact.rolling, [[hold]] with rotation = true, contact.friction=0"
+    return (
+        f"{name}: {note}; {cure}, or another --path makes it rigid, and --allow-floppy leaves "
+        "these modes blank"
+    )

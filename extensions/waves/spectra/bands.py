@@ -16,8 +16,8 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.extensions.waves.spectra.defaults import MOST_BANDS, MOST_MODES
 from granwave.extensions.waves.spectra.network import FREEDOMS, Array, Network
-from granwave.extensions.waves.spectra.quantities import MOST_BANDS, MOST_MODES
 from granwave.extensions.waves.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.extensions.waves.spectra.wave_vectors import Path
 
@@ -129,15 +129,15 @@ def solve_bands(
     """
     n = stiffness.network.n_freedoms
     n_k = len(path.k)
-    wanted = min(n, n_bands or (n if stiffness.small else MOST_BANDS))
+    count = min(n, n_bands or (n if stiffness.small else MOST_BANDS))
     corners = [row for row, _ in path.corners]
-    square = np.empty((n_k, wanted))
-    velocity = np.empty((n_k, wanted, 3))
-    shape = np.empty((len(corners), n, wanted), dtype=np.complex128)
-    share = None if chosen is None else np.empty((n_k, wanted))
+    square = np.empty((n_k, count))
+    velocity = np.empty((n_k, count, 3))
+    shape = np.empty((len(corners), n, count), dtype=np.complex128)
+    share = None if chosen is None else np.empty((n_k, count))
     for start in range(0, n_k, stiffness.at_once):
         part = slice(start, start + stiffness.at_once)
-        square[part], vectors = stiffness.spectrum(path.k[part], wanted)
+        square[part], vectors = stiffness.spectrum(path.k[part], count)
         if share is not None:
             share[part] = (np.abs(vectors[:, chosen]) ** 2).sum(axis=1)
         for axis in range(3):
@@ -149,9 +149,9 @@ def solve_bands(
     largest = (
         max(float(square.max()), stiffness.largest / 2) if stiffness.small else stiffness.largest
     )
-    there = square > _ZERO * largest
-    omega = np.sqrt(np.where(there, square, 1.0))[:, :, None]
-    velocity = np.where(there[:, :, None], velocity / (2 * omega), np.nan)
+    is_moving = square > _ZERO * largest
+    omega = np.sqrt(np.where(is_moving, square, 1.0))[:, :, None]
+    velocity = np.where(is_moving[:, :, None], velocity / (2 * omega), np.nan)
     return Bands(stiffness, path, square, velocity, shape, largest, share)
 
 
@@ -195,10 +195,12 @@ def who_moves(network: Network, share: Array) -> str:
     total = share.sum()
     along = np.bincount(direction, share, 6) / total
     rolling = f" ({ROLLING})" if along[3:].sum() > _TURNING else ""
-    words = [f"{100 * one:.0f} % {_WORDS[place]}" for place, one in enumerate(along) if one > 0.005]
+    words = [
+        f"{100 * part:.0f} % {_WORDS[place]}" for place, part in enumerate(along) if part > 0.005
+    ]
     own = np.bincount(grain, share, network.n_grains) / total
     most = np.argsort(-own)[:3]
-    ids = ", ".join(str(network.ids[one]) for one in most if own[one] > 0.01)
+    ids = ", ".join(str(network.ids[row]) for row in most if own[row] > 0.01)
     return f"they move {', '.join(words)}{rolling}" + (f"; grains {ids} most" if ids else "")
 
 
@@ -236,8 +238,8 @@ def band_edges(bands: Bands) -> Array:
     frequency = bands.frequency
     low = np.where(np.isnan(frequency), np.inf, frequency).min(axis=0)
     high = np.where(np.isnan(frequency), -np.inf, frequency).max(axis=0)
-    there = np.isfinite(low)
-    return np.stack([np.where(there, low, np.nan), np.where(there, high, np.nan)], axis=1)
+    has_gap = np.isfinite(low)
+    return np.stack([np.where(has_gap, low, np.nan), np.where(has_gap, high, np.nan)], axis=1)
 
 
 def gaps(bands: Bands) -> list[Gap]:
@@ -247,16 +249,16 @@ def gaps(bands: Bands) -> list[Gap]:
     Of a large cell the last one is left out where only the lowest bands were sought.
     """
     edges = band_edges(bands)
-    found: list[Gap] = []
+    intervals: list[Gap] = []
     top = 0.0
     least = _LEAST * float(np.nanmax(edges, initial=0.0))
     for n, (low, high) in enumerate(
         edges[np.argsort(edges[:, 0])].tolist()
     ):  # bands without any frequency are last
         if low > top + least:
-            found.append(Gap(top, low, n))
+            intervals.append(Gap(top, low, n))
         top = max(top, high)
-    return [*found, Gap(top, np.inf, len(edges))] if bands.complete else found
+    return [*intervals, Gap(top, np.inf, len(edges))] if bands.complete else intervals
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -307,8 +309,8 @@ class Modes:
         """Describe the modes without resistance: how many, and which grains move how."""
         loose = self.square <= _ZERO * self.largest
         share = (self.shape[:, loose] ** 2 * self.network.masses[:, None]).sum(axis=1)
-        known = "" if self.complete or not loose.all() else " or more"
-        many = f"{self.n_floppy}{known} of {self.network.n_freedoms} modes meet no resistance"
+        suffix = "" if self.complete or not loose.all() else " or more"
+        many = f"{self.n_floppy}{suffix} of {self.network.n_freedoms} modes meet no resistance"
         return f"{many}{growing(self.square, self.largest)}; {who_moves(self.network, share)}"
 
 
@@ -326,9 +328,9 @@ def solve_modes(stiffness: Stiffness, n_modes: int | None = None) -> Modes:
     largest = stiffness.largest
     if n <= ALL_UP_TO:
         square, vectors = np.linalg.eigh(matrix.toarray())
-        known = np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
+        modes = np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi)
         n_bins = int(np.clip(len(square) / 8, 10, _BINS))
-        counts, edges = np.histogram(known, n_bins, (0.0, 1.02 * known.max()))
+        counts, edges = np.histogram(modes, n_bins, (0.0, 1.02 * modes.max()))
         frequency = (edges[1:] + edges[:-1]) / 2
         density = counts / (len(square) * np.diff(edges))
         if n_modes is not None:
@@ -353,8 +355,8 @@ def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[n
     vector = random.choice([-1.0, 1.0], (n, _VECTORS))
     middle = width = largest / 2
 
-    def scaled(one: Array) -> Array:
-        return np.asarray((matrix @ one - middle * one) / (1.01 * width))
+    def scaled(vectors: Array) -> Array:
+        return np.asarray((matrix @ vectors - middle * vectors) / (1.01 * width))
 
     before = vector
     now = scaled(vector)
@@ -372,6 +374,9 @@ def _chebyshev(matrix, largest: float) -> tuple[Array, Array]:  # type: ignore[n
     density = (
         np.cos(np.outer(np.arccos(x), m)) @ weights / (np.pi * np.sqrt(1 - x**2) * 1.01 * width)
     )
-    found = density * 8 * np.pi**2 * frequency
-    kept = frequency <= frequency[np.flatnonzero(found > 1e-4 * found.max())[-1]] * 1.02
-    return frequency[kept], np.maximum(found[kept], 0.0)
+    per_frequency = density * 8 * np.pi**2 * frequency
+    kept = (
+        frequency
+        <= frequency[np.flatnonzero(per_frequency > 1e-4 * per_frequency.max())[-1]] * 1.02
+    )
+    return frequency[kept], np.maximum(per_frequency[kept], 0.0)

@@ -128,16 +128,14 @@ class Bodies:
         own: dict[str, Any] = {name: getattr(self, name)[rows] for name in names}
         if self.settles is not None:
             own["settles"] = self.settles[rows]
-        touched = {name: one[rows] for name, one in self.touched.items()}
+        touched = {name: values[rows] for name, values in self.touched.items()}
         return dataclasses.replace(self, **own, periods=periods, touched=touched)
 
     def with_walls_in(self, distances: Iterable[float]) -> Bodies:
         """Return the grains between walls that have moved in, by the distances of ``presses``, m."""
-        moves = {
-            name: distance
-            for names, distance in zip(self.presses, distances, strict=True)
-            for name in names
-        }
+        moves: dict[str, float] = {}
+        for names, distance in zip(self.presses, distances, strict=True):
+            moves |= dict.fromkeys(names, distance)
         walls = tuple(wall.moved_in(moves.get(wall.name, 0.0)) for wall in self.walls)
         return dataclasses.replace(self, walls=walls)
 
@@ -212,7 +210,8 @@ class Bodies:
             if wall.tube:
                 distance = -np.maximum(np.hypot(*position[rows].T[:2]), 1e-300)
                 normal[:, :2] = position[rows, :2] / -distance[:, None]
-                around[:, 0], around[:, 1] = -normal[:, 1], normal[:, 0]
+                around[:, 0] = -normal[:, 1]
+                around[:, 1] = normal[:, 0]
             else:
                 normal[:, wall.axis] = wall.outward
             yield NeighbourPairs(
@@ -238,7 +237,7 @@ class Bodies:
         reach = 2 * float(around.max()) + gap
         tree = KDTree(position)
         pairs = tree.query_pairs(reach, output_type="ndarray").astype(np.int64)
-        found = [
+        blocks = [
             (
                 pairs.min(axis=1),
                 pairs.max(axis=1),
@@ -257,8 +256,10 @@ class Bodies:
             )
             first = np.asarray(table.row, dtype=np.int64)
             second = inside[table.col]
-            found.append((first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1))))
-        first, second, shifts = (np.concatenate(part) for part in zip(*found, strict=True))
+            blocks.append(
+                (first, second, np.tile(np.array(image, dtype=np.int64), (len(first), 1)))
+            )
+        first, second, shifts = (np.concatenate(part) for part in zip(*blocks, strict=True))
         near, beyond = self.pairs(
             first, second, shifts, position[second] - position[first] + shifts @ periods
         )
@@ -289,8 +290,8 @@ class Bodies:
 
     def with_springs(self, springs: Springs) -> Network:
         """Return the network of these contacts, without grains that nothing touches."""
-        given = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
-        return Network(*given, springs).without_idle()
+        arrays = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
+        return Network(*arrays, springs).without_idle()
 
     def springs(self, contacts: NeighbourPairs, peak: Array | None = None) -> Springs:
         """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by

@@ -1,9 +1,10 @@
-"""Unit cells of the packings that are endless: lattices, chains, grains of a file with a cell.
+"""Unit cells of periodic packings: lattices, chains, and grains of a file with a cell.
 
-A lattice of like spheres has its primitive cell, whatever its size and boundaries in the case are:
-it stands for the inside of the packing. A chain has the shortest sequence of beads that it repeats.
-Packings with disorder, and chains that repeat nothing, are their own cell where the case makes them
-endless (``boundary.bottom = "periodic"``), and so are the grains of a file with ``packing.cell``.
+The cell of a lattice of identical spheres is its primitive cell, whatever its size and boundaries
+in the case; it represents the inside of the packing. The cell of a chain is the shortest sequence
+of beads that it repeats. A packing with disorder, or a chain that repeats no sequence, is its own
+cell if the case makes it periodic (``boundary.bottom = "periodic"``); so are the grains of a file
+with ``packing.cell``.
 """
 
 from __future__ import annotations
@@ -11,7 +12,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +20,9 @@ from numpy.typing import NDArray
 
 from granwave.extensions.waves.spectra.bodies import Bodies
 from granwave.extensions.waves.spectra.network import Array, Ints
-from granwave.extensions.waves.spectra.pair_laws import PairLaws
+from granwave.extensions.waves.spectra.pair_laws import Body, PairLaws
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
@@ -30,15 +32,13 @@ from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
-# 1 minus the cosine of the angle between an axis and x, y or z up to which it counts as along it
-_ALONG = 1e-9
+_ALONG = 1e-9  # largest deviation of the cosine from 1 for a cylinder along x, y or z
+_ZZ = (2, 2)  # uniaxial strain along z
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
 
 
 class UnitCell(NamedTuple):
-    """Rows of the packing that make a unit cell, (n,), and the vectors after which it repeats,
-    (n_periods, 3), m.
-    """
+    """Rows of a packing that make a unit cell, (n,), and its periods, (n_periods, 3), m."""
 
     rows: Ints
     periods: Array
@@ -52,48 +52,48 @@ def primitive_vectors(kind: PackingKind) -> tuple[Array, int]:
     the supports of a sphere are three lattice vectors, they are taken: the standard names of
     directions then fit the load along z.
     """
-    found, n = _repeats(kind)
-    primitive = n == 1 and len(kind.supports) == len(found) == 3
-    return np.array(kind.supports if primitive else found), n
+    vectors, n = _repeats(kind)
+    primitive = n == 1 and len(kind.supports) == len(vectors) == 3
+    return np.array(kind.supports if primitive else vectors), n
 
 
 def vectors_of_layer(kind: PackingKind) -> Array:
     """Return the primitive vectors of a layer of a lattice, in diameters: (1 or 2, 3)."""
-    found, _ = _repeats(kind)
-    return np.array(found[: len(found) - ("z" in kind.axes)])
+    vectors, _ = _repeats(kind)
+    return np.array(vectors[: len(vectors) - ("z" in kind.axes)])
 
 
 def _repeats(kind: PackingKind) -> tuple[list[Array], int]:
-    """Shortest vectors along a row, to an equal row and to an equal layer, and the layers before
-    that one.
+    """Return the shortest vectors along a row, to an equal row and to an equal layer, and the
+    number of layers before the latter.
     """
 
     def site(i: int, j: int, k: int) -> Array:
-        return np.array([float(one) for one in kind.site(*(np.asarray(n) for n in (i, j, k)))])
+        coordinates = kind.site(np.asarray(i), np.asarray(j), np.asarray(k))
+        return np.array([float(coordinate) for coordinate in coordinates])
 
     def around(j: int, k: int) -> set[tuple[float, ...]]:
-        base = (6, 6 + j, 6 + k)
-        here = site(*base)
-        steps = itertools.product(range(-3, 4), range(-2, 3), range(-1, 2))
-        places = (site(*(a + b for a, b in zip(base, step, strict=True))) - here for step in steps)
-        return {
-            tuple(np.round(one, 6) + 0.0)
-            for one in places
-            if abs(np.linalg.norm(one) - 1) < TOUCHING
-        }
+        """Return the vectors to the touching neighbours of a sphere in row j of layer k."""
+        here = site(6, 6 + j, 6 + k)
+        neighbours = set()
+        for di, dj, dk in itertools.product(range(-3, 4), range(-2, 3), range(-1, 2)):
+            vector = site(6 + di, 6 + j + dj, 6 + k + dk) - here
+            if abs(np.linalg.norm(vector) - 1) < TOUCHING:
+                neighbours.add(tuple(np.round(vector, 6) + 0.0))
+        return neighbours
 
     origin = site(0, 0, 0)
     own = around(0, 0)
-    found = []
+    repeats = []
     n = 1
     if "x" in kind.axes:
-        found.append(site(1, 0, 0) - origin)
+        repeats.append(site(1, 0, 0) - origin)
     if "y" in kind.axes:
-        found.append(site(0, next(j for j in (1, 2) if around(j, 0) == own), 0) - origin)
+        repeats.append(site(0, next(j for j in (1, 2) if around(j, 0) == own), 0) - origin)
     if "z" in kind.axes:
         n = next(k for k in range(1, kind.layer_period + 1) if around(0, k) == own)
-        found.append(site(0, 0, n) - origin)
-    return found, n
+        repeats.append(site(0, 0, n) - origin)
+    return repeats, n
 
 
 def unit_cell(assembly: Assembly) -> UnitCell:
@@ -106,68 +106,86 @@ def unit_cell(assembly: Assembly) -> UnitCell:
     """
     case = assembly.case
     lattice = assembly.lattice
-    n = lattice.n_spheres
     if assembly.bars:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
         )
-    endless = case.boundary.bottom_rule.repeats
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(
-                f"{case.name}: packing.cell: missing; the grains of a file repeat if it gives the vectors after which "
-                "they do (extxyz: Lattice and pbc), or the case does: packing.cell = [[0, 0, 0.01]]"
+                f"{case.name}: packing.cell: missing; the grains of a file repeat if it gives the "
+                "vectors after which they do (extxyz: Lattice and pbc), or the case does: "
+                "packing.cell = [[0, 0, 0.01]]"
             )
-        return UnitCell(np.arange(n), np.array(case.packing.cell))
+        return UnitCell(np.arange(lattice.n_spheres), np.array(case.packing.cell))
     if lattice.rule.is_chain:
-        period = 1
-        length = lattice.diameter
-        if not assembly.sites.uniform:
-            if not assembly.sites.present.all():
-                raise InputError(
-                    f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load"
-                )
-            period = assembly.sites.period_of_chain(whole=endless) or n
-            length = float(assembly.sites.nominal[:period].sum())
-            if period == n and not endless:
-                raise InputError(
-                    f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain that does; with "
-                    'boundary.bottom = "periodic" the whole chain is the unit cell'
-                )
-        start = (
-            period * (n // (2 * period)) if holds_some(case) else 0
-        )  # in the middle, where some beads are held
-        start = start if start + period <= n else 0
-        return UnitCell(np.arange(start, start + period), np.array([[0.0, 0.0, length]]))
+        return _cell_of_chain(assembly, lattice)
     if assembly.sites.uniform and not holds_some(case):
-        vectors, spheres = primitive_vectors(lattice.rule)
-        nx, ny, nz = lattice.shape
-        if nz < spheres and not endless:
+        return _cell_of_crystal(case, lattice)
+    return _whole_packing(assembly, lattice)
+
+
+def _cell_of_chain(assembly: Assembly, lattice: Lattice) -> UnitCell:
+    """Return the unit cell of a chain: its shortest sequence of beads."""
+    case = assembly.case
+    n = lattice.n_spheres
+    endless = case.boundary.bottom_rule.repeats
+    period = 1
+    length = lattice.diameter
+    if not assembly.sites.uniform:
+        if not assembly.sites.present.all():
             raise InputError(
-                f"{case.name}: packing.size: found {nz} layers, expected at least {spheres}, those of a unit cell"
+                f"{case.name}: packing.vacancies: found a chain with gaps, which bears no load"
             )
-        return UnitCell(np.arange(spheres) * nx * ny, vectors * lattice.diameter)
-    if not endless and not ("z" not in lattice.rule.axes and lattice.periodic):
-        what = (
-            "grains that are held"
-            if assembly.sites.uniform
-            else "spheres that differ, or vacancies"
-        )
-        raise InputError(
-            f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that does; with "
-            'boundary.sides = "periodic" and boundary.bottom = "periodic" the whole packing is the unit cell, and with '
-            "--slab it ends above and below"
-        )
+        period = assembly.sites.period_of_chain(whole=endless) or n
+        length = float(assembly.sites.nominal[:period].sum())
+        if period == n and not endless:
+            raise InputError(
+                f"{case.name}: packing: found {n} beads that repeat no sequence, expected a chain "
+                'that does; with boundary.bottom = "periodic" the whole chain is the unit cell'
+            )
+    start = 0
+    if holds_some(case):  # beads at the ends may be held, beads in the middle are not
+        middle = period * (n // (2 * period))
+        start = middle if middle + period <= n else 0
+    return UnitCell(np.arange(start, start + period), np.array([[0.0, 0.0, length]]))
+
+
+def _cell_of_crystal(case: Case, lattice: Lattice) -> UnitCell:
+    """Return the primitive cell of a packing of identical spheres."""
+    vectors, n_spheres = primitive_vectors(lattice.rule)
     nx, ny, nz = lattice.shape
-    if nz % lattice.rule.layer_period and "z" in lattice.rule.axes:
+    if nz < n_spheres and not case.boundary.bottom_rule.repeats:
         raise InputError(
-            f"{case.name}: packing.size: found {nz} layers, expected a multiple of {lattice.rule.layer_period} for an "
-            f"endless {lattice.kind}"
+            f"{case.name}: packing.size: found {nz} layers, expected at least {n_spheres}, those "
+            "of a unit cell"
         )
-    periods = np.diag([*lattice.lengths, nz * lattice.rule.layer_spacing * lattice.diameter])
-    return UnitCell(
-        np.arange(assembly.sites.count), periods[[axis in lattice.rule.axes for axis in "xyz"]]
-    )
+    return UnitCell(np.arange(n_spheres) * nx * ny, vectors * lattice.diameter)
+
+
+def _whole_packing(assembly: Assembly, lattice: Lattice) -> UnitCell:
+    """Return the unit cell of a periodic packing of dissimilar or held spheres: all of it."""
+    case = assembly.case
+    rule = lattice.rule
+    repeats_sideways = "z" not in rule.axes and lattice.periodic
+    if not case.boundary.bottom_rule.repeats and not repeats_sideways:
+        what = "spheres that differ, or vacancies"
+        if assembly.sites.uniform:
+            what = "grains that are held"
+        raise InputError(
+            f"{case.name}: packing: found {what}, which repeat nowhere, expected a packing that "
+            'does; with boundary.sides = "periodic" and boundary.bottom = "periodic" the whole '
+            "packing is the unit cell, and with --slab it ends above and below"
+        )
+    nz = lattice.shape[2]
+    if nz % rule.layer_period and "z" in rule.axes:
+        raise InputError(
+            f"{case.name}: packing.size: found {nz} layers, expected a multiple of "
+            f"{rule.layer_period} for an endless {lattice.kind}"
+        )
+    periods = np.diag([*lattice.lengths, nz * rule.layer_spacing * lattice.diameter])
+    has_axis = [axis in rule.axes for axis in "xyz"]
+    return UnitCell(np.arange(assembly.sites.count), periods[has_axis])
 
 
 def holds_some(case: Case) -> bool:
@@ -191,20 +209,22 @@ def cell_bodies(assembly: Assembly) -> Bodies:
     stage = case.precompression
     if stage is None:
         raise InputError(
-            f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so that there are no "
-            'waves of small amplitude: give a static load, such as [precompression] kind = "uniaxial" with a force'
+            f"{case.name}: precompression: missing; contacts that only touch have no stiffness, so "
+            "that there are no waves of small amplitude: give a static load, such as "
+            '[precompression] kind = "uniaxial" with a force'
         )
     if stage.rule.grows_with_depth:
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
     base = packing_bodies(assembly).part(cell.rows, cell.periods)
     planes = walls_along(base.walls, cell.periods)
     names = {wall.name for wall in planes}
-    if lost := [pressed for pressed in base.presses if not names.issuperset(pressed)]:
-        raise InputError(
-            f"{case.name}: precompression.{lost[0][0].removesuffix('lo')}_force: found walls across "
-            "a direction in which the packing repeats; expected a direction in which it ends"
-        )
-    of_file = not isinstance(assembly.lattice, Lattice)
+    for pressed in base.presses:
+        if not names.issuperset(pressed):
+            raise InputError(
+                f"{case.name}: precompression.{pressed[0].removesuffix('lo')}_force: found walls "
+                "across a direction in which the packing repeats; expected a direction in which "
+                "it ends"
+            )
     part = len(cell.rows) / np.count_nonzero(assembly.sites.present)
     bodies = dataclasses.replace(
         base,
@@ -213,44 +233,49 @@ def cell_bodies(assembly: Assembly) -> Bodies:
         stress=_stress(assembly, cell),
         moves=base.moves & moving(assembly.lattice.rule.axes or "xyz", case),
     )
-    if not of_file:
-        return bodies
-    # grains of a file may overlap each other, or images of each other
+    if not isinstance(assembly.lattice, Lattice):
+        _refuse_overlaps(bodies, case.name)
+    return bodies
+
+
+def _refuse_overlaps(bodies: Bodies, name: str) -> None:
+    """Raise InputError if grains of a file overlap too far with each other, or with images."""
     shortest = float(np.linalg.norm(bodies.periods, axis=1).min())
     largest = float(bodies.radius.max())
     if not bodies.laws.has_cylinders and 2 * largest - shortest > LARGEST * largest / 2:
         raise InputError(
-            f"{case.name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with a "
-            f"diameter of {2 * largest:.3g} m, which its own image would lie in; give larger periods (m)"
+            f"{name}: packing.cell: found a period of {shortest:.3g} m, shorter than a grain with "
+            f"a diameter of {2 * largest:.3g} m, which its own image would lie in; give larger "
+            "periods (m)"
         )
     near = bodies.near(bodies.position, bodies.periods, 0.0)
-    share = np.where(near.second >= 0, near.overlap * (1 / near.radii).sum(axis=1), 0.0)
-    if share.max(initial=0.0) <= LARGEST:
-        return bodies
-    worst = int(np.argmax(share))
+    relative = np.where(near.second >= 0, near.overlap * (1 / near.radii).sum(axis=1), 0.0)
+    if relative.max(initial=0.0) <= LARGEST:
+        return
+    worst = int(np.argmax(relative))
     i = bodies.ids[near.first[worst]]
     j = bodies.ids[near.second[worst]]
-    of = "an image of " * bool(near.image[worst].any())
+    of = "an image of " if near.image[worst].any() else ""
     raise InputError(
-        f"{case.name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
-        f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or other places"
+        f"{name}: packing.cell: found grain {i} in {of}grain {j}: they overlap by "
+        f"{near.overlap[worst]:.3g} m, expected at most {LARGEST} R*; give larger periods (m), or "
+        "other places"
     )
 
 
 def walls_along(around: Iterable[Wall], periods: Array) -> tuple[Wall, ...]:
-    """Return the walls that an endless packing with these periods has: those that do not cut it."""
+    """Return the walls along the periods of an infinite packing; walls across them do not exist."""
     cut = np.abs(periods).max(axis=0) > 0
     return tuple(wall for wall in around if wall.is_side and (wall.tube or not cut[wall.axis]))
 
 
 def packing_bodies(assembly: Assembly) -> Bodies:
-    """Return the spheres of a packing, without strikers and without dead loads, in the order of
-    their ids.
+    """Return the spheres of a packing in the order of their ids, without strikers and dead loads.
 
     Raises
     ------
     InputError
-        There is friction, and the axis of a cylinder is not along x, y or z; or a holder rubs.
+        A holder has friction, or a cylinder with friction has an axis that is not along x, y or z.
     """
     case = assembly.case
     if case.has_holder_friction:
@@ -261,95 +286,142 @@ def packing_bodies(assembly: Assembly) -> Bodies:
     sites = assembly.sites
     inside = assembly.ids <= assembly.lattice.n_spheres
     ids = assembly.ids[inside]
-    there, kind = np.unique(sites.body[sites.present], return_inverse=True)
-    kinds = [sites.bodies[number] for number in there.tolist()]
+    numbers, kind = np.unique(sites.body[sites.present], return_inverse=True)
+    kinds = [sites.bodies[number] for number in numbers.tolist()]
     kind = kind.astype(np.int64)
-    lacking = np.zeros((len(kinds), 6), dtype=bool)  # cylinders turn about their axis alone
-    for row, (_, shape) in enumerate(kinds):
-        if shape is not None:
-            along = np.abs(shape.vector) > 1 - _ALONG
-            if case.has_friction and not along.any():
-                raise InputError(
-                    f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by friction, expected an "
-                    "axis along x, y or z, or contact.friction = 0"
-                )
-            lacking[row, 3:] = ~along
-    held = lacking[kind]
+    fixed = _fixed_rotations(case, kinds)[kind]
     for entry in case.holds.values():
         chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
         for axis in entry.axes:
-            held[chosen, "xyz".index(axis)] = True
+            fixed[chosen, "xyz".index(axis)] = True
         if entry.rotation:
-            held[chosen, 3:] = True
+            fixed[chosen, 3:] = True
     position = assembly.positions()[inside]
     around = walls(assembly)
-    stage = case.precompression
-    presses = {
-        tuple(wall.name for wall in pressed): len(pressed) * stage.presses[name]
-        for name, pressed in pressed_walls(assembly).items()
-    } if stage else {}  # fmt: skip
-    acts = {wall.name: touched_by(assembly, wall) for wall in around}
+    touched = {}
+    for wall in around:
+        rows = touched_by(assembly, wall)
+        if rows is not None:
+            touched[wall.name] = rows[ids - 1]
     return Bodies(
-        assembly, PairLaws(case, tuple(kinds)), ids, position,
-        assembly.sphere_diameters()[inside] / 2, assembly.sphere_masses()[inside], kind, ~held & moving("xyz", case), np.empty((0, 3)), around,
-        np.zeros_like(position), touched={name: one[ids - 1] for name, one in acts.items() if one is not None},
-        presses=presses,
-    )  # fmt: skip
+        assembly,
+        PairLaws(case, tuple(kinds)),
+        ids,
+        position,
+        radius=assembly.sphere_diameters()[inside] / 2,
+        mass=assembly.sphere_masses()[inside],
+        kind=kind,
+        moves=~fixed & moving("xyz", case),
+        periods=np.empty((0, 3)),
+        walls=around,
+        dead_load=np.zeros_like(position),
+        touched=touched,
+        presses=_presses(assembly),
+    )
+
+
+def _fixed_rotations(case: Case, kinds: Sequence[Body]) -> NDArray[np.bool_]:
+    """Return the directions in which kinds of grains cannot move: (n_kinds, 6).
+
+    Cylinders turn about their axis only.
+    """
+    fixed = np.zeros((len(kinds), 6), dtype=bool)
+    for row, (_, shape) in enumerate(kinds):
+        if shape is None:
+            continue
+        along = np.abs(shape.vector) > 1 - _ALONG
+        if case.has_friction and not along.any():
+            raise InputError(
+                f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by "
+                "friction, expected an axis along x, y or z, or contact.friction = 0"
+            )
+        fixed[row, 3:] = ~along
+    return fixed
+
+
+def _presses(assembly: Assembly) -> dict[tuple[str, ...], float]:
+    """Return the forces that press walls on a packing, by the names of the walls, N."""
+    stage = assembly.case.precompression
+    if stage is None:
+        return {}
+    presses = {}
+    for key, pressed in pressed_walls(assembly).items():
+        names = tuple(wall.name for wall in pressed)
+        presses[names] = len(pressed) * stage.presses[key]
+    return presses
 
 
 def moving(directions: str, case: Case) -> NDArray[np.bool_]:
-    """Degrees of freedom: those directions; with friction, rotations that contacts along them
-    resist.
+    """Return True for the translations along these directions, and with friction for rotations
+    that contacts along them resist: (1, 6).
     """
-    there = [axis in directions for axis in "xyz"]
-    turns = [case.has_friction and sum(there) - there[axis] > 1 for axis in range(3)]
-    return np.array([there + turns])
+    translations = [axis in directions for axis in "xyz"]
+    turns = [case.has_friction and sum(translations) - translations[axis] > 1 for axis in range(3)]
+    return np.array([translations + turns])
 
 
 def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:
     """Return the load on the cell for each strain that is free, N m; see `Bodies`."""
-    case = assembly.case
     stage = assembly.case.precompression
-    lattice = assembly.lattice
     assert stage is not None
+    fault = _fault_of_load(assembly, stage, cell)
+    if fault:
+        raise InputError(f"{assembly.case.name}: precompression.{fault}")
     lengths = np.abs(cell.periods).max(axis=0)
-    row = len(cell.periods) == 1
-    along_z = float(lengths[2])
+    if stage.moves_walls or len(cell.periods) == 1:
+        return {} if stage.force is None else {_ZZ: stage.force * float(lengths[2])}
+    if stage.rule.on_top and stage.force is not None:
+        return {_ZZ: stage.force * _length_per_force(assembly, cell)}
+    load = (stage.pressure or 0.0) * _volume(assembly, cell)
+    if stage.rule.on_top:
+        return {_ZZ: load}
+    axes = np.flatnonzero(lengths > 0).tolist()
+    loads = {(axis, axis): load for axis in axes}
+    return loads | dict.fromkeys(itertools.combinations(axes, 2), 0.0)
+
+
+def _fault_of_load(assembly: Assembly, stage: Precompression, cell: UnitCell) -> str:
+    """Return the key of a load that the cell cannot carry, and what is expected; empty without."""
+    is_row = len(cell.periods) == 1
+    ends_along_z = not cell.periods[:, 2].any()
     force = stage.force
     uniaxial = stage.rule.on_top
-    fault = ""
     if stage.moves_walls:
-        if force is not None and (not row or along_z == 0):
-            fault = (f"force: found {force:g} N beside walls on a packing that does not repeat along z alone, expected "
-                     "one that does")  # fmt: skip
-    elif row and not uniaxial:
-        fault = f'kind: found {show(stage.kind)} for a row, expected "uniaxial"'
-    elif uniaxial and along_z == 0:
-        fault = 'kind: found "uniaxial", but the packing ends along z'
-    elif row and force is None:
-        fault = "pressure: found a pressure on a row, expected a force (N)"
-    elif uniaxial and not row and force is not None and not isinstance(lattice, Lattice):
-        fault = (f"force: found {force:g} N on a packing that is endless across z, expected precompression.pressure "
-                 "(Pa)")  # fmt: skip
-    if fault:
-        raise InputError(f"{case.name}: precompression.{fault}")
-    if stage.moves_walls or row:
-        return {} if force is None else {(2, 2): force * along_z}
-    if uniaxial and force is not None:
-        if (
-            assembly.sites.uniform
-        ):  # a force on each sphere of a layer, of which the cell has one in each of its layers
-            spheres = len(cell.rows) if len(cell.periods) == 3 else 1
-            return {(2, 2): force * spheres * lattice.rule.layer_spacing * case.packing.diameter}
-        nx, ny, _ = lattice.shape
-        return {(2, 2): force * nx * ny * along_z}
-    volume = abs(float(np.linalg.det(cell.periods))) if len(cell.periods) == 3 else (
-        float(np.linalg.norm(np.cross(*cell.periods))) * lattice.diameter
-    )  # fmt: skip
-    load = (stage.pressure or 0.0) * volume
-    if uniaxial:
-        return {(2, 2): load}
-    axes = np.flatnonzero(lengths > 0).tolist()
-    return {(axis, axis): load for axis in axes} | {
-        pair: 0.0 for pair in itertools.combinations(axes, 2)
-    }
+        if force is not None and (not is_row or ends_along_z):
+            return (
+                f"force: found {force:g} N beside walls on a packing that does not repeat along z "
+                "alone, expected one that does"
+            )
+        return ""
+    if is_row and not uniaxial:
+        return f'kind: found {show(stage.kind)} for a row, expected "uniaxial"'
+    if uniaxial and ends_along_z:
+        return 'kind: found "uniaxial", but the packing ends along z'
+    if is_row and force is None:
+        return "pressure: found a pressure on a row, expected a force (N)"
+    is_file = not isinstance(assembly.lattice, Lattice)
+    if uniaxial and not is_row and force is not None and is_file:
+        return (
+            f"force: found {force:g} N on a packing that is endless across z, expected "
+            "precompression.pressure (Pa)"
+        )
+    return ""
+
+
+def _length_per_force(assembly: Assembly, cell: UnitCell) -> float:
+    """Return the load of a crystal's cell against uniaxial strain divided by the force on each
+    sphere of a layer, m.
+    """
+    lattice = assembly.lattice
+    if assembly.sites.uniform:  # the cell has a sphere in each of its layers
+        n_layers = len(cell.rows) if len(cell.periods) == 3 else 1
+        return float(n_layers * lattice.rule.layer_spacing * assembly.case.packing.diameter)
+    nx, ny, _ = lattice.shape
+    return nx * ny * float(np.abs(cell.periods[:, 2]).max())
+
+
+def _volume(assembly: Assembly, cell: UnitCell) -> float:
+    """Return the volume of a cell, m^3; with two periods, of a layer as thick as a diameter."""
+    if len(cell.periods) == 3:
+        return abs(float(np.linalg.det(cell.periods)))
+    return float(np.linalg.norm(np.cross(*cell.periods))) * assembly.lattice.diameter

@@ -82,13 +82,13 @@ class EnergyProblem:
 
     def deformation(self, x: Array) -> Array:
         """Deformation of the cell: (3, 3)."""
-        found = np.eye(3)
+        matrix = np.eye(3)
         strains = x[self.n_motions : self.n_of_grains]
         for (a, b), strain in zip(self.strains, strains, strict=True):
-            found[a, b] += strain
+            matrix[a, b] += strain
             if a != b:
-                found[b, a] += strain
-        return found
+                matrix[b, a] += strain
+        return matrix
 
     def uniform(self, strain: float) -> Array:
         """Unknowns of an even compression along the free strains that bear a load."""
@@ -212,7 +212,7 @@ def newton_step(
         direct = bool(np.abs(place[rows] - place[columns]).max() <= _SLENDER)
     if direct:
         return np.asarray(factorised(matrix).solve(-gradient))
-    found, _ = cg(
+    step, _ = cg(
         matrix, -gradient, rtol=1e-5, maxiter=4000, M=sparse.diags_array(1 / matrix.diagonal())
     )
-    return np.asarray(found)
+    return np.asarray(step)

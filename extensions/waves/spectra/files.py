@@ -18,13 +18,13 @@ import numpy as np
 from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.versions import versions_of
+from granwave.extensions.waves.files import SPECTRA_FILE
 from granwave.extensions.waves.spectra.band_structure import BandStructure
 from granwave.extensions.waves.spectra.bands import Modes
 from granwave.extensions.waves.spectra.network import FREEDOMS, Network
 from granwave.extensions.waves.spectra.states import State
 from granwave.extensions.waves.spectra.transmission import Transmission
 from granwave.lammps_inputs.files import regular
-from granwave.lammps_inputs.run_directory import SPECTRA_FILE
 
 Table = Mapping[str, tuple[Any, str]]  # values and unit by name
 

@@ -1,4 +1,4 @@
-"""Springs between grains: what remains of a packing for small motions about its static state.
+"""Springs between grains: the model of a packing for small motions about its static state.
 
 A contact of the grains i and j, with the unit vector e from i to j, the distance d of their
 centres, the static force F and the normal and tangential stiffnesses k_n and k_t, stores for small
@@ -7,13 +7,14 @@ displacements u and rotations q
     E = k_n/2 (e.(u_j - u_i))^2 - F/(2 d) |T (u_j - u_i)|^2 + k_t/2 |P (u_i - u_j) + (l_i q_i + l_j
     q_j) x e|^2 + k_r/2 |P (q_i - q_j)|^2 + k_w/2 (e.(q_i - q_j))^2
 
-with P = 1 - e e and the lever arms l; k_r and k_w resist rolling and twisting. The second term is of the static force, which turns with the contact: T = P for
-spheres, T = P - a a at the side of a cylinder with the axis a, along which nothing turns (d is then the distance from
-the axis), and T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R it is
-+ F/(2 (R - r)) times the square of the motion around the axis.
+with P = 1 - e e and the lever arms l; k_r and k_w resist rolling and twisting. The second term is
+due to the static force, which turns with the contact: T = P for spheres, T = P - a a at the side of
+a cylinder with the axis a, along which nothing turns (d is then the distance from the axis), and
+T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R the term
+is + F/(2 (R - r)) times the square of the motion around the axis.
 
-The numbers may come from a packing (`granwave.extensions.waves.spectra.bodies`), or from anything else that
-acts like springs.
+The stiffnesses come from a packing (`granwave.extensions.waves.spectra.bodies`), or from anything
+else that acts like springs.
 """
 
 from __future__ import annotations
@@ -47,7 +48,8 @@ class Springs:
     normal
         Unit vectors from the first to the second: (n, 3).
     distance
-        Distances of the centres, infinite at a plane; in a tube minus that from its axis: (n,), m.
+        Distances of the centres, infinite at a plane; in a tube minus the distance from its axis:
+        (n,), m.
     force
         Static forces, compression positive: (n,), N.
     stiffness, tangential
@@ -55,10 +57,10 @@ class Springs:
     lever
         Lever arms of both grains: (n, 2), m.
     turns
-        Projections T, see the module; of spheres as of `across`, in a tube on the direction around
-        it: (n, 3, 3).
+        Projections T, see the module; for spheres as from `across`, in a tube on the direction
+        around it: (n, 3, 3).
     wall
-        Names of the walls, empty for pairs: (n,); None if there are pairs alone.
+        Names of the walls, empty for pairs: (n,); None if there are only pairs.
     rolling, twisting
         Stiffnesses against rolling and twisting: (n,), N m; None if nothing resists these.
     """
@@ -88,13 +90,11 @@ def across(normal: Array) -> Array:
 
 def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(None)) -> _Table:
     """Put tables of arrays below each other, and return the rows that are kept."""
-    names = [field.name for field in dataclasses.fields(tables[0])]
-    columns: dict[str, Any] = {name: [getattr(table, name) for table in tables] for name in names}
-    whole = {
-        name: None if parts[0] is None else np.concatenate(parts)[kept]
-        for name, parts in columns.items()
-    }
-    return type(tables[0])(**whole)
+    columns: dict[str, Any] = {}
+    for field in dataclasses.fields(tables[0]):
+        parts = [getattr(table, field.name) for table in tables]
+        columns[field.name] = None if parts[0] is None else np.concatenate(parts)[kept]
+    return type(tables[0])(**columns)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -106,16 +106,15 @@ class Network:
     ids
         Ids of the grains: (n,).
     position
-        Places before the load, to which wave vectors refer: (n, 3), m.
+        Positions before the load, to which wave vectors refer: (n, 3), m.
     mass, inertia
         Masses and moments of inertia: (n,), kg and kg m^2.
     moves
         True for the directions in which a grain moves, in the order of `FREEDOMS`: (n, 6).
     periods
-        Vectors after which the packing repeats, before the load: (n_periods, 3), m; none of a
-        finite packing.
+        Periods of the packing before the load: (n_periods, 3), m; a finite packing has none.
     contacts
-        All contacts; ``springs`` are those of grains, ``supports`` those with walls.
+        All contacts: ``springs`` between grains, and ``supports`` at walls.
     left_out
         Ids of grains without static load, which belong to no wave: (m,).
     """
@@ -171,21 +170,19 @@ class Network:
         return np.where(direction < 3, self.mass[grain], self.inertia[grain])
 
     def turned_off(self, directions: str) -> Network:
-        """Return the network with grains that move in some directions only, of "xyz", and turn as
-        these allow.
+        """Return the network with grains that move in some of the directions "xyz" only, and turn
+        about axes across these.
         """
-        kept = np.array([letter in directions for letter in "xyz"])
-        turns = np.array([kept[[b for b in range(3) if b != a]].any() for a in range(3)])
-        return dataclasses.replace(self, moves=self.moves & np.concatenate([kept, turns]))
+        x, y, z = (axis in directions for axis in "xyz")
+        allowed = np.array([x, y, z, y or z, x or z, x or y])
+        return dataclasses.replace(self, moves=self.moves & allowed)
 
     def without_idle(self) -> Network:
-        """Return the network without the grains that bear no static load, which nothing touches:
-        they are left out.
-        """
+        """Return the network without the grains that carry no static load; they are left out."""
         contacts = self.contacts
-        present = np.zeros(self.n_grains + 1, dtype=bool)
-        # walls are the row beyond the last
-        present[contacts.first] = present[contacts.second] = True
+        present = np.zeros(self.n_grains + 1, dtype=bool)  # the last row is the walls
+        present[contacts.first] = True
+        present[contacts.second] = True
         present = present[:-1]
         row = np.append(np.cumsum(present) - 1, -1)
         own = {

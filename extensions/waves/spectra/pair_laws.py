@@ -75,11 +75,11 @@ class Touches:
         loading = (a >= dent) & (a > self.law.elastic_limit)
         slope = self._unloading(a, peak)
         if loading.any():
-            one = a[loading]
+            loaded = a[loading]
             slope[loading] = (
-                self.law.loading_force(one * (1 + _STEP))
-                - self.law.loading_force(one * (1 - _STEP))
-            ) / (2 * _STEP * one)
+                self.law.loading_force(loaded * (1 + _STEP))
+                - self.law.loading_force(loaded * (1 - _STEP))
+            ) / (2 * _STEP * loaded)
         return scale**2 * force, scale * slope, scale**3 * work
 
     def small(self, overlap: Array, peak: Array, scale: Array) -> tuple[Array, Array, Array]:
@@ -172,9 +172,9 @@ class PairLaws:
         InputError
             The dents come from a file, or belong to regions.
         """
-        given = self.case.contact.initial_overlap
-        if isinstance(given, str) or (
-            isinstance(given, tuple) and any(one.low or one.high for one in given)
+        overlap = self.case.contact.initial_overlap
+        if isinstance(overlap, str) or (
+            isinstance(overlap, tuple) and any(limit.low or limit.high for limit in overlap)
         ):
             raise InputError(
                 f"{self.case.name}: contact.initial_overlap: found dents that differ from place to place; "
@@ -191,7 +191,7 @@ class PairLaws:
         """True if there are cylinders."""
         return any(self.shapes)
 
-    def pairs(self, one: Ints, other: Ints, radii: Array) -> list[Part]:
+    def pairs(self, kind: Ints, other_kind: Ints, radii: Array) -> list[Part]:
         """Return the laws of pairs of kinds (n,), each with its rows and their scales.
 
         Parameters
@@ -199,11 +199,11 @@ class PairLaws:
         radii
             Radii of both grains: (n, 2), m.
         """
-        swap = one > other
-        low = np.where(swap, other, one)
-        high = np.where(swap, one, other)
+        swap = kind > other_kind
+        low = np.where(swap, other_kind, kind)
+        high = np.where(swap, kind, other_kind)
         radii = np.where(swap[:, None], radii[:, ::-1], radii)
-        found: list[Part] = []
+        parts: list[Part] = []
         code = low * len(self.bodies) + high
         for each in np.unique(code).tolist():
             rows = np.flatnonzero(code == each)
@@ -220,14 +220,14 @@ class PairLaws:
                 scale = np.array([geometry.effective_radius(*size) for size in sizes.tolist()])[
                     which.ravel()
                 ]
-            found += self._parts(bodies[0], bodies[1], contact.friction, rows, own, scale)
-        return found
+            parts += self._parts(bodies[0], bodies[1], contact.friction, rows, own, scale)
+        return parts
 
     def wall(self, wall: Wall, kind: Ints, radius: Array) -> list[Part]:
         """Return the laws of grains of kinds (n,) and radii (n,), m, at a wall, each with its rows
         and their scales.
         """
-        found: list[Part] = []
+        parts: list[Part] = []
         for n, (material, shape) in enumerate(self.bodies):
             if len(rows := np.flatnonzero(kind == n)):
                 by_size = (
@@ -238,10 +238,10 @@ class PairLaws:
                 scale = wall.effective_radii(radius[rows])
                 friction = wall_friction(self.case, wall, material)
                 flat = (wall.material, None)
-                found += self._parts(
+                parts += self._parts(
                     self.bodies[n], flat, friction, rows, radii, None if by_size else scale
                 )
-        return found
+        return parts
 
     def _parts(
         self,

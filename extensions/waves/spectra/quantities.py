@@ -1,15 +1,8 @@
-"""Default numbers of wave vectors, bands and modes.
-
-The quantities of ``bands.json``, ``modes.json`` and ``transmission.json``.
-"""
+"""Quantities of ``bands.json``, ``modes.json`` and ``transmission.json``."""
 
 from __future__ import annotations
 
 from granwave.analysis.quantities import Quantity
-
-POINTS = 61  # wave vectors of a stretch of the path
-MOST_BANDS = 30  # of a large cell
-MOST_MODES = 60  # of a large packing
 
 _OF_ALL = (
     Quantity("name"),

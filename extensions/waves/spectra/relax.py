@@ -101,8 +101,8 @@ def relax(bodies: Bodies) -> StaticState:
     elastic = PairLaws(elastic_case(bodies.case), bodies.laws.bodies)
     pressed, x = _balance(EnergyProblem(dataclasses.replace(bodies, laws=elastic)))
     n = len(x) - len(bodies.presses)
-    held = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
-    state = _balance(EnergyProblem(held), x[:n])[0]
+    confined = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
+    state = _balance(EnergyProblem(confined), x[:n])[0]
     _check_presses(bodies, state, x[n:])
     return state
 
@@ -123,9 +123,9 @@ def _check_presses(bodies: Bodies, state: StaticState, distances: Array) -> None
     name = bodies.case.name
     contacts = state.bodies.near(state.position, state.periods, 0.0)
     springs = state.bodies.springs(contacts)
-    for distance, (walls, asked) in zip(distances, bodies.presses.items(), strict=True):
+    for distance, (walls, applied) in zip(distances, bodies.presses.items(), strict=True):
         key = f"precompression.{walls[0].removesuffix('lo')}_force"
-        each = asked / len(walls)
+        each = applied / len(walls)
         if distance < 0:
             raise InputError(
                 f"{name}: {key}: found {each:g} N, less than the packing presses on walls that "
@@ -147,12 +147,12 @@ def _balance(problem: EnergyProblem, start: Array | None = None) -> tuple[Static
     first = _start(problem) if start is None else start
     x, now = _search(problem, first)
     if (problem.loaded or now.largest) and not _balanced(problem, now):
-        for other, way in _other_ways(problem):
-            there, at = way(other, first)
-            if _balanced(other, at):
+        for other, method in _other_ways(problem):
+            unknowns, evaluation = method(other, first)
+            if _balanced(other, evaluation):
                 problem = other
-                x = there
-                now = at
+                x = unknowns
+                now = evaluation
                 break
     net = _net(problem, now)
     residual = net / now.largest if now.largest else 0.0
@@ -239,14 +239,14 @@ def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
         while holding < _RIGID * stiffness:
             move = newton_step(now.hessian, now.gradient, holding=holding)
             if problem.largest_approach(now, move) <= reach:
-                there = problem.at(x + move)
-                if there.energy < now.energy or _net(problem, there) < _net(problem, now):
+                trial = problem.at(x + move)
+                if trial.energy < now.energy or _net(problem, trial) < _net(problem, now):
                     break
             holding *= _STIFFER
         else:
             break
         x = x + move
-        now = there
+        now = trial
         holding = max(holding / _SOFTER, SOFT * stiffness)
     return x, now
 
@@ -263,11 +263,11 @@ def _downhill(
     if (approach := problem.largest_approach(now, move)) > margin:
         size = margin / approach
     while size >= _SMALLEST_STEP:
-        there = problem.at(x + size * move)
+        trial = problem.at(x + size * move)
         slack = 1e-13 * abs(now.energy)
-        lower = not problem.with_turning and there.energy <= now.energy + slack
-        if lower or _net(problem, there) < net:
-            return x + size * move, there
+        lower = not problem.with_turning and trial.energy <= now.energy + slack
+        if lower or _net(problem, trial) < net:
+            return x + size * move, trial
         size /= 2
     return None
 
@@ -286,7 +286,9 @@ def _start(problem: EnergyProblem) -> Array:
     diagonal = [
         place for place, (a, b) in enumerate(problem.strains, start=problem.n_motions) if a == b
     ]
-    load = sum(problem.bodies.stress[one] for one in problem.strains if one[0] == one[1])
+    load = sum(
+        problem.bodies.stress[strain] for strain in problem.strains if strain[0] == strain[1]
+    )
     if not diagonal or not load:
         forces = problem.bodies.dead_load.any() or problem.bodies.presses
         return problem.by_linear_springs() if forces else np.zeros(problem.n)

@@ -73,23 +73,25 @@ def _peaks(result: Result, ids: Ints) -> Callable[[NeighbourPairs | Springs], Ar
     """Return a function that gives the largest overlaps of contacts before the impact, given rows
     of these ids.
     """
-    known = pd.Series(dtype=float)
+    initial_overlaps = pd.Series(dtype=float)
     for group, names in (("contacts", ("i", "j")), ("wall_contacts", ("id", "wall"))):
         if f"{group}/initial_overlap" in result:
             keys = [result[f"{group}/{name}"] for name in names]
             keys = keys if group == "wall_contacts" else list(np.sort(np.stack(keys), axis=0))
             index = pd.MultiIndex.from_arrays([keys[0], keys[1].astype(str)])
             table = pd.Series(result[f"{group}/initial_overlap"], index)
-            known = table if known.empty else pd.concat([known, table])
+            initial_overlaps = (
+                table if initial_overlaps.empty else pd.concat([initial_overlaps, table])
+            )
 
     def peaks(contacts: NeighbourPairs | Springs) -> Array:
-        if known.empty:
+        if initial_overlaps.empty:
             return np.zeros(len(contacts))
         low, high = np.sort([ids[contacts.first], ids[contacts.second]], axis=0)
         wall = contacts.second < 0
         partner = np.where(wall, contacts.wall, high.astype(str))
         index = pd.MultiIndex.from_arrays([np.where(wall, ids[contacts.first], low), partner])
-        return known.reindex(index, fill_value=0.0).to_numpy()
+        return initial_overlaps.reindex(index, fill_value=0.0).to_numpy()
 
     return peaks
 
@@ -144,14 +146,15 @@ def mean_cell(result: Result) -> MeanCell:
         np.arange(len(image)), (image != 0).argmax(axis=1)
     ]  # first number other than zero
     swap = (basis[first] > basis[second]) | ((basis[first] == basis[second]) & (leading < 0))
-    one = np.where(swap, basis[second], basis[first])
-    other = np.where(swap, basis[first], basis[second])
+    origin = np.where(swap, basis[second], basis[first])
+    target = np.where(swap, basis[first], basis[second])
     overlap = bodies.radius[first] + bodies.radius[second] - springs.distance
     sign = np.where(swap, -1, 1)[:, None]
     keys = ["first", "second", *(f"image{axis}" for axis in range(image.shape[1]))]
-    table = pd.DataFrame(np.column_stack([one, other, sign * image]), columns=keys)
+    table = pd.DataFrame(np.column_stack([origin, target, sign * image]), columns=keys)
     table[["x", "y", "z"]] = sign * springs.normal * springs.distance[:, None]
-    table["overlap"], table["peak"] = overlap, np.maximum(left.peaks(springs), overlap)
+    table["overlap"] = overlap
+    table["peak"] = np.maximum(left.peaks(springs), overlap)
     cells = table[kept].groupby(keys)
     if not cells.ngroups:
         raise InputError(f"{case.name}: found no contact inside the packing; give a larger one")

@@ -81,8 +81,8 @@ def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
     if slab:
         return _slab_state(source)
     if isinstance(source, Assembly):
-        found = relax(cell_bodies(source))
-        return _state(source, found.network, "case", found.residual, found.periods)
+        relaxed = relax(cell_bodies(source))
+        return _state(source, relaxed.network, "case", relaxed.residual, relaxed.periods)
     with Result(source) as result:
         mean = mean_cell(result)
         network = mean.network
@@ -142,19 +142,19 @@ def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
         raise InputError(
             f"{case.name}: precompression: missing; contacts that only touch have no stiffness: give a static load"
         )
-    found = relax(bodies)
-    network = found.network
-    refuse_moved(assembly, bodies, network, found.position)
-    refuse_pushed(assembly, network, found.position)
-    return _state(assembly, network, "case", found.residual, found.periods)
+    relaxed = relax(bodies)
+    network = relaxed.network
+    refuse_moved(assembly, bodies, network, relaxed.position)
+    refuse_pushed(assembly, network, relaxed.position)
+    return _state(assembly, network, "case", relaxed.residual, relaxed.periods)
 
 
 def _slab_state(source: Assembly | Path) -> State:
     """Return the state of a column of a packing that repeats sideways, or of all of it where its
     grains differ.
     """
-    found = source if isinstance(source, Assembly) else packing_state(source)
-    assembly = found if isinstance(found, Assembly) else found.assembly
+    state = source if isinstance(source, Assembly) else packing_state(source)
+    assembly = state if isinstance(state, Assembly) else state.assembly
     case = assembly.case
     refuse_parts(assembly)
     bodies = whole(assembly)
@@ -163,8 +163,8 @@ def _slab_state(source: Assembly | Path) -> State:
             f'{case.name}: --slab: found a packing that does not repeat sideways, expected boundary.sides = "periodic" '
             "(of a lattice with layers, or of grains with packing.cell)"
         )
-    if isinstance(found, State):
-        return found
+    if isinstance(state, State):
+        return state
     lattice = assembly.lattice
     if isinstance(lattice, Lattice) and assembly.sites.uniform and not holds_some(case):
         nx, ny, nz = lattice.shape

@@ -58,20 +58,20 @@ def _strains(network: Network) -> tuple[list[Array], list[Array]]:
     turn = _cross(springs.normal)
     none = np.zeros_like(turn)
     aside = across(normal)
-    found = []
+    strains = []
     for side, lever in ((1.0, springs.lever[:, 0]), (-1.0, springs.lever[:, 1])):
         stretch = np.concatenate([side * normal, np.zeros_like(normal)], axis=1)[:, None, :]
         turning = np.concatenate([side * springs.turns, none], axis=2)
         slip = np.concatenate([side * aside, -lever[:, None, None] * turn], axis=2)
         rolling = np.concatenate([none, side * aside], axis=2)
         twisting = np.concatenate([np.zeros_like(normal), side * normal], axis=1)[:, None, :]
-        found.append([stretch, turning, slip, rolling, twisting])
-    return found[0], found[1]
+        strains.append([stretch, turning, slip, rolling, twisting])
+    return strains[0], strains[1]
 
 
-def _block(one: list[Array], other: list[Array], weights: list[Array]) -> Array:
+def _block(first: list[Array], second: list[Array], weights: list[Array]) -> Array:
     """Sum of the products of strains, the first ones, with their stiffnesses: (n, 6, 6)."""
-    parts = zip(one[: len(weights)], other[: len(weights)], weights, strict=True)
+    parts = zip(first[: len(weights)], second[: len(weights)], weights, strict=True)
     return np.sum([np.einsum("n,nra,nrb->nab", w, a, b) for a, b, w in parts], axis=0)
 
 
@@ -105,13 +105,13 @@ class Stiffness:
     def _scaled(self) -> tuple[sparse.csr_array, list[sparse.csr_array]]:
         """M^(-1/2) K M^(-1/2) of K_0 and of each K_R."""
         scale = sparse.diags_array(1 / np.sqrt(self.network.masses))
-        return scale @ self.own @ scale, [scale @ one @ scale for one in self.others]
+        return scale @ self.own @ scale, [scale @ block @ scale for block in self.others]
 
     @cached_property
     def _dense(self) -> tuple[Array, Array]:
         own, others = self._scaled
         n = self.network.n_freedoms
-        return own.toarray(), np.array([one.toarray() for one in others]).reshape(-1, n, n)
+        return own.toarray(), np.array([block.toarray() for block in others]).reshape(-1, n, n)
 
     @cached_property
     def largest(self) -> float:
@@ -121,7 +121,7 @@ class Stiffness:
     @property
     def total(self) -> sparse.csr_array:
         """K(0), of all cells that move alike: (n_freedoms, n_freedoms), N/m."""
-        return sparse.csr_array(sum((one + one.T for one in self.others), start=self.own))
+        return sparse.csr_array(sum((block + block.T for block in self.others), start=self.own))
 
     def _phases(self, k: Array, axis: int | None) -> Complex:
         """Factors of the K_R at wave vectors (n_k, 3), or their slopes along an axis: (n_k,
@@ -141,15 +141,13 @@ class Stiffness:
     def matrix(self, k: Array, axis: int | None = None) -> sparse.csr_array:
         """Return D(k), or dD/dk along an axis, of one wave vector (3,), rad/m, as a sparse matrix."""
         own, others = self._scaled
-        found = (
-            own.astype(np.complex128)
-            if axis is None
-            else sparse.csr_array(own.shape, dtype=np.complex128)
-        )
-        for phase, one in zip(self._phases(k[None], axis)[0], others, strict=True):
-            part = one * phase
-            found = found + part + part.conj().T
-        return found.tocsr()
+        matrix = sparse.csr_array(own.shape, dtype=np.complex128)
+        if axis is None:
+            matrix = own.astype(np.complex128)
+        for phase, block in zip(self._phases(k[None], axis)[0], others, strict=True):
+            part = block * phase
+            matrix = matrix + part + part.conj().T
+        return matrix.tocsr()
 
     @property
     def small(self) -> bool:
@@ -161,20 +159,20 @@ class Stiffness:
         """Number of wave vectors whose spectra are found at once."""
         return max(1, _BATCH // self.network.n_freedoms**2) if self.small else 1
 
-    def spectrum(self, k: Array, wanted: int) -> tuple[Array, Complex]:
+    def spectrum(self, k: Array, n_bands: int) -> tuple[Array, Complex]:
         """Return the lowest omega^2 and their vectors at wave vectors (n_k, 3), rad/m.
 
         Returns
         -------
         ndarray, ndarray
-            (n_k, wanted), s^-2, rising, and (n_k, n_freedoms, wanted).
+            (n_k, n_bands), s^-2, rising, and (n_k, n_freedoms, n_bands).
         """
         if self.small:
             values, vectors = np.linalg.eigh(self.dense(k))
-            return values[:, :wanted], vectors[:, :, :wanted]
-        found = [lowest(self.matrix(one), wanted, self.largest) for one in k]
-        return np.array([values for values, _ in found]), np.array(
-            [vectors for _, vectors in found]
+            return values[:, :n_bands], vectors[:, :, :n_bands]
+        pairs = [lowest(self.matrix(vector), n_bands, self.largest) for vector in k]
+        return np.array([values for values, _ in pairs]), np.array(
+            [vectors for _, vectors in pairs]
         )
 
     def slope(self, k: Array, axis: int, vectors: Complex) -> Complex:
@@ -182,7 +180,7 @@ class Stiffness:
         if self.small:
             return np.asarray(self.dense(k, axis) @ vectors)
         return np.array(
-            [self.matrix(one, axis) @ part for one, part in zip(k, vectors, strict=True)]
+            [self.matrix(vector, axis) @ part for vector, part in zip(k, vectors, strict=True)]
         )
 
 
@@ -226,12 +224,12 @@ def stiffness_of(network: Network) -> Stiffness:
     images = np.unique(springs.image[~inside], axis=0)
     others = []
     for image in images:
-        there = np.flatnonzero((springs.image == image).all(axis=1))
-        others.append(gathered(springs.first[there], springs.second[there], between[there]))
+        rows = np.flatnonzero((springs.image == image).all(axis=1))
+        others.append(gathered(springs.first[rows], springs.second[rows], between[rows]))
     return Stiffness(network, own.tocsr(), images, tuple(others))
 
 
-def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
+def lowest(matrix, n_bands: int, largest: float) -> tuple[Array, Complex]:  # type: ignore[no-untyped-def]
     """Return the lowest eigenvalues of a sparse Hermitian matrix, rising, and their vectors.
 
     Raises
@@ -241,18 +239,18 @@ def lowest(matrix, wanted: int, largest: float) -> tuple[Array, Complex]:  # typ
     """
     try:
         if matrix.shape[0] > _FACTORISED_UP_TO:
-            basis = min(matrix.shape[0] - 1, max(4 * wanted, 60))
+            basis = min(matrix.shape[0] - 1, max(4 * n_bands, 60))
             values, vectors = eigsh(
-                matrix, k=wanted, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS
+                matrix, k=n_bands, which="SA", ncv=basis, tol=_PRECISION, maxiter=_MOST_RESTARTS
             )
         else:
             shift = -_BELOW * largest
             inverse = factorised(matrix - shift * sparse.eye_array(matrix.shape[0]))
             operator = LinearOperator(matrix.shape, inverse.solve, dtype=matrix.dtype)
-            values, vectors = eigsh(matrix, k=wanted, sigma=shift, which="LM", OPinv=operator)
+            values, vectors = eigsh(matrix, k=n_bands, sigma=shift, which="LM", OPinv=operator)
     except ArpackNoConvergence as error:
         raise RunError(
-            f"the lowest {wanted} frequencies were not found ({error}); ask for fewer (--bands)"
+            f"the lowest {n_bands} frequencies were not found ({error}); ask for fewer (--bands)"
         ) from None
     order = np.argsort(values)
     return values[order], vectors[:, order]

@@ -4,23 +4,24 @@ One grain is moved along an axis by exp(-i omega t); all others follow
 
     (K + S(omega) - omega^2 M) u = 0
 
-with S of the end: none (reflecting), a matched one, or a layer. Behind a matched end the packing
-goes on without end: with the stiffness A of the contacts of a grain of the last layer with those
-before it, and B of its contacts with side walls, along each principal direction
+where S describes the end: none (reflecting), a matched end, or a layer. A matched end acts like an
+infinite continuation of the packing. With the stiffness A of the contacts between a grain of the
+last layer and the grains before it, and the stiffness B of its contacts with side walls, along each
+principal direction
 
     S = A (1 - exp(i q)),   cos q = 1 - (m omega^2 - B)/(2 A)
 
-which is exact for a chain of like beads, and for layers of a lattice that move as wholes. In a
-layer the grains are damped, S = -2 i omega w m x^2, x rising from 0 to 1 along it, w the highest
-frequency of the packing over 20. Walls across the axis do not hold the grains of the end, side
-walls do. Grains that the case lets absorb waves are damped as in its runs, and contacts lose what
-they do there, -i omega C.
+This is exact for a chain of identical beads, and for lattice layers that move as a whole. In a
+layer the grains are damped, S = -2 i omega w m x^2, where x rises from 0 to 1 along the layer and w
+is the highest frequency of the packing divided by 20. Walls across the axis do not hold the grains
+of the end; side walls do. Absorbing grains of the case and lossy contacts are damped as in its
+runs, by -i omega C.
 
-A contact of the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
+A contact with the slope k = dF/d(overlap) resists the rate of its overlap by c = A k with the loss
 time A (``contact.loss``), or by c = alpha sqrt(2/3 m* k) with the factor alpha of a dashpot and the
-effective mass m*, as in the runs: grains that are held or driven along the normal do not move. A
-network whose springs have c for k, no static force and no friction has the matrix of these dampers
-for its stiffness.
+effective mass m*, as in the runs: grains that are held or driven along the normal do not move. The
+matrix of these dampers is the stiffness of a network with c in place of k, no static force and no
+friction.
 """
 
 from __future__ import annotations
@@ -38,6 +39,7 @@ from scipy import sparse
 
 from granwave.extensions.waves.spectra.network import Array, Network, Springs, joined
 from granwave.extensions.waves.spectra.stiffness import Stiffness, factorised, stiffness_of
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_tables import Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
@@ -49,20 +51,21 @@ from granwave.lammps_inputs.packing.walls import walls
 REFLECTING = "reflecting"
 MATCHED = "matched"
 LAYER = "layer"
-# wall, and direction of its damper
-BOTTOM = "bottom"
+BOTTOM = "bottom"  # wall above a damper
+_Z = 2  # direction of the damper
 _RESISTANCES = ("rolling", "twisting")
-_Z = 2
-_FACING = 0.5  # part of a wall's normal along an axis, above which the wall is across it
-_END_LAYER = 0.45  # mean diameters: grains so near to the last one are of the last layer
-_SHARE_OF_HIGHEST = 0.05  # of the highest frequency of a packing: damping at the end of a layer
-_HELD = 1e-12  # of an inverse mass, relative to that of free grains: less is rounding of the normal
+_FACING = 0.5  # part of a wall's normal along an axis above which the wall is across the axis
+_END_LAYER = (
+    0.45  # distance from the last grain within which grains are in the last layer, mean diameters
+)
+_SHARE_OF_HIGHEST = 0.05  # damping rate at the end of a layer divided by the highest frequency
+_HELD = 1e-12  # inverse mass relative to free grains below which it is rounding of the normal
 _FORM = '"reflecting", "matched" or "layer:N" with the number of grains along the axis'
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
 class Transmission:
-    """Steady motion of sensors over that of the drive.
+    """Steady motion of sensors relative to the drive.
 
     Attributes
     ----------
@@ -73,12 +76,12 @@ class Transmission:
     frequency
         (n_frequencies,), Hz.
     ratio
-        Complex ratios of displacements: (n_frequencies, n_sensors); the phase is that of a motion
-        cos(2 pi f t).
+        Complex ratios of displacements: (n_frequencies, n_sensors). Phases are relative to the
+        motion cos(2 pi f t) of the drive.
     end
         Kind of the far end.
     together
-        Ids of the grains that are moved as the drive is.
+        Ids of the grains that move with the drive.
     """
 
     drive: int
@@ -96,8 +99,8 @@ class Transmission:
 
     @property
     def phase(self) -> Array:
-        """Phases of the sensors behind the drive, -pi to pi: (n_frequencies, n_sensors), rad;
-        negative: later.
+        """Phases of the sensors, -pi to pi, negative if they lag behind the drive: (n_frequencies,
+        n_sensors), rad.
         """
         return np.asarray(-np.angle(self.ratio))
 
@@ -140,7 +143,7 @@ def transmission(
     Raises
     ------
     InputError
-        A grain is not there, or cannot move along the axis.
+        A grain does not exist, or cannot move along the axis.
     """
     end = end or REFLECTING
     layer = re.fullmatch(rf"{LAYER}:([1-9]\d*)", end)
@@ -163,47 +166,82 @@ def transmission(
         else:
             matched = _matched(network, last)
 
-    def place_of(grain: int, option: str) -> int:
-        place = int(network.numbers[_row(network, grain, option), direction])
-        if place < 0:
-            raise InputError(
-                f"{option}: grain {grain} is held along {axis}, expected one that moves"
-            )
-        return place
-
-    driven = [place_of(grain, "--drive") for grain in dict.fromkeys((drive, *together))]
-    places = [place_of(sensor, "--sensor") for sensor in sensors]
-    mass = sparse.diags_array(network.masses)
+    driven = [
+        _unknown_of(network, grain, axis, "--drive") for grain in dict.fromkeys((drive, *together))
+    ]
+    measured = [_unknown_of(network, sensor, axis, "--sensor") for sensor in sensors]
     damping = sparse.diags_array(resisting[network.freedoms]).tocsc()
     if losses is not None:
         damping = damping + stiffness_of(losses).total
-    # stiffnesses and damping constants between each freedom and the bottom
-    below, lost = np.zeros((2, network.n_freedoms))
-    place = network.numbers[network.supports.first, _Z]
-    rows = np.flatnonzero((network.supports.wall == BOTTOM) & (place >= 0))
-    below[place[rows]] = network.supports.stiffness[rows]
-    lost[place[rows]] = 0.0 if losses is None else losses.supports.stiffness[rows]
-    on_plate = bottom is not None and bool(below.any())
-    n_unknowns = network.n_freedoms + on_plate
-    others = np.delete(np.arange(n_unknowns), driven)
-    ratio = np.zeros((len(frequency), len(places)), dtype=np.complex128)
-    for row, one in enumerate(frequency.tolist()):
-        omega = 2 * np.pi * one
-        whole = stiffness.total - omega**2 * mass - 1j * omega * damping
+    mass = sparse.diags_array(network.masses)
+    plate = _Plate.of(network, losses, bottom)
+    ratio = np.zeros((len(frequency), len(measured)), dtype=np.complex128)
+    for row, frequency_Hz in enumerate(frequency.tolist()):
+        omega = 2 * np.pi * frequency_Hz
+        matrix = stiffness.total - omega**2 * mass - 1j * omega * damping
         if matched is not None:
-            whole = whole + matched(omega)
-        if on_plate:  # the last unknown is the motion of the plate along z
-            coupling = sparse.csc_array((below - 1j * omega * lost)[:, None])
-            own = sparse.csc_array([[coupling.sum() - 1j * omega * (bottom or 0.0)]])
-            whole = sparse.block_array([[whole, -coupling], [-coupling.T, own]])
-        whole = whole.astype(np.complex128).tocsc()
-        column = np.asarray(whole[:, driven].sum(axis=1)).ravel()
-        motion = np.zeros(n_unknowns, dtype=np.complex128)
-        motion[driven] = 1.0
-        if len(others):
-            motion[others] = factorised(whole[others][:, others]).solve(-column[others])
-        ratio[row] = motion[places]
+            matrix = matrix + matched(omega)
+        if plate is not None:
+            matrix = plate.coupled(matrix, omega)
+        ratio[row] = _response(matrix.astype(np.complex128).tocsc(), driven)[measured]
     return Transmission(drive, tuple(sensors), axis, frequency, ratio, end, tuple(together))
+
+
+def _unknown_of(network: Network, grain: int, axis: str, option: str) -> int:
+    """Return the number of the displacement of a grain along an axis."""
+    unknown = int(network.numbers[_row(network, grain, option), "xyz".index(axis)])
+    if unknown < 0:
+        raise InputError(f"{option}: grain {grain} is held along {axis}, expected one that moves")
+    return unknown
+
+
+@dataclasses.dataclass(frozen=True)
+class _Plate:
+    """Plate without mass on a damper, below the grains that touch the bottom.
+
+    Attributes
+    ----------
+    stiffness, damping
+        Stiffness and damping constant between each unknown and the plate: (n_freedoms,), N/m and
+        N s/m.
+    damper
+        Constant of the damper, N s/m.
+    """
+
+    stiffness: Array
+    damping: Array
+    damper: float
+
+    @classmethod
+    def of(cls, network: Network, losses: Network | None, damper: float | None) -> _Plate | None:
+        """Return the plate below a network; None for a bottom at rest, or without contacts."""
+        stiffness = np.zeros(network.n_freedoms)
+        damping = np.zeros(network.n_freedoms)
+        unknown = network.numbers[network.supports.first, _Z]
+        rows = np.flatnonzero((network.supports.wall == BOTTOM) & (unknown >= 0))
+        stiffness[unknown[rows]] = network.supports.stiffness[rows]
+        if losses is not None:
+            damping[unknown[rows]] = losses.supports.stiffness[rows]
+        if damper is None or not stiffness.any():
+            return None
+        return cls(stiffness, damping, damper)
+
+    def coupled(self, matrix: sparse.csc_array, omega: float) -> sparse.csc_array:
+        """Return the matrix of the grains and of the motion of the plate along z, which is last."""
+        coupling = sparse.csc_array((self.stiffness - 1j * omega * self.damping)[:, None])
+        own = sparse.csc_array([[coupling.sum() - 1j * omega * self.damper]])
+        return sparse.block_array([[matrix, -coupling], [-coupling.T, own]])
+
+
+def _response(matrix: sparse.csc_array, driven: Sequence[int]) -> NDArray[np.complex128]:
+    """Return all unknowns if the driven ones are 1 and no force acts on the others."""
+    motion = np.zeros(matrix.shape[0], dtype=np.complex128)
+    motion[driven] = 1.0
+    others = np.delete(np.arange(len(motion)), driven)
+    if len(others):
+        force = -np.asarray(matrix[:, driven].sum(axis=1)).ravel()
+        motion[others] = factorised(matrix[others][:, others]).solve(force[others])
+    return motion
 
 
 def _without_ends(network: Network, rows: NDArray[np.int64], direction: int) -> Network:
@@ -254,17 +292,17 @@ def _matched(network: Network, last: NDArray[np.int64]) -> Callable[[float], spa
     inside = np.zeros(network.n_grains, dtype=bool)
     inside[last] = True
     stiffness = np.zeros((network.n_grains, 3, 3))
-    for one, other in ((springs.first, springs.second), (springs.second, springs.first)):
-        between = np.flatnonzero(inside[one] & ~inside[other])
-        np.add.at(stiffness, one[between], _blocks(springs)[between])
-    held = np.zeros_like(stiffness)
-    np.add.at(held, network.supports.first, _blocks(network.supports))
+    for inner, outer in ((springs.first, springs.second), (springs.second, springs.first)):
+        between = np.flatnonzero(inside[inner] & ~inside[outer])
+        np.add.at(stiffness, inner[between], _blocks(springs)[between])
+    supports = np.zeros_like(stiffness)
+    np.add.at(supports, network.supports.first, _blocks(network.supports))
     number = network.numbers[last, :3]
     n = network.n_freedoms
     rows, columns = np.broadcast_arrays(number[:, :, None], number[:, None, :])
     kept = (rows >= 0) & (columns >= 0)
     strength, axes = np.linalg.eigh(np.where(kept, stiffness[last], 0.0))
-    sideways = np.einsum("nab,nai,nbi->ni", np.where(kept, held[last], 0.0), axes, axes)
+    sideways = np.einsum("nab,nai,nbi->ni", np.where(kept, supports[last], 0.0), axes, axes)
 
     def at(omega: float) -> sparse.csc_array:
         stiff = np.where(strength > 0, strength, 1.0)
@@ -294,19 +332,19 @@ def dampers_of(assembly: Assembly, network: Network) -> Array:
     """Return force over velocity, and moment over angular velocity, of each grain: (n_grains, 6), N
     s/m and N m s.
     """
-    found = np.zeros((network.n_grains, 6))
+    rates = np.zeros((network.n_grains, 6))
     for entry in assembly.case.absorb:
         rows = np.flatnonzero(np.isin(network.ids, absorbing_ids(assembly, entry)))
         if entry.rate is None:
-            found[rows, _Z] = impedance_of(assembly, entry)
+            rates[rows, _Z] = impedance_of(assembly, entry)
             continue
         rate = np.full(len(rows), entry.rate)
         if (rise := rise_of(assembly, entry)) is not None:
             place = network.position[rows, "xyz".index(entry.towards[1])]
             rate *= np.clip((place - rise[0]) / (rise[1] - rise[0]), 0.0, 1.0) ** 2
-        found[rows, :3] = (rate * network.mass[rows])[:, None]
-        found[rows, 3:] = (rate * network.inertia[rows])[:, None]
-    return found
+        rates[rows, :3] = (rate * network.mass[rows])[:, None]
+        rates[rows, 3:] = (rate * network.inertia[rows])[:, None]
+    return rates
 
 
 def _effective_masses(network: Network, moves: NDArray[np.bool_]) -> Array:
@@ -342,14 +380,7 @@ def losses_of(
         Direction in which it is.
     """
     case = assembly.case
-    for name, resistance in (
-        (name, getattr(contact, name)) for contact in case.contact_laws for name in _RESISTANCES
-    ):
-        if isinstance(resistance, Resistance) and resistance.coefficient and resistance.damping:
-            raise InputError(
-                f"{case.name}: contact.{name}.damping: found {resistance.damping:g}, expected 0: "
-                "only contact.loss is taken into account in a steady motion"
-            )
+    _refuse_damped_resistance(case)
     if not case.has_loss:
         return None
     contacts = network.contacts
@@ -387,3 +418,17 @@ def losses_of(
         contacts, stiffness=damping, tangential=none, force=none, rolling=none, twisting=none
     )
     return dataclasses.replace(network, contacts=damped)
+
+
+def _refuse_damped_resistance(case: Case) -> None:
+    """Raise InputError for dampers against sliding, rolling or twisting."""
+    for contact in case.contact_laws:
+        for name in _RESISTANCES:
+            resistance = getattr(contact, name)
+            if not isinstance(resistance, Resistance):
+                continue
+            if resistance.coefficient and resistance.damping:
+                raise InputError(
+                    f"{case.name}: contact.{name}.damping: found {resistance.damping:g}, expected "
+                    "0: only contact.loss is taken into account in a steady motion"
+                )

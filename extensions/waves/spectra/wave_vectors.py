@@ -55,7 +55,8 @@ _MOST_CONDENSED = 6000
 # cubes of unknowns times frequencies, to which their number is reduced; fewest of them
 _FLOPS = 5e8
 _FEWEST = 16
-_WHOLE = 1e-6  # by which the places of planes may miss multiples of their spacing
+_OUTSIDE = 1e-9  # relative part of a wave vector outside the span of the periods that is rounding
+_WHOLE = 1e-6  # deviation of plane positions from multiples of their spacing, relative to periods
 _WAVE = 1e-6  # of ln |lambda|: a wave that does not fall
 # of |lambda|; beyond are the infinite ones of a singular pencil
 _SMALLEST = 1e-12
@@ -86,7 +87,7 @@ class Path:
     def nearest(self, row: int) -> str:
         """Describe the place of a row: the corner that it is, or the wave vector."""
         names = dict(self.corners)
-        where = ", ".join(f"{one:.4g}" for one in self.k[row])
+        where = ", ".join(f"{component:.4g}" for component in self.k[row])
         return f"k = ({where}) rad/m" + (f", {names[row]}" if names.get(row) else "")
 
 
@@ -108,9 +109,9 @@ def zone(periods: Array) -> tuple[dict[str, Array], str]:
         else:
             pbc = [True] * n + [False] * (3 - n)
             cell = Cell(np.concatenate([periods / unit, beside]))
-            found = cell.bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
-            points = found.special_points
-            path = found.path
+            band_path = cell.bandpath(pbc=pbc, npoints=0, eps=_EPSILON)
+            points = band_path.special_points
+            path = band_path.path
     except (RuntimeError, ValueError, AssertionError):  # a cell that ASE cannot name
         points = {"G": np.zeros(3)} | dict(zip("XYZ"[:n], np.eye(3) / 2, strict=False))
         path = "".join([*points, "G"])
@@ -144,27 +145,13 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     breaks: list[int] = []
     for stretch in _corners(text, periods):
         for _, place in stretch:
-            if np.linalg.norm(place - inside @ place) > 1e-9 * max(
-                float(np.linalg.norm(place)), 1e-300
-            ):
-                axes = "".join(
-                    a
-                    for a, one in zip("xyz", np.abs(inside).sum(axis=0), strict=True)
-                    if one > 1e-9
-                )
-                where = ", ".join(f"{one:g}" for one in place)
-                raise InputError(
-                    f"--path: found ({where}) rad/m, but the packing repeats along {axes} alone; expected wave vectors "
-                    "in the span of its periods"
-                )
+            _refuse_outside(place, inside)
         breaks += [len(k)] if k else []
         corners.append((len(k), stretch[0][0]))
         k.append(stretch[0][1])
         for (_, start), (name, end) in pairwise(stretch):
             if np.array_equal(start, end):
-                where = (
-                    show(name) if name else "(" + ", ".join(f"{one:g}" for one in end) + ") rad/m"
-                )
+                where = show(name) if name else f"({_components(end)}) rad/m"
                 raise InputError(
                     f"--path: found {where} twice in a row, expected points that differ"
                 )
@@ -177,40 +164,64 @@ def make_path(text: str, periods: Array, points: int) -> Path:
     )
 
 
+def _components(vector: Array) -> str:
+    """Return a vector in words."""
+    return ", ".join(f"{component:g}" for component in vector)
+
+
+def _refuse_outside(vector: Array, inside: Array) -> None:
+    """Raise InputError if a wave vector is not in the span of the periods, given its projection."""
+    outside = float(np.linalg.norm(vector - inside @ vector))
+    if outside <= _OUTSIDE * max(float(np.linalg.norm(vector)), 1e-300):
+        return
+    weights = np.abs(inside).sum(axis=0)
+    axes = "".join(axis for axis, weight in zip("xyz", weights, strict=True) if weight > _OUTSIDE)
+    raise InputError(
+        f"--path: found ({_components(vector)}) rad/m, but the packing repeats along {axes} alone; "
+        "expected wave vectors in the span of its periods"
+    )
+
+
 def _corners(text: str, periods: Array) -> list[list[tuple[str, Array]]]:
+    """Return the corners of each stretch of a path, with their names and wave vectors, rad/m."""
     if text and (re.search(r"[;,]\s*[-+.\d]", text) or re.fullmatch(r"[-+.\d eE,;]*", text)):
-        corners = []
-        for part in filter(str.strip, text.split(";")):
-            try:
-                place = np.array([read_number(one) for one in part.split(",")])
-            except ValueError:
-                place = np.empty(0)
-            if len(place) != 3 or not np.isfinite(place).all():
-                raise InputError(
-                    f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m"
-                )
-            corners.append(("" if place.any() else "G", place))
-        if len(corners) < 2:
-            raise InputError(
-                f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}"
-            )
-        return [corners]
-    known, standard = zone(periods)
+        return [_vectors(text)]
+    special_points, standard = zone(periods)
     text = text or standard
-    found = []
+    stretches = []
     for stretch in text.replace("Γ", "G").replace("Gamma", "G").split("|"):
         names = _NAMES.findall(stretch)
         if "".join(names) != re.sub(r"[-\s]", "", stretch) or len(names) < 2:
             raise InputError(
-                f"--path: found {show(text)}, expected {_FORM}; points: {', '.join(known)}"
+                f"--path: found {show(text)}, expected {_FORM}; points: {', '.join(special_points)}"
             )
-        if unknown := [name for name in names if name not in known]:
+        if unknown := [name for name in names if name not in special_points]:
             raise InputError(
-                f"--path: found the point {unknown[0]}, expected one of {', '.join(known)}, those of this cell; "
+                f"--path: found the point {unknown[0]}, expected one of {', '.join(special_points)}, those of this cell; "
                 f"or {_FORM}"
             )
-        found.append([(name, known[name]) for name in names])
-    return found
+        stretches.append([(name, special_points[name]) for name in names])
+    return stretches
+
+
+def _vectors(text: str) -> list[tuple[str, Array]]:
+    """Read the wave vectors of a path, with the name of the origin: "0,0,0; 0,0,300"."""
+    corners = []
+    for part in filter(str.strip, text.split(";")):
+        try:
+            vector = np.array([read_number(number) for number in part.split(",")])
+        except ValueError:
+            vector = np.empty(0)
+        if len(vector) != 3 or not np.isfinite(vector).all():
+            raise InputError(
+                f"--path: found {show(part.strip())}, expected three numbers, kx,ky,kz in rad/m"
+            )
+        corners.append(("" if vector.any() else "G", vector))
+    if len(corners) < 2:
+        raise InputError(
+            f"--path: found {len(corners)} wave vectors, expected two or more: {_FORM}"
+        )
+    return corners
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -282,25 +293,26 @@ def complex_bands(
     condensed = 2 * most * n > MOST_UNKNOWNS
     if condensed and most * n > _MOST_CONDENSED:
         return None
-    own, others = (
-        stiffness._scaled
-    )  # K_m of the powers of lambda, by the numbers of planes that cells are apart
+    own, others = stiffness._scaled
+    # K_m of the powers of lambda, by the number of planes between two cells
     parts = {m: sparse.csc_array(own.shape, dtype=np.complex128) for m in range(-most, most + 1)}
     parts[0] = parts[0] + own
-    for number, shift, one in zip(numbers.tolist(), stiffness.shifts, others, strict=True):
-        phased = one * np.exp(1j * float(start @ shift))
+    for number, shift, block in zip(numbers.tolist(), stiffness.shifts, others, strict=True):
+        phased = block * np.exp(1j * float(start @ shift))
         parts[number] = parts[number] + phased
         parts[-number] = parts[-number] + phased.conj().T
     if condensed:
         solved = _of_faces(parts, most, frequency)
         if solved is None:
             return None
-        frequency, found = solved
+        frequency, eigenvalues = solved
     else:
         dense = {m: part.toarray() for m, part in parts.items()}
-        found = [_of_cell(dense, most, n, (2 * np.pi * one) ** 2) for one in frequency]
-    values = np.full((len(found), max(map(len, found))), np.nan, dtype=np.complex128)
-    for row, powers in enumerate(found):
+        eigenvalues = [
+            _of_cell(dense, most, n, (2 * np.pi * frequency_Hz) ** 2) for frequency_Hz in frequency
+        ]
+    values = np.full((len(eigenvalues), max(map(len, eigenvalues))), np.nan, dtype=np.complex128)
+    for row, powers in enumerate(eigenvalues):
         values[row, : len(powers)] = powers
     with np.errstate(invalid="ignore"):
         attenuation = np.maximum(-np.log(np.abs(values)), 0.0)
@@ -314,14 +326,11 @@ def complex_bands(
 def _of_faces(
     parts: dict[int, sparse.csc_array], most: int, frequency: Array
 ) -> tuple[Array, list[np.ndarray]] | None:
-    """Return some of the frequencies, and the lambda of a large cell from its faces; None if these
-    are too large.
+    """Return some of the frequencies, and the values of lambda of a large cell from its faces; None
+    if the faces are too large.
     """
-    ahead = [
-        [[parts.get(away + column - row) for column in range(most)] for row in range(most)]
-        for away in (0, most)
-    ]
-    middle, coupling = (sparse.block_array(blocks, format="csc") for blocks in ahead)
+    middle = _block_matrix(parts, most, 0)
+    coupling = _block_matrix(parts, most, most)
     coupling.eliminate_zeros()
     on_next = np.unique(coupling.nonzero()[0])
     on_last = np.unique(coupling.nonzero()[1])
@@ -335,9 +344,9 @@ def _of_faces(
     faces = np.concatenate([on_next, on_last])
     loads = np.zeros((middle.shape[0], size), dtype=np.complex128)
     loads[faces, np.arange(size)] = 1.0
-    found = []
-    for one in frequency:
-        square = (2 * np.pi * one) ** 2
+    eigenvalues = []
+    for frequency_Hz in frequency:
+        square = (2 * np.pi * frequency_Hz) ** 2
         inverse = splu(
             (middle - square * sparse.eye_array(middle.shape[0])).tocsc()
         )  # indefinite: with pivots
@@ -346,8 +355,16 @@ def _of_faces(
         right = np.eye(size, dtype=np.complex128)
         left[:, :n] = -response[:, n:] @ between.conj().T
         right[:, n:] = response[:, :n] @ between
-        found.append(_decaying(left, right))
-    return frequency, found
+        eigenvalues.append(_decaying(left, right))
+    return frequency, eigenvalues
+
+
+def _block_matrix(parts: dict[int, sparse.csc_array], most: int, ahead: int) -> sparse.csc_array:
+    """Return the matrix between ``most`` planes and as many planes ``ahead``."""
+    blocks = []
+    for row in range(most):
+        blocks.append([parts.get(ahead + column - row) for column in range(most)])
+    return sparse.block_array(blocks, format="csc")
 
 
 def _of_cell(parts: dict[int, np.ndarray], most: int, n: int, square: float) -> np.ndarray:

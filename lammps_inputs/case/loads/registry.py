@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterable, Mapping, Sequence
+from functools import cache
 from typing import Any, get_type_hints
 
 from granwave.lammps_inputs.case import schema
@@ -15,24 +16,39 @@ from granwave.lammps_inputs.case.loads.load import Load
 from granwave.lammps_inputs.case.loads.plate import PlateLoad
 from granwave.lammps_inputs.case.loads.shapes import read_points
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
-from granwave.lammps_inputs.case.schema import ErrorList, read_table, show
+from granwave.lammps_inputs.case.schema import ErrorList, info_of, read_table, show
 from granwave.lammps_inputs.case.schema.tables import FURTHER_KEYS
-from granwave.lammps_inputs.errors import Mismatch
+from granwave.lammps_inputs.errors import InputError, Mismatch
+from granwave.lammps_inputs.extensions import joined, loaded
 
-#: All kinds of loads by name; the first one is the default.
-LOADS: dict[str, type[Load]] = {
-    load.kind: load
-    for load in (
-        ImpactLoad,
-        StrikerLoad,
-        ForceLoad,
-        DisplacementLoad,
-        PlateLoad,
-        GrainsLoad,
-    )
-}
+#: Loads of the core; the first one is the default.
+_OWN: tuple[type[Load], ...] = (
+    ImpactLoad,
+    StrikerLoad,
+    ForceLoad,
+    DisplacementLoad,
+    PlateLoad,
+    GrainsLoad,
+)
 
 Field = dataclasses.Field[Any]
+
+
+@cache
+def load_kinds() -> dict[str, type[Load]]:
+    """Return all kinds of loads by name: those of the core, then those of extensions.
+
+    Raises
+    ------
+    InputError
+        Two loads have the same name, or an extension cannot be loaded.
+    """
+    added = {name: _by_kind(loads) for name, loads in loaded("loads").items()}
+    return joined("load.kind", _by_kind(_OWN), added)
+
+
+def _by_kind(loads: Iterable[type[Load]]) -> dict[str, type[Load]]:
+    return {load.kind: load for load in loads}
 
 
 def load_keys(load: type[Load]) -> tuple[str, ...]:
@@ -56,18 +72,31 @@ _FILE = schema.path(
 )
 
 
-def _make_section() -> type:
-    """Make the section of the keys of all kinds, those of the kind with the fewest first."""
-    *earlier, last = (load.means for load in LOADS.values())
+@cache
+def load_section() -> type:
+    """Return the section of the keys of all kinds of loads, of which `read_load` makes the load;
+    the keys of the kind with the fewest come first.
+
+    Raises
+    ------
+    InputError
+        As of `load_kinds`.
+    """
+    kinds = load_kinds()
+    *earlier, last = (load.means for load in kinds.values())
     kind: Any = schema.choice(
-        f"{', '.join(earlier)}, or {last}", tuple(LOADS), default=next(iter(LOADS))
+        f"{', '.join(earlier)}, or {last}", tuple(kinds), default=next(iter(kinds))
     )
     keys: dict[str, tuple[str, Any, Field]] = {}
-    for load in sorted(LOADS.values(), key=lambda load: len(load_keys(load))):
+    owners: dict[str, type[Load]] = {}
+    for load in sorted(kinds.values(), key=lambda load: len(load_keys(load))):
         types = get_type_hints(load)
         for field in _own_fields_first(load):
             copy: Field = dataclasses.field(default=field.default, metadata=field.metadata)
-            keys.setdefault(field.name, (field.name, types[field.name], copy))
+            _, _, there = keys.setdefault(field.name, (field.name, types[field.name], copy))
+            owner = owners.setdefault(field.name, load)
+            _check_same(there, copy, f"load.{field.name}", owner, load)
+    _give_keys_of_others(keys)
     return dataclasses.make_dataclass(
         "LoadSection",
         [("kind", str, kind), *keys.values()],
@@ -77,18 +106,25 @@ def _make_section() -> type:
     )
 
 
-#: Section of the keys of all kinds of loads, of which `read_load` makes the load.
-LoadSection = _make_section()
+def _check_same(one: Field, other: Field, key: str, *loads: type[Load]) -> None:
+    """Raise InputError unless a key means the same in two loads."""
+    same = info_of(one).description == info_of(other).description and one.default == other.default
+    if not same:
+        whose = " and ".join(f"{load.__name__} of {load.__module__}" for load in loads)
+        raise InputError(
+            f"{key}: {whose} have a key of this name with another meaning or default; rename one"
+        )
 
 
-def _give_keys_of_others() -> None:
+def _give_keys_of_others(names: Iterable[str]) -> None:
     """Make keys of other kinds None: `run.case.load.amplitude` of an impact, as studies read it."""
-    for field in dataclasses.fields(LoadSection):
-        if not hasattr(Load, field.name):
-            setattr(Load, field.name, None)
+    for name in names:
+        if not hasattr(Load, name):
+            setattr(Load, name, None)
 
 
-_give_keys_of_others()
+for _load in _OWN:
+    _give_keys_of_others(field.name for field in dataclasses.fields(_load))
 
 
 def read_load(table: Any, errors: ErrorList) -> Load | None:
@@ -101,11 +137,11 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
     names = list(table) if isinstance(table, Mapping) else []
     if "file" in names:
         table = _with_points(table, errors)
-    values = read_table(LoadSection, table, "load", errors) if table is not None else None
+    values = read_table(load_section(), table, "load", errors) if table is not None else None
     if values is None:
         return None
     kind = values.kind  # type: ignore[attr-defined]
-    load = LOADS[kind]
+    load = load_kinds()[kind]
     fields = (field.name for field in dataclasses.fields(load))
     made = load(**{name: getattr(values, name) for name in fields})
     _check_keys(load, names, errors)
@@ -116,7 +152,7 @@ def read_load(table: Any, errors: ErrorList) -> Load | None:
 def _check_keys(load: type[Load], names: Sequence[str], errors: ErrorList) -> None:
     """Check that the keys of the table are those of the kind of load."""
     for name in names:
-        kinds = [kind for kind, other in LOADS.items() if name in load_keys(other)]
+        kinds = [kind for kind, other in load_kinds().items() if name in load_keys(other)]
         belongs = f"belongs to a load of kind {' or '.join(map(show, kinds))}"
         text = f'{belongs}; found load.kind = "{load.kind}"'
         errors.check((load.kind not in kinds, f"load.{name}", text))

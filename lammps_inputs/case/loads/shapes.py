@@ -22,8 +22,13 @@ from pathlib import Path
 from granwave.lammps_inputs.case import hints, schema
 from granwave.lammps_inputs.case.schema import ValidationError, show
 from granwave.lammps_inputs.files import read_number, read_text
+from granwave.lammps_inputs.tables.layout import is_number, layout_of
+from granwave.lammps_inputs.tables.units import in_si, split_unit
 
 Points = tuple[tuple[float, float], ...]
+
+#: Units in the names of the columns of ``load.file``: powers of ten of the SI unit.
+_UNITS = {"s": 0, "ms": -3, "us": -6, "ns": -9, "N": 0, "kN": 3, "m": 0, "mm": -3, "um": -6}
 
 #: Keys that a shape needs, and those that it may have.
 SHAPES: dict[str, tuple[tuple[str, ...], tuple[str, ...]]] = {
@@ -70,24 +75,41 @@ POINTS = schema.ListType(
 
 
 def read_points(path: Path) -> Points:
-    """Read the two columns of the file of ``load.file``; raise ValueError with the fault."""
+    """Read the two columns of the file of ``load.file``; raise ValueError with the fault.
+
+    A line of names may come first, with units: ``time (us); force (kN)``.
+    """
     form = f"two columns of numbers, {_POINTS_FORM}"
-    rows = []
     try:
-        text = read_text(path)
+        layout = layout_of(read_text(path))
     except ValueError as error:
         raise ValueError(f"{error}; expected {form}") from None
-    for number, line in enumerate(text.splitlines(), start=1):
-        words = line.partition("#")[0].split()
-        if not words:
+    powers = [0, 0]
+    rows: list[list[float]] = []
+    for row, line in enumerate(layout.numbers):
+        cells = layout.cells(row)
+        if not row and len(cells) == len(powers) and not any(map(is_number, cells)):
+            powers = [_power(cell, line) for cell in cells]
             continue
         try:
-            time, value = words
-            rows.append([read_number(time), read_number(value)])
+            time, value = map(in_si, map(read_number, cells), powers)
         except ValueError:
-            found = show(" ".join(words))
-            raise ValueError(f"found {found} in line {number}; expected {form}") from None
+            found = show(" ".join(cells))
+            raise ValueError(f"found {found} in line {line}; expected {form}") from None
+        rows.append([time, value])
     try:
         return POINTS.read(rows)  # type: ignore[no-any-return]
     except ValidationError as error:
         raise ValueError(f"found {show(rows)}, expected {error}") from None
+
+
+def _power(head: str, line: int) -> int:
+    """Return the power of ten of the unit in the name of a column; 0 without a unit."""
+    _, unit = split_unit(head)
+    joined = head.rpartition("_")[2]  # time_us
+    if joined in _UNITS:
+        unit = joined
+    if unit and unit not in _UNITS:
+        expected = ", ".join(_UNITS)
+        raise ValueError(f"line {line}: found the unit {show(unit)}, expected one of {expected}")
+    return _UNITS[unit] if unit else 0

@@ -5,7 +5,6 @@ compound    types of lists, and of values of several types
 fields      a function for each type, which makes the field of a section
 tables      reading a table into its section
 faults      faults of values, collected for a file
-words       values and words in messages
 """
 
 from granwave.lammps_inputs.case.schema.compound import (
@@ -71,7 +70,7 @@ from granwave.lammps_inputs.case.schema.values import (
     plain_name,
     whole,
 )
-from granwave.lammps_inputs.case.schema.words import did_you_mean, printable, show
+from granwave.lammps_inputs.message_words import did_you_mean, printable, show
 
 __all__ = [
     "LABEL",

@@ -8,8 +8,8 @@ from collections.abc import Collection, Iterable, Mapping, Sequence
 from typing import Any
 
 from granwave.lammps_inputs.case.hints import Usual, impossible, unusual
-from granwave.lammps_inputs.case.schema.words import show
 from granwave.lammps_inputs.errors import InputError, InputFault, Mismatch, fault_of
+from granwave.lammps_inputs.message_words import show
 
 _LOG = logging.getLogger("granwave")
 

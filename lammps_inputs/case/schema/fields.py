@@ -87,7 +87,7 @@ def positive_or_auto(description: str, unit: Usual, *, default: float | str = "a
 
 def choice(
     description: str,
-    options: tuple[Any, ...],
+    options: tuple[Any, ...] | Callable[[], tuple[Any, ...]],
     *,
     default: Any = REQUIRED,
     otherwise: TablesType | None = None,
@@ -96,6 +96,8 @@ def choice(
 
     Parameters
     ----------
+    options
+        The options, or a function that returns them when they are needed.
     otherwise
         Tables that are valid too, which the reader of the section reads first.
     """

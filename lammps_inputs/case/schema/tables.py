@@ -15,8 +15,8 @@ from typing import Any, ClassVar, TypeVar
 from granwave.lammps_inputs.case.hints import Usual, hint_for, impossible
 from granwave.lammps_inputs.case.schema.faults import ErrorList, ValidationError, refuse_if
 from granwave.lammps_inputs.case.schema.values import Finish, Json, ValueType, plain_name
-from granwave.lammps_inputs.case.schema.words import did_you_mean, show
 from granwave.lammps_inputs.errors import Mismatch
+from granwave.lammps_inputs.message_words import did_you_mean, show
 
 Section = TypeVar("Section")
 Entry = TypeVar("Entry")

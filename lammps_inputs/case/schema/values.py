@@ -14,7 +14,7 @@ from collections.abc import Callable
 from typing import Any, ClassVar
 
 from granwave.lammps_inputs.case.schema.faults import ValidationError, refuse_if
-from granwave.lammps_inputs.case.schema.words import did_you_mean, show
+from granwave.lammps_inputs.message_words import did_you_mean, show
 
 _LEAST = 2.3e-308  # magnitude, in messages
 LARGEST_COUNT = 2**31 - 1  # ids and counts are 32-bit integers in the default build of LAMMPS
@@ -190,35 +190,41 @@ class CountType(ValueType):
 
 @dataclasses.dataclass(frozen=True)
 class ChoiceType(ValueType):
-    """One of some words, whole numbers or truth values; ``finish`` as in `TextType`."""
+    """One of some words, whole numbers or truth values; ``finish`` as in `TextType`.
 
-    options: tuple[Any, ...]
+    Attributes
+    ----------
+    options
+        The options, or a function that returns them, of options that extensions add to.
+    """
+
+    options: tuple[Any, ...] | Callable[[], tuple[Any, ...]]
     finish: Finish | None = dataclasses.field(default=None, kw_only=True)
 
     @property
     def expected(self) -> str:  # type: ignore[override]
         """All options."""
-        return "one of " + ", ".join(show(option) for option in self.options)
+        return "one of " + ", ".join(show(option) for option in self.words)
 
     def read(self, value: Any) -> Any:
         """Return the option."""
-        if value not in self.options or type(value) is not type(self.options[0]):
-            raise ValidationError(self.expected + did_you_mean(value, map(str, self.options)))
+        if value not in self.words or type(value) is not type(self.words[0]):
+            raise ValidationError(self.expected + did_you_mean(value, map(str, self.words)))
         return value if self.finish is None else self.finish(value)
 
     @property
     def json(self) -> Json:
         """All options."""
-        return {"enum": list(self.options)}
+        return {"enum": list(self.words)}
 
     @property
     def words(self) -> tuple[Any, ...]:
         """All options."""
-        return self.options
+        return self.options() if callable(self.options) else self.options
 
     def is_meant(self, value: Any) -> bool:
         """Return True for an option; a value of another type has another meaning."""
-        return value in self.options and type(value) is type(self.options[0])
+        return value in self.words and type(value) is type(self.words[0])
 
 
 @dataclasses.dataclass(frozen=True, kw_only=True)

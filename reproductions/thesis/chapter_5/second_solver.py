@@ -27,10 +27,23 @@ def second_solver():
         }
 
 
+def is_reference(run):
+    """True for the impact on 72 x 72 x 30 spheres."""
+    return run["n_spheres"] == 72 * 72 * 30
+
+
 def rows(runs):
+    for run in runs:
+        if is_reference(run):
+            yield from rows_of_reference(run)
+    for run in sorted(runs, key=lambda run: run.case.load.velocity):
+        if not is_reference(run):
+            yield row_of_small_packing(run)
+
+
+def rows_of_reference(run):
     solved = second_solver()
-    (reference,) = [run for run in runs if run["n_spheres"] == 72 * 72 * 30]
-    theory = solved[REFERENCE]
+    values = solved[REFERENCE]
     true, fixed = (
         float(solved["small", 5.0, normals]["dissipated_fraction"]) for normals in NORMALS
     )
@@ -40,20 +53,21 @@ def rows(runs):
     _, yield_force = gw.contact_yield("elastoplastic", [sphere, sphere])
     # fmt: off
     for what, unit, ours, name, remark in (
-        ("Dissipated fraction", "", reference["dissipated_fraction"], "dissipated_fraction", start),
-        ("Peak contact force", "F_y", reference["peak_force_N"] / yield_force, "peak_force_F_y",
+        ("Dissipated fraction", "", run["dissipated_fraction"], "dissipated_fraction", start),
+        ("Peak contact force", "F_y", run["peak_force_N"] / yield_force, "peak_force_F_y",
          f"F_y = {yield_force:.4g} N for spheres of 10 mm"),
-        ("Yielded contacts", "", reference["n_plastic_contacts"], "yielded_contacts", start),
+        ("Yielded contacts", "", run["n_plastic_contacts"], "yielded_contacts", start),
     ):
-        yield gw.Row(what, unit, ours=ours, theory=float(theory[name]), where=BY, remark=remark, verification=True)
+        yield gw.Row(what, unit, ours=ours, theory=float(values[name]), where=BY, remark=remark, verification=True)
     # fmt: on
-    for run in sorted(runs, key=lambda run: run.case.load.velocity):
-        if run is not reference:
-            velocity = run.case.load.velocity
-            true, fixed = (
-                float(solved["small", velocity, normals]["dissipated_fraction"])
-                for normals in NORMALS
-            )
-            remark = f"true geometry; with the normals of the start {fixed:.4f}"
-            yield gw.Row(f"Dissipated fraction of 12 x 12 x 8 spheres, {velocity:g} m/s", theory=true, digits=4,
-                         ours=run["dissipated_fraction"], where=BY, remark=remark, verification=True)  # fmt: skip
+
+
+def row_of_small_packing(run):
+    solved = second_solver()
+    velocity = run.case.load.velocity
+    true, fixed = (
+        float(solved["small", velocity, normals]["dissipated_fraction"]) for normals in NORMALS
+    )
+    remark = f"true geometry; with the normals of the start {fixed:.4f}"
+    return gw.Row(f"Dissipated fraction of 12 x 12 x 8 spheres, {velocity:g} m/s", theory=true, digits=4,
+                  ours=run["dissipated_fraction"], where=BY, remark=remark, verification=True)  # fmt: skip

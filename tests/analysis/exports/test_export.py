@@ -7,7 +7,8 @@ import sys
 import pytest
 
 from granwave.analysis import Result
-from granwave.analysis.exports.export import export, staged
+from granwave.analysis.exports.export import export
+from granwave.analysis.exports.formats import staged
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.helpers import synthetic_scan
@@ -30,7 +31,7 @@ def scan(tmp_path_factory):
 @pytest.mark.parametrize("to, module", [("vtp", "vtkmodules.vtkIOXML"), ("netcdf", "h5netcdf")])
 def test_missing_library_is_named(run, tmp_path, monkeypatch, to, module):
     monkeypatch.setitem(sys.modules, module, None)
-    with pytest.raises(InputError, match=r"pip install (vtk|h5netcdf)"):
+    with pytest.raises(InputError, match=r'pip install "granwave\[(pictures|export)\]"'):
         export(run, to, tmp_path / "out")
     assert not (tmp_path / "out").exists()
 

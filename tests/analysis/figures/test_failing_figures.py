@@ -48,8 +48,10 @@ def test_a_figure_of_a_run_that_fails_costs_no_other(tmp_path, monkeypatch, capl
     run = synthetic.write_run(tmp_path / "run", synthetic.make_case("fcc", (6, 6, 4)))
     write_result(run)
     with monkeypatch.context() as broken:
-        figure = run_figures.FIGURES["energies"]
-        broken.setitem(run_figures.FIGURES, "energies", dataclasses.replace(figure, function=fails))
+        figure = run_figures.run_figures()["energies"]
+        broken.setitem(
+            run_figures.run_figures(), "energies", dataclasses.replace(figure, function=fails)
+        )
         assert [path.stem for path in draw_figures(run, names=NAMES)] == [
             "impactor_velocity",
             "bottom_force",

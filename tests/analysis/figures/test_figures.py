@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 
 from granwave.analysis import Result, analyse, write_result
 from granwave.analysis.figures import histories, sections
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.measures.target import unprotected
 from granwave.extensions.pictures import packing3d, sphere_renderer
 from granwave.lammps_inputs import struck_spheres
@@ -36,7 +36,7 @@ def makes_sense(directory, case):
     """Names of the figures of a run, drawn but not saved."""
     write_result(synthetic.write_run(directory, case))
     with Result(directory) as result:
-        return {name for name, figure in FIGURES.items() if figure.draw(result) is not None}
+        return {name for name, figure in run_figures().items() if figure.draw(result) is not None}
 
 
 def render(centres, radius, colours, camera, width, axes=None):
@@ -52,7 +52,7 @@ def test_wave_front_is_shown_over_the_passage_of_the_wave(tmp_path, end_time):
     case = synthetic.make_case("fcc", (8, 8, 6), load={"velocity": 5.0}, run=run)
     run_case(case, tmp_path, figures=False)
     with Result(tmp_path) as result:
-        drawing = FIGURES["wave_front"].draw(result)
+        drawing = run_figures()["wave_front"].draw(result)
         arrival = result["walls/bottom/time"][np.argmax(result["walls/bottom/force"] > 0.1)]
         times = np.unique(drawing.columns["time_s"])
     assert times == pytest.approx(times[-1] * np.arange(1, 5) / 4, abs=end_time / 120)
@@ -86,7 +86,7 @@ def test_the_arrow_of_an_oblique_impact_in_a_layer_is_shown_whole(tmp_path):
     case = synthetic.make_case("square", (6, 5), striker=[striker], law="hertz")
     run_case(case, tmp_path, figures=False)
     with Result(tmp_path) as result:
-        axes = FIGURES["packing_3d"].draw(result).figure.axes[0]
+        axes = run_figures()["packing_3d"].draw(result).figure.axes[0]
     arrow = next(text for text in axes.texts if text.arrow_patch is not None)
     left, right = axes.get_xlim()
     bottom, top = axes.get_ylim()
@@ -115,13 +115,13 @@ def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
     }
     assert names == MOVING | PLANES | PRESSED | LOST | LOST_PLANES | own
     with Result(tmp_path) as result:
-        columns = FIGURES["energies"].draw(result).columns
+        columns = run_figures()["energies"].draw(result).columns
         total = sum(
             columns[f"{part}_J"]
             for part in ("kinetic", "rotation", "elastic", "yielding", "friction")
         )
         assert np.allclose(total, columns["input_J"], rtol=1e-6)
-        columns = FIGURES["dissipation_parts_principal"].draw(result).columns
+        columns = run_figures()["dissipation_parts_principal"].draw(result).columns
         assert 3 not in columns["id"] and np.isin(columns["id"], result["spheres/id"]).all()
         whole = (
             result["spheres/dissipated_energy"][result.rows(columns["id"])] / result.energy_input
@@ -129,7 +129,7 @@ def test_figures_of_friction_dents_and_missing_spheres(tmp_path):
         assert np.allclose(
             columns["yielding_over_input"] + columns["friction_over_input"], whole, rtol=1e-12
         )
-        force = FIGURES["target"].draw(result).columns["without_packing_force_N"]
+        force = run_figures()["target"].draw(result).columns["without_packing_force_N"]
         assert force.max() == pytest.approx(unprotected(assemble(case), 1.0).peak_force, rel=1e-6)
 
 
@@ -137,7 +137,7 @@ def test_figures_that_make_no_sense_any_more_are_removed(tmp_path):
     parts: list[str] = []
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3))
     analyse(tmp_path, parts.append)
-    assert parts == ["result.h5", "summary.json", *FIGURES]
+    assert parts == ["result.h5", "summary.json", *run_figures()]
     assert (tmp_path / "figures" / "bottom_force.png").exists()
     synthetic.write_run(tmp_path, synthetic.make_case("chain", 3, boundary={"bottom": "free"}))
     (tmp_path / "dumps" / "walls.txt").unlink(missing_ok=True)
@@ -234,7 +234,7 @@ def test_a_sphere_struck_across_has_no_figure_of_its_velocity():
 def test_the_legend_of_the_energies_lies_on_no_curve(tmp_path):
     write_result(synthetic.write_run(tmp_path, synthetic.make_case("chain", 20)))
     with Result(tmp_path) as result:
-        figure = FIGURES["energies"].draw(result).figure
+        figure = run_figures()["energies"].draw(result).figure
     figure.draw_without_rendering()
     axes = figure.axes[0]
     assert (
@@ -292,6 +292,6 @@ def test_spheres_beyond_the_law_keep_their_colour():
 
 def test_captions_say_what_to_look_for():
     """In two lines of a report."""
-    for name, figure in FIGURES.items():
+    for name, figure in run_figures().items():
         assert figure.look.endswith("."), name
         assert 20 < len(figure.look) <= 130, name

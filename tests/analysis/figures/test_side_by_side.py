@@ -14,7 +14,7 @@ import pytest
 from granwave.analysis import draw_figures, write_result
 from granwave.analysis.errors import MissingDataError, MissingOutputError
 from granwave.analysis.figures import side_by_side, style
-from granwave.analysis.figures.run_figures import FIGURES, _shares
+from granwave.analysis.figures.run_figures import _shares, run_figures
 from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
 from granwave.lammps_inputs.case.run import Figures
@@ -218,7 +218,7 @@ def test_analysis_starts_helpers(tmp_path, monkeypatch, several):
 
 def test_shares_hold_every_figure_once():
     """The long ones first, and the two that share their work together; others in their order."""
-    names = tuple(FIGURES)
+    names = tuple(run_figures())
     shares = _shares(names)
     assert sorted(number for share in shares for number in share) == list(range(len(names)))
     assert [names[number] for number in shares[0]] == ["packing_3d", "packing_3d_dissipation"]

@@ -83,7 +83,7 @@ def test_warnings_tell_what_and_what_to_do():
         "reaches the bottom and the sides of the packing" in cut
         and "a larger packing does without" in cut
     )
-    wave = zone_warning({"kind": "continuum"} | WAVE)
+    wave = zone_warning(WAVE, "block")
     assert "1.8 %" in wave and "the sides" in wave and "20 us" in wave and "block" in wave
     assert zone_warning(FREE) == ""
     assert (
@@ -108,9 +108,7 @@ def test_terminal_tells_the_sizes_and_the_bounds():
     assert "depth 0.01, 0.018, 0.0198 m" in text
     assert "volume 1e-06, 1.8e-06, 1.98e-06 m3" in text
     assert text.splitlines()[-1].split() == ["bounds", "that", "it", "reaches", "bottom,", "sides"]
-    assert "none" in summary_table(
-        {"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE, continuum=True
-    )
+    assert "none" in summary_table({"name": "x", "plastic_zone_radius_m": 0.1} | SIZES | FREE)
     growing = summary_table({"name": "x", "plastic_zone_depth_m": 0.1, "zone_growing": ["depth"]})
     assert growing.endswith("0.1 m, still moving out at the end")
     hertz = dict.fromkeys([*SIZES, *CUT, "plastic_zone_radius_m"])

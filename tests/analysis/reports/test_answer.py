@@ -11,13 +11,15 @@ import pytest
 
 from granwave.analysis.document.model import Beside, DocumentTable, Figure, Group, Note, Report
 from granwave.analysis.reports.answer import _of_runs_in_words, answer_blocks, main_figures
-from granwave.analysis.reports.inputs import ReportRun, read_inputs
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.kinds import GRANULAR, ReportRun
 from granwave.analysis.reports.report import write_report
 from granwave.analysis.reports.results import compact_table
 from granwave.analysis.reports.studies import leads, verdicts
 from granwave.analysis.scans.figures import draw_scan_figures
 from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.studies.study import Row, Study
+from granwave.extensions.continuum.report import ElementKind
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.helpers.chromium import Browser
 from tests.helpers.synthetic_report import NASTY, build, draw, write_run
@@ -182,7 +184,7 @@ def test_a_packing_and_a_block(tmp_path):
     runs = [
         ReportRun(
             "packing",
-            "run",
+            GRANULAR,
             ResultDirectory(tmp_path),
             "done",
             summary | {"n_plastic_spheres": 3},
@@ -191,7 +193,7 @@ def test_a_packing_and_a_block(tmp_path):
         ),
         ReportRun(
             "block",
-            "continuum",
+            ElementKind(),
             ResultDirectory(tmp_path),
             "done",
             summary | {"dissipated_fraction": 0.2},

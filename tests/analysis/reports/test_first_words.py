@@ -4,7 +4,6 @@ run.
 
 from __future__ import annotations
 
-import dataclasses
 import json
 import math
 from pathlib import Path
@@ -13,10 +12,11 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.analysis.document.model import BLANK, Note
+from granwave.analysis.document.model import Note
 from granwave.analysis.reports.answer import in_words
-from granwave.analysis.reports.inputs import ReportRun, read_inputs
-from granwave.analysis.reports.results import compact_table, value_rows
+from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.kinds import GRANULAR, ReportRun
+from granwave.analysis.reports.results import value_rows
 from granwave.analysis.reports.setting import setting_of, symbols_note
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
@@ -27,7 +27,7 @@ MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 
 
 def run_with(case=None, **summary):
-    return ReportRun("one", "run", ResultDirectory(Path()), "done", summary, case or {}, {})
+    return ReportRun("one", GRANULAR, ResultDirectory(Path()), "done", summary, case or {}, {})
 
 
 def labels(run):
@@ -65,34 +65,6 @@ def test_a_plate():
 def test_values_of_yielding_where_the_law_yields(law, shown):
     run = run_with({"contact.law": law}, dissipated_fraction=0.0, n_plastic_contacts=0)
     assert ("Yielded contacts" in labels(run)) == shown
-
-
-def test_inferred_forces():
-    run = run_with(
-        kind="inference", n_grains=48, n_contacts=104, n_loaded_contacts=89, n_significant_contacts=9, noise=[0.02, 0.1],
-        true_force_error=[0.012, 0.057], largest_force_N=179.8, residual_fraction=0.05,
-    )  # fmt: skip
-    assert in_words(run) == (
-        "89 of 104 contacts bear a force, at most 179.8 N. 9 of them bear a force above two standard errors. These forces "
-        "are off by 1.2 % to 5.7 % of the true ones, for noise of 2 % to 10 %. What these forces leave unexplained is 5 % "
-        "of the data."
-    )
-    assert labels(run)[:3] == [
-        "Grains",
-        "Candidate contacts",
-        "Contacts with a force above two standard errors",
-    ]
-    others = [
-        dataclasses.replace(
-            run, label="two", summary={**run.summary, "n_significant_contacts": None}
-        )
-    ]
-    table = compact_table([run, *others])
-    assert [column.heading for column in table.columns] == ["Quantity", "one", "two", "Unit"]
-    rows = {row[0].text: [cell.text for cell in row[1:]] for row in table.rows}
-    assert rows["Error of the forces, of the true ones"] == ["1.2 to 5.7", "1.2 to 5.7", "%"]
-    assert rows["Contacts with a force above two standard errors"] == ["9", BLANK, ""]
-    assert "Young's modulus" not in rows
 
 
 def test_a_target_comes_first():

@@ -224,7 +224,7 @@ def test_pdf_without_its_library(runs, tmp_path, monkeypatch):
     monkeypatch.setitem(sys.modules, "plutoprint", None)
     (tmp_path / "report.pdf").write_bytes(b"% report of granwave\n")
     with pytest.raises(
-        InputError, match=r"needs PlutoPrint.*pip install plutoprint.*\.html and print that"
+        InputError, match=r"needs PlutoPrint.*pip install .granwave\[pdf\].*\.html and print that"
     ):
         write_report(runs, tmp_path / "new.pdf")
     assert not (tmp_path / "new.pdf").exists()

@@ -16,7 +16,7 @@ from granwave.analysis.document.model import (
     percent,
     show,
 )
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.quantities import REPORT_COLUMNS, quantity
 from granwave.analysis.reports import figures
 from granwave.analysis.reports.inputs import read_inputs
@@ -347,7 +347,7 @@ def test_figures_in_a_fixed_order_made_small(both):
     ]
     assert (
         gallery.figures[0].caption
-        == f"{gallery.figures[0].alt}. {FIGURES['peak_force_principal'].look}"
+        == f"{gallery.figures[0].alt}. {run_figures()['peak_force_principal'].look}"
     )
     figure = gallery.figures[-1]
     assert figure.size == (900, 45)

@@ -16,7 +16,7 @@ from granwave.analysis.document.model import Note
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.studies import studies_of
 from granwave.analysis.statistics import estimate
-from granwave.analysis.studies.runs import SphereContactRun, finished_runs
+from granwave.analysis.studies.runs import finished_runs
 from granwave.analysis.studies.study import Study, make_studies
 from granwave.analysis.studies.tolerance.quantities import (
     AXES,
@@ -26,6 +26,7 @@ from granwave.analysis.studies.tolerance.quantities import (
     Setting,
 )
 from granwave.analysis.studies.tolerance.runs import PackingRuns, select
+from granwave.extensions.continuum.runs import SphereContactRun
 from granwave.extensions.waves.spectra.band_structure import band_structure
 from granwave.extensions.waves.study import scattered_line, without_scatter
 from granwave.lammps_inputs.case.case import Case

@@ -21,12 +21,12 @@ from granwave.analysis.contact_law.curves import Curve, curve_of, read_curve, wr
 from granwave.analysis.figures.style import write_csv
 from granwave.extensions.continuum.law_fit.fit import YIELD, fit_law
 from granwave.extensions.continuum.law_fit.fit_output import fit_toml
+from granwave.extensions.continuum.terminal import fit
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import material, sphere_mass
 from granwave.lammps_inputs.contact.law import contact_of, sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import load_case
-from granwave.workflows.cli.contacts import fit
 from tests.helpers.twins.twin import OTHER
 
 R = 0.005

@@ -17,13 +17,15 @@ from pandas import DataFrame, concat
 from granwave.analysis.document.model import DocumentTable, Note
 from granwave.analysis.reports import studies as comparison
 from granwave.analysis.reports.inputs import read_inputs
+from granwave.analysis.reports.kinds import GranularKind
 from granwave.analysis.reports.report import write_report
-from granwave.analysis.studies.runs import ContinuumRun, FinishedRun, read_run
+from granwave.analysis.studies.runs import FinishedRun, read_run
 from granwave.extensions.continuum.packing_and_block import figures as forces
 from granwave.extensions.continuum.packing_and_block import impacts as groups
 from granwave.extensions.continuum.packing_and_block import study, zone
 from granwave.extensions.continuum.packing_and_block.impacts import Impacts, collect
 from granwave.extensions.continuum.packing_and_block.study import select
+from granwave.extensions.continuum.runs import ContinuumRun, read_elements
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import RUN
@@ -70,12 +72,7 @@ def suite(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 @pytest.fixture(scope="module")
 def impacts(suite: Path) -> Impacts:
-    (found,) = select(
-        [
-            read_run(run.label, run.directory, run.summary)
-            for run in read_inputs([suite], suite).whole()
-        ]
-    )
+    (found,) = select([run.kind.study_run(run) for run in read_inputs([suite], suite).whole()])
     return found
 
 
@@ -102,8 +99,8 @@ def test_refused_runs_are_left_out_of_the_comparison(
 def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> None:
     """With the reason: friction, another packing."""
     whole = list(read_inputs([suite], suite).whole())
-    runs = [read_run(run.label, run.directory, run.summary) for run in whole]
-    first = next(run for run in whole if run.kind == "run")
+    runs = [run.kind.study_run(run) for run in whole]
+    first = next(run for run in whole if isinstance(run.kind, GranularKind))
     for name, old, new in (
         ("rough", "friction = 0.0", "friction = 0.2"),
         ("other", 'kind = "fcc"', 'kind = "hcp"'),
@@ -113,7 +110,8 @@ def test_a_comparison_names_what_it_leaves_out(suite: Path, tmp_path: Path) -> N
         assert old in case.read_text()
         case.write_text(case.read_text().replace(old, new))
         runs.append(read_run(name, tmp_path / name, first.summary))
-    assert comparison._left_out(runs) == {"friction": ["rough"]}
+    (note,) = study.remarks(runs)
+    assert note.text.endswith("in the tables above and below: rough (friction).")
     (impacts,) = select(runs)
     labels = [row[0] for row in rows(impacts, "Dissipation per mass")]
     assert "other" in labels
@@ -360,6 +358,7 @@ def test_finished_scan_of_a_suite_is_not_computed_again(
 def test_runs_that_cannot_be_compared_are_left_out(impacts: Impacts, tmp_path: Path) -> None:
     run = impacts.reference.run.iloc[0]
     assert read_run("x", tmp_path, run.summary) is None
+    assert read_elements("x", tmp_path, run.summary) is None
     assert len(collect([read_run("y", run.directory, {})]).granular) == 0
     assert select([]) == []
 

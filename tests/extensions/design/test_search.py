@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from granwave.extensions.design.search.search import (
-    Known,
+    TriedDesign,
     expected_random,
     front,
     importance,
@@ -64,7 +64,7 @@ def search(space, loss, evaluations, seed, *, margin=None, guided=True):
             break
         margins = {} if margin is None else {"mass_kg": margin(values)}
         beyond = bool(margins) and margins["mass_kg"] > 0
-        known.append(Known(values, None if beyond else (loss(values),), margins))
+        known.append(TriedDesign(values, None if beyond else (loss(values),), margins))
     return known
 
 
@@ -105,7 +105,7 @@ def test_designs_in_work_are_not_chosen_again():
     known = search(BEADS, of_beads, 10, 1)
     pending = next(ordered(BEADS, known, 1, guided=True))
     following = next(
-        ordered(BEADS, [*known, Known(pending, None, {}, in_work=True)], 1, guided=True)
+        ordered(BEADS, [*known, TriedDesign(pending, None, {}, in_work=True)], 1, guided=True)
     )
     assert following != pending
 
@@ -140,7 +140,7 @@ def test_values_that_are_to_be_large():
 
 def test_failed_designs_do_not_stop_the_search():
     known = search(RANGES, of_ranges, 8, 1)
-    known = [Known(one.values, one.losses, {"failed": -1.0}) for one in known]
-    failed = [Known(RANGES.at(at), None, {"failed": 1.0}) for at in ((0.9, 0.9), (0.95, 0.1))]
+    known = [TriedDesign(one.values, one.losses, {"failed": -1.0}) for one in known]
+    failed = [TriedDesign(RANGES.at(at), None, {"failed": 1.0}) for at in ((0.9, 0.9), (0.95, 0.1))]
     chosen = next(ordered(RANGES, [*known, *failed], 1, guided=True))
     assert of_ranges(chosen) < 1.6  # not in the farthest corner

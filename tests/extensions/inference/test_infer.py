@@ -11,9 +11,12 @@ import pytest
 
 import granwave as gw
 from granwave.extensions.inference.forces.tables import QUANTITIES
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
+from granwave.workflows.library import find_for
+from tests.helpers.keywords import check_keywords
 
 RADIUS = 0.005
 LENGTH = 0.02
@@ -330,3 +333,14 @@ def test_doubts_are_notes(infer):
     status, out, _ = infer(rows, case=CASE + "noise = {strain = 1e-5}\n")
     assert status == 0 and "most of the strains stretch the grains" in out
     assert "infer.noise lacks acceleration: it is not used" in out
+
+
+def test_a_case_of_inference_is_named_as_such(tmp_path):
+    file = tmp_path / "crystal.toml"
+    file.write_text("[infer]\nfriction = 0.3\n")
+    with pytest.raises(InputError, match=r"granwave infer GRAINS\.csv --case"):
+        find_for(str(file), "run")
+
+
+def test_options_of_the_command_are_keywords():
+    check_keywords("infer")

@@ -12,28 +12,21 @@ import tomllib
 from types import SimpleNamespace
 
 import pytest
-from argcomplete.finders import CompletionFinder
-from argcomplete.lexers import split_line
 
-from granwave.extensions.continuum.punch.case import ContinuumCase
-from granwave.extensions.continuum.sphere_contact.case import SphereContactCase
-from granwave.extensions.inference.forces.case import InferCase
 from granwave.lammps_inputs.case import schema
-from granwave.lammps_inputs.case.case import TABLES, case_keys
-from granwave.lammps_inputs.case.loads.registry import LoadSection, read_load
+from granwave.lammps_inputs.case.case import case_keys
+from granwave.lammps_inputs.case.loads.registry import load_section, read_load
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.extensions import load
 from granwave.workflows import library
 from granwave.workflows.cli import keys, package
-from granwave.workflows.cli.completion import with_completers
 from granwave.workflows.cli.main import FAILED, main
-from granwave.workflows.cli.parser import make_parser
 from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
+from granwave.workflows.file_kinds import CASE_FILE, file_kinds
 from granwave.workflows.run.lammps_engine import Engine
-from granwave.workflows.scanning.header import RanksBySize, ScanHeader
-from granwave.workflows.scanning.slurm import Profile
-from granwave.workflows.scanning.suite import SuiteFile
 from tests.conftest import BIN, PLAIN
+from tests.helpers.completion import completed
 
 
 def on_terminal(*words: str) -> str:
@@ -69,7 +62,7 @@ def test_cases_in_one_screen_and_by_words(granwave):
     groups = [line for line in listed if line.endswith(":")]
     assert (
         groups[0] == "Packings:"
-        and len(groups) == 5
+        and len(groups) >= 4
         and listed.index("Suites of scans:") > listed.index("Scans:")
     )
     few = granwave("cases", "chain", "bilinear").stdout.splitlines()
@@ -96,14 +89,14 @@ def test_help_in_groups(capsys):
         main(["--help"])
     assert capsys.readouterr().out == shown
     places = [
-        shown.index(text) for text in ("\nrun:", "  continuum ", "\nlook at results:", "  film ")
+        shown.index(text) for text in ("\nrun:", "  scan ", "\nlook at results:", "  report ")
     ]
     assert places == sorted(places)
-    assert main(["help", "film"]) == 0
-    assert capsys.readouterr().out.startswith("usage: granwave film ")
+    assert main(["help", "report"]) == 0
+    assert capsys.readouterr().out.startswith("usage: granwave report ")
     with pytest.raises(SystemExit, match="2"):
-        main(["help", "flim"])
-    assert "did you mean film?" in capsys.readouterr().err
+        main(["help", "reprot"])
+    assert "did you mean report?" in capsys.readouterr().err
 
 
 def test_colours_on_terminals_alone(granwave, monkeypatch):
@@ -178,20 +171,12 @@ def test_in_lammps():
         Engine(Lammps()).commands("run 1")
 
 
-def completed(line: str) -> list[str]:
-    """Return what a line is completed by; a shell cuts what stands before "=" itself."""
-    quote, prefix, _, words, _ = split_line(line)
-    finder = CompletionFinder(with_completers(make_parser()), always_complete_options=False)
-    return [word.strip() for word in finder._get_completions(words, prefix, quote, None)]
-
-
 @pytest.mark.parametrize(
     ("line", "words"),
     [
         ("granwave ch", ["check"]),
         ("granwave run --re", ["--resume"]),
         ("granwave run fcc-sm", ["fcc-small"]),
-        ("granwave continuum half", ["half-space"]),
         ("granwave run half", []),
         ("granwave scan velocity-f", ["velocity-fcc"]),
         ("granwave show velocity-f", ["velocity-fcc"]),
@@ -206,8 +191,6 @@ def completed(line: str) -> list[str]:
         ("granwave run fcc-small --set grains.1.ring.g", ["grains.1.ring.gap="]),
         ("granwave run fcc-small --set output.probes.1.s", ["output.probes.1.sphere="]),
         ("granwave run fcc-small --set figures.view=", ["figures.view=true", "figures.view=false"]),
-        ("granwave continuum half-space --set punch.v", ["punch.velocity="]),
-        ("granwave continuum sphere-contact --set run.max", ["run.max_overlap="]),
         ("granwave law --material steel", ["steel"]),
         ("granwave keys load.vel", ["load.velocity"]),
         ("granwave export run --to v", ["vtp"]),
@@ -255,18 +238,10 @@ echo "${COMPREPLY[@]}"
     assert done.stdout.split() == ["fcc-small"], done.stderr
 
 
-SECTIONS = {
-    **{(keys.CASE, heading.strip("[]")): section for heading, section in TABLES.items()},
-    **{(keys.CONTINUUM, name): section for name, section in ContinuumCase.SECTIONS.items()},
-    **{
-        (keys.SPHERE_CONTACT, name): section for name, section in SphereContactCase.SECTIONS.items()
-    },
-    (keys.SCAN, "scan"): ScanHeader,
-    (keys.SCAN, "ranks"): RanksBySize,
-    (keys.SUITE, "suite"): SuiteFile,
-    (keys.PROFILE, "slurm"): Profile,
-    **{(keys.INFERENCE, name): section for name, section in InferCase.SECTIONS.items()},
-}
+SECTIONS: dict[tuple[str, str], type] = {}
+for kind in file_kinds():
+    for heading, (section, _) in load(kind.sections)().items():
+        SECTIONS[kind.name, heading.strip("[]") or kind.name] = section
 # tables and words that code besides the field's validator reads
 ELSEWHERE = {("boundary", "bottom"), ("load", "file")}
 
@@ -280,12 +255,12 @@ def test_every_key_that_is_read_is_listed():
     listed = {
         f"{table.name}.{key.name}"
         for table in keys.tables()
-        if table.file == keys.CASE
+        if table.file == CASE_FILE.name
         for key in table.keys
     }
     known = {key.replace(".1.", ".") for key in case_keys() if "." in key}
     assert known <= listed
-    assert {field.name for field in dataclasses.fields(LoadSection)} <= {
+    assert {field.name for field in dataclasses.fields(load_section())} <= {
         key.name for key in keys.find("load")[0].keys
     }
 

@@ -72,11 +72,6 @@ def test_where_a_striker_lands_and_how_deep_it_yields(capsys) -> None:
     centre = check("fcc-small", SMALL | CENTRE, capsys)[0]
     assert centre["struck"] == impact and not impact["where"] and not impact["aside_m"]
     assert loaded(SMALL | CENTRE).striker[0].touches == (impact["sphere"],)
-    assert (
-        centre["counterpart"]["command"] == values["counterpart"]["command"]
-    )  # a striker along z has a continuum
-    aside = CENTRE | {"striker": "[{touches='centre',velocity=[1,0,5]}]"}
-    assert check("fcc-small", SMALL | aside, capsys)[0]["counterpart"]["command"] is None
 
 
 def test_what_will_be_null(tmp_path, capsys) -> None:
@@ -125,9 +120,6 @@ def test_check(capsys):
         sum(plan["wall_time_parts_s"][name] for name in ("static", "steps", "rest", "figures"))
         == plan["wall_time_s"]
     )
-    assert document(["check", "half-space", "--json"], capsys)["n_elements"] == 62500
-    contact = document(["check", "sphere-contact", "--json"], capsys)
-    assert contact["command"] == "continuum" and "counterpart" not in contact
     assert main(["check", "fcc-small", "--json", "--set", "packing.kind=fcx"]) == 2
     assert capsys.readouterr().out == ""  # refused before it prints
 
@@ -206,7 +198,8 @@ def test_doctor(works, status, monkeypatch, capsys):
         doctor, "examine", lambda profile: [Finding("plugin", works, "found", "mend it")]
     )
     part = {"part": "plugin", "works": works, "found": "found", "remedy": "mend it"}
-    assert document(["doctor", "--json"], capsys, status) == {"works": works, "parts": [part]}
+    shown = document(["doctor", "--json"], capsys, status)
+    assert (shown["works"], shown["parts"]) == (works, [part])
 
 
 def test_run_and_analyse(tmp_path, capfd):

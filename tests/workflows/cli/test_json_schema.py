@@ -14,14 +14,15 @@ import granwave as gw
 from granwave.workflows.cli import keys
 from granwave.workflows.cli.json_schema import schema_of
 from granwave.workflows.cli.main import main
+from granwave.workflows.file_kinds import file_kinds
 from tests.documents.pages import ROOT, blocks, pages
 
 FILES = sorted(path for folder in ("workflows/cases", "workflows/scans", "reproductions") for path in (ROOT / folder).rglob("*.toml"))  # fmt: skip
 OF_PAGES = {f"{page.name}: {block.caption}": block.text for page in pages() for block in blocks(page) if block.caption.endswith(".toml")}  # fmt: skip
 #: A table or key that only this kind of files has.
 MARKS = {
-    "scans": keys.SUITE, "case": keys.SCAN, "base": keys.DESIGN, "slurm": keys.PROFILE, "infer": keys.INFERENCE,
-    "block": keys.CONTINUUM, "punch": keys.CONTINUUM, "sphere": keys.SPHERE_CONTACT, "packing": keys.CASE,
+    "scans": "suite", "case": "scan", "base": "design", "slurm": "profile", "infer": "inference",
+    "block": "continuum", "punch": "continuum", "sphere": "sphere-contact", "packing": "case",
 }  # fmt: skip
 GOOD: dict[str, Any] = {
     "material": "brass",
@@ -63,7 +64,7 @@ def faults(data: dict[str, Any], kind: str) -> list[str]:
     ]
 
 
-@pytest.mark.parametrize("kind", keys.FILES)
+@pytest.mark.parametrize("kind", [kind.name for kind in file_kinds()])
 def test_schemas_are_schemas_and_keep_their_own_examples(kind):
     """Each key's example and default fit; the schema knows every key that `granwave keys` lists."""
     schema = schema_of(kind)
@@ -106,27 +107,27 @@ def test_files_of_the_pages_fit(name: str):
 def test_case_that_a_run_writes_fits(tmp_path, capsys):
     assert main(["write", "fcc-small", "-o", str(tmp_path / "deck"), "--set", "boundary.bottom={plate={mass=1,stiffness=1e6}}"]) == 0  # fmt: skip
     data = tomllib.loads((tmp_path / "deck" / "case.toml").read_text(encoding="utf-8"))
-    assert faults(data, keys.CASE) == [] and "resolved" in data
+    assert faults(data, "case") == [] and "resolved" in data
 
 
 @pytest.mark.parametrize(
     ("changes", "named"), WRONG, ids=lambda one: one if isinstance(one, str) else ""
 )
 def test_wrong_cases_do_not_fit(changes, named):
-    assert faults(GOOD, keys.CASE) == []
-    found = faults(GOOD | changes, keys.CASE)
+    assert faults(GOOD, "case") == []
+    found = faults(GOOD | changes, "case")
     assert found and named in " ".join(found)
 
 
 @pytest.mark.parametrize(
     ("data", "kind"),
     [
-        ({"grid": {"load.velocity": [1]}}, keys.SCAN),  # no case
-        ({"case": "fcc-small", "replicates": 0}, keys.SCAN),
-        ({"case": "fcc-small", "gird": {}}, keys.SCAN),
-        ({"scans": "restitution"}, keys.SUITE),
-        ({"base": "fcc-small"}, keys.DESIGN),
-        ({"slurm": {"jobs": "many"}}, keys.PROFILE),
+        ({"grid": {"load.velocity": [1]}}, "scan"),  # no case
+        ({"case": "fcc-small", "replicates": 0}, "scan"),
+        ({"case": "fcc-small", "gird": {}}, "scan"),
+        ({"scans": "restitution"}, "suite"),
+        ({"base": "fcc-small"}, "design"),
+        ({"slurm": {"jobs": "many"}}, "profile"),
     ],
 )
 def test_other_wrong_files_do_not_fit(data, kind):

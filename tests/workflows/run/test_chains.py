@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from matplotlib.text import Text
 
-from granwave.analysis.figures.run_figures import FIGURES, draw_figures
+from granwave.analysis.figures.run_figures import draw_figures, run_figures
 from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
@@ -236,7 +236,7 @@ def test_a_crystal_of_brass_cylinders(tmp_path: Path) -> None:
         assert not result.yields and not np.isfinite(result.law.yield_force)
         drawn = {
             name: figure.draw(result)
-            for name, figure in FIGURES.items()
+            for name, figure in run_figures().items()
             if not name.startswith("packing_3d")
         }
         assert (

@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.analysis.figures.run_figures import FIGURES
+from granwave.analysis.figures.run_figures import run_figures
 from granwave.analysis.measures.lines import lines_of, sensor_accelerations, sensor_velocities
 from granwave.analysis.measures.signals import first_peak
 from granwave.analysis.notebook.run import Run as Notebook
@@ -217,7 +217,8 @@ def test_figures_show_what_dissipates(run: Path) -> None:
     """
     with Result(run) as result:
         figures = {
-            name: FIGURES[name].draw(result) for name in ("dissipation_parts_principal", "energies")
+            name: run_figures()[name].draw(result)
+            for name in ("dissipation_parts_principal", "energies")
         }
         whole = result["spheres/dissipated_energy"] / result.energy_input
         assert not result.yield_energy.any()

@@ -1,0 +1,36 @@
+"""Product of a run: a file besides its figures, such as a film, as ``[figures]`` of its case asks.
+
+Extensions make them; which files a case asks for says
+`granwave.lammps_inputs.case.run.Figures.products`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+from collections.abc import Callable
+
+from granwave.lammps_inputs.result_directory import ResultDirectory
+
+
+def _none(file: str) -> tuple[str, ...]:
+    return ()
+
+
+@dataclasses.dataclass(frozen=True)
+class Product:
+    """File that a run leaves besides its figures.
+
+    Attributes
+    ----------
+    key
+        Key of ``[figures]`` that asks for it.
+    make
+        Function of the directory of a run and of the name of the file there that writes it.
+    packages
+        Function of the name of the file that returns the Python packages that making it needs, by
+        their names in ``import``.
+    """
+
+    key: str
+    make: Callable[[ResultDirectory, str], object]
+    packages: Callable[[str], tuple[str, ...]] = _none

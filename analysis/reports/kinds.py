@@ -1,0 +1,381 @@
+"""Runs of a report and their kinds: what a report says of each kind of results.
+
+A `ReportKind` reads the directories of a kind of results, and says what differs from a run of
+spheres, which is the kind of the core. Extensions bring others, see `Extension`.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+import json
+import sys
+from collections.abc import Mapping, Sequence
+from functools import cache, cached_property
+from pathlib import Path
+from typing import Any, ClassVar
+
+from granwave.analysis.document.model import DocumentTable, Report, is_number
+from granwave.analysis.errors import MissingOutputError, OutputFormatError
+from granwave.analysis.quantities import Quantity, quantity, report_columns
+from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, no_results, resumed
+from granwave.analysis.result.reader import Result
+from granwave.analysis.result.writer import BALANCE_REFUSED
+from granwave.analysis.studies.runs import AnyRun, read_run
+from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.extensions import added
+from granwave.lammps_inputs.files import read_json, read_tables, regular
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import (
+    CASE_FILE,
+    RECORD_FILE,
+    RUN,
+    SCAN_INDEX,
+    SUMMARY_FILE,
+)
+
+_ACCEPTED = "energy_balance_accepted"
+_LONGEST = 60  # characters of a faulty value in a message
+# end_reason of runs whose balance did not close, of this and of earlier versions
+_REFUSED = (BALANCE_REFUSED, "refused")
+
+#: A symbol with its values in runs, their unit, and what it stands for.
+Symbol = tuple[str, Sequence[float], str, str]
+
+
+@dataclasses.dataclass(frozen=True)
+class ReportRun:
+    """A run with a summary, given directly or as a point of a scan.
+
+    Attributes
+    ----------
+    label
+        Label in the report; it says so where the run was refused.
+    kind
+        Kind of the run, on which the keys of its summary depend.
+    status
+        ``done``, or ``refused`` if the energy balance did not close.
+    case
+        Resolved case by dotted key, such as ``load.velocity``, without ``name`` and derived values;
+        a value may be a table, such as ``boundary.bottom``. Empty if unknown.
+    record
+        Content of run.json; empty if there is none.
+    """
+
+    label: str
+    kind: ReportKind
+    results: ResultDirectory
+    status: str
+    summary: Mapping[str, Any]
+    case: Mapping[str, Any]
+    record: Mapping[str, Any]
+
+    @property
+    def directory(self) -> Path:
+        """Path of its directory."""
+        return self.results.path
+
+    @property
+    def has_balance(self) -> bool:
+        """True for what was integrated in time, and so has energies."""
+        return self.kind.has_balance
+
+    @property
+    def accepted_error(self) -> float:
+        """Largest error of the energy balance, over the input, with which the run was accepted.
+
+        Results of versions that did not record it were judged by the limits of those versions.
+        """
+        for source in (self.summary, self.record):
+            value: Any = source.get(_ACCEPTED)
+            if is_number(value):
+                return float(value)
+        if self.kind.accepted_error is not None:
+            return self.kind.accepted_error
+        aimed: Any = self.case.get("run.energy_tolerance")
+        return max(BALANCE_TOLERANCE, aimed) if is_number(aimed) else BALANCE_TOLERANCE
+
+    def number(self, key: str) -> float | None:
+        """Return a value of the summary if it is a number, else None."""
+        value = self.summary.get(key)
+        return value if is_number(value) else None
+
+    @cached_property
+    def damaged(self) -> bool:
+        """True if the result.h5 of a granular run is damaged; it may have been removed to keep only
+        the summary.
+        """
+        if not self.kind.of_spheres:
+            return False
+        try:
+            Result(self.results).close()
+        except MissingOutputError:
+            return False
+        except OutputFormatError:
+            return True
+        return False
+
+    @property
+    def versions(self) -> dict[str, str]:
+        """Versions of the programs that produced the run, by name."""
+        versions = self.summary.get("versions")
+        if not isinstance(versions, dict):
+            return {}
+        return {str(name): str(value) for name, value in versions.items()}
+
+
+class ReportKind:
+    """What a report says of one kind of results; here of runs with an energy balance.
+
+    Attributes
+    ----------
+    result_kind
+        Name of the `granwave.lammps_inputs.result_kinds.ResultKind` that it reads.
+    noun
+        Description of a run in a table: ``granular run``.
+    of_spheres
+        True for runs of spheres, which LAMMPS made.
+    has_balance
+        True for what was integrated in time, and so has energies: it is shown by the tables and
+        sentences of runs. Else those of the kind are shown.
+    accepted_error
+        Largest error of the energy balance, over the input, of runs that record none; None:
+        ``run.energy_tolerance`` of the case.
+    limits
+        Sentences on energies and their balance.
+    main_figures
+        Names of figures for the first section, the best first.
+    captions
+        Captions of figures, in their order.
+    looks
+        What to look for in figures: the rest of their captions.
+    tables
+        Values of the summaries that only this kind has, by the name of a table of the reference.
+    """
+
+    result_kind: ClassVar[str]
+    noun: ClassVar[str]
+    of_spheres: ClassVar[bool] = False
+    has_balance: ClassVar[bool] = True
+    accepted_error: ClassVar[float | None] = None
+    limits: ClassVar[str] = ""
+    main_figures: ClassVar[Sequence[str]] = ()
+    captions: ClassVar[Mapping[str, str]] = {}
+    looks: ClassVar[Mapping[str, str]] = {}
+    tables: ClassVar[Mapping[str, Sequence[Quantity]]] = {}
+
+    # ------------------------------------------------------------------ reading
+
+    def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
+        """Read a directory; several runs where it holds several.
+
+        Raises
+        ------
+        InputError
+            The results are not finished, damaged or changed, or have no place in a report.
+        """
+        path = results.path
+        names = sorted(entry.name for entry in path.iterdir())
+        if not any(name in names for name in OF_A_RUN):
+            expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
+            raise InputError(no_results(path, names, "neither a run nor a scan", expected))
+        if SUMMARY_FILE not in names:
+            state = (read_json(path / RECORD_FILE) or {}).get("state")
+            if state in UNFINISHED:
+                raise InputError(
+                    f"{path}: the run is not finished (state {state}), so there is no "
+                    f"{SUMMARY_FILE}; go on with  {resumed(path)}"
+                )
+            raise InputError(
+                f"{path}: a run without {SUMMARY_FILE}; make it with  granwave analyse {path}"
+            )
+        return [self.run_of(results, label, _summary(results))]
+
+    def run_of(self, results: ResultDirectory, label: str, summary: Mapping[str, Any]) -> ReportRun:
+        """Return the run of a directory, of which the summary was read."""
+        results.check_case()
+        if changed := results.changed_result():
+            raise InputError(changed)
+        case = by_key(read_tables(results / CASE_FILE) or results.tables_as_run() or {})
+        record = read_json(results / RECORD_FILE) or {}
+        status = "done"
+        if record.get("state") == "refused" or summary.get("end_reason") in _REFUSED:
+            label = f"{label} (refused)"
+            status = "refused"
+        return ReportRun(label, self, results, status, summary, case, record)
+
+    def whole_report(self, directory: Path) -> Report | None:
+        """Return a report of its own of a directory that was given alone; None: the usual one."""
+        return None
+
+    def study_run(self, run: ReportRun) -> AnyRun[Any] | None:
+        """Return a run as studies take it; None if its case cannot be read, or no study takes it."""
+        return None
+
+    # ------------------------------------------------------------------ words
+
+    def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
+        """Name, among the values of a summary as texts, those that the sentences on runs show."""
+
+    def body(self, case: Mapping[str, Any]) -> str:
+        """Return what a case of this kind, by dotted keys, is about; empty for other cases."""
+        return ""
+
+    def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the keys of the load of a case, by dotted keys, as a packing has them."""
+        return {}
+
+    def setting(self, run: ReportRun) -> str:
+        """Return what was done in a line; empty: its case says it."""
+        return ""
+
+    def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
+        """Return symbols of figures and tables of runs of this kind, besides those of packings."""
+        return []
+
+    # ------------------------------------------------------------------ without energies
+
+    def part(self, run: ReportRun) -> str:
+        """Return which part of the kind a run is; tables show runs of a part side by side."""
+        return ""
+
+    def title(self, run: ReportRun) -> str:
+        """Return the title of a table of runs of one part."""
+        return self.noun
+
+    def in_words(self, run: ReportRun) -> str:
+        """Return what came out, in sentences."""
+        return ""
+
+    def label(self, run: ReportRun, key: str) -> str:
+        """Return the label of a value of a summary; empty: the usual one."""
+        return ""
+
+    def table_of(self, runs: Sequence[ReportRun], caption: str) -> DocumentTable:
+        """Make the table of the main values of runs of one part."""
+        raise NotImplementedError(f"{type(self).__name__} has neither a balance nor a table")
+
+    def figures_of_others(self, run: ReportRun) -> set[str]:
+        """Return the names of figures in its directory that belong to other results."""
+        return set()
+
+
+class GranularKind(ReportKind):
+    """Runs of spheres."""
+
+    result_kind = RUN
+    noun = "granular run"
+    of_spheres = True
+    limits = (
+        "Kinetic includes rotation; elastic what is stored tangentially and in the support; "
+        "dissipated friction, viscous losses, the support's damper and absorbing spheres. A granular "
+        "run above the accepted error is refused (the published variant of the law, which cannot "
+        "close, excepted)."
+    )
+    main_figures = (
+        "amplitude_sweep",
+        "transmission",
+        "packing_3d",
+        "force_map",
+        "wave_front",
+        "peak_force_principal",
+        "along_chain",
+        "peak_force_depth",
+        "energies",
+    )
+
+    def study_run(self, run: ReportRun) -> AnyRun[Any] | None:
+        """Return a run as studies take it."""
+        return read_run(run.label, run.directory, run.summary)
+
+    def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
+        """Tell the largest force between spheres from that of all contacts, walls included."""
+        pairs = values.pop("peak_force_N", "")
+        if run.number("peak_force_N"):
+            values["between_spheres"] = pairs
+        every = run.number("peak_force_with_walls_N")
+        if every and every != run.number("peak_force_N"):
+            values["with_walls"] = values["peak_force_with_walls_N"]
+
+
+GRANULAR = GranularKind()
+
+
+@cache
+def report_kinds() -> tuple[ReportKind, ...]:
+    """Return all kinds, that of the core first."""
+    kinds: list[ReportKind] = [GRANULAR]
+    for more in added("report"):
+        kinds += more
+    return tuple(kinds)
+
+
+def report_kind_in(results: ResultDirectory) -> ReportKind:
+    """Return the kind of the results in a directory.
+
+    Raises
+    ------
+    InputError
+        No extension here reads them, or shows them in a report.
+    """
+    kind = results.kind
+    if not kind.installed:
+        raise InputError(f"{results}: {kind.why_no_run}")
+    for one in report_kinds():
+        if one.result_kind == kind.name:
+            return one
+    if kind.why_no_run:
+        raise InputError(f"{results}: holds {kind.content}, which reports do not show")
+    return GRANULAR
+
+
+def by_key(tables: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the values of a case by dotted key."""
+    values: dict[str, Any] = {}
+    for name, value in tables.items():
+        if isinstance(value, dict) and name != "resolved":
+            values |= {f"{name}.{key}": part for key, part in value.items()}
+        elif name not in ("name", "resolved"):
+            values[name] = value
+    return values
+
+
+def _summary(results: ResultDirectory) -> dict[str, Any]:
+    results.refuse_special()
+    path = results.path
+    try:
+        summary = json.loads(regular(path / SUMMARY_FILE).read_text(encoding="utf-8"))
+        wrong = (
+            ""
+            if isinstance(summary, dict)
+            else f"found a {type(summary).__name__}, expected a table of values"
+        )
+        wrong = wrong or "".join(no_numbers(summary)[:1])
+    except (OSError, ValueError, RecursionError) as error:
+        wrong = f"cannot be read ({error})"
+    if wrong:
+        raise InputError(
+            f"{path / SUMMARY_FILE}: {wrong}; make it anew with  granwave analyse {path}"
+        )
+    return dict(summary)
+
+
+def no_numbers(summary: Mapping[str, Any]) -> list[str]:
+    """Describe the quantities of a summary that are not numbers; null is allowed, for those that do
+    not apply.
+    """
+    faults = []
+    for key, value in summary.items():
+        if value is None or not (quantity(key).unit or key in report_columns()):
+            continue
+        if (
+            isinstance(value, list)
+            and not quantity(key).unit
+            and all(isinstance(item, str) for item in value)
+        ):
+            continue  # words, such as the bounds that a zone reaches
+        if not is_number(value) or abs(value) > sys.float_info.max:
+            text = repr(value)
+            more = "..." if len(text) > _LONGEST else ""
+            faults.append(f"{key}: found {text[:_LONGEST]}{more}, expected a number")
+    return faults

@@ -1,0 +1,63 @@
+"""Commands of finite elements and of fits: ``granwave continuum`` and ``fit``."""
+
+from __future__ import annotations
+
+from granwave.workflows.cli import arguments as read
+from granwave.workflows.cli.commands import (
+    CASE,
+    CONTACTS,
+    NO_FIGURES,
+    RESUME_OR_FORCE,
+    RUNNING,
+    SET,
+    Command,
+    as_json,
+    directory,
+    flag,
+    materials,
+    option,
+    radii,
+)
+
+COMMANDS = (
+    Command(
+        "continuum",
+        RUNNING,
+        "the continuum reference: a rigid punch on an elastic-plastic block",
+        "granwave.extensions.continuum.terminal:continuum",
+        (CASE, SET, directory(), NO_FIGURES, as_json("the summary"), RESUME_OR_FORCE),
+        after="scan",
+    ),
+    Command(
+        "fit",
+        CONTACTS,
+        "fit the contact law's constants to a measured or computed curve",
+        "granwave.extensions.continuum.terminal:fit",
+        (
+            option(
+                "curve",
+                type=read.input_name,
+                metavar="CURVE.csv",
+                help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch",
+            ),
+            materials("one or two: a name, or FILE.toml:NAME"),
+            radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
+            option(
+                "--free",
+                nargs="+",
+                metavar="NAME",
+                help="constants to fit (default: all that the curve can tell)",
+            ),
+            option(
+                "--pair",
+                nargs=2,
+                metavar=("A", "B"),
+                help="also write pair.toml: the law of these two materials in a case",
+            ),
+            flag("--fit-yield", "fit the yield strength too"),
+            directory("where everything goes (default: ./fit)"),
+            flag("--force", "move the fit that is there to DIR.old (DIR.old2, ...)"),
+        ),
+        after="law",
+    ),
+)

@@ -1,0 +1,68 @@
+"""What a report says of runs of finite elements."""
+
+from __future__ import annotations
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from granwave.analysis.document.model import show
+from granwave.analysis.reports.kinds import ReportKind, ReportRun, Symbol
+from granwave.analysis.reports.setting import quantity_in
+from granwave.extensions.continuum.files import CONTINUUM
+from granwave.extensions.continuum.runs import ContinuumRun, SphereContactRun, read_elements
+
+_OF_PUNCH = "the unit of energies of the punch, with its diameter D and the block's yield strength and modulus"
+_LOOKS = {
+    "plastic_strain": "The coloured region is the plastic zone.",
+    "plastic_zone": "The outline is the zone at its largest; what lies outside of it stayed elastic.",
+    "plastic_zone_volume": "Where the zone at one instant falls after a peak, the wave has passed.",
+    "punch": "Where the velocity is level, the punch has left the block.",
+    "von_mises": "Colours at the yield strength are the zone that yields at this instant.",
+}
+
+
+class ElementKind(ReportKind):
+    """Runs of finite elements: a punch on a block, or two spheres in contact."""
+
+    result_kind = CONTINUUM
+    noun = "continuum run"
+    accepted_error = 2e-2  # of results that do not record it
+    limits = "A continuum run above the accepted error is stopped."
+    main_figures = ("plastic_strain", "von_mises", "energies")
+    looks = _LOOKS
+
+    def study_run(self, run: ReportRun) -> ContinuumRun | SphereContactRun | None:
+        """Return a run as studies take it."""
+        return read_elements(run.label, run.directory, run.summary)
+
+    def name_values(self, run: ReportRun, values: dict[str, str]) -> None:
+        """Name the largest force of two spheres as that of a run."""
+        if run.number("max_force_N") is not None:
+            values.setdefault("peak_force_N", values["max_force_N"])
+
+    def body(self, case: Mapping[str, Any]) -> str:
+        """Return what a case is about; empty for that of a packing."""
+        if "punch.diameter" in case:
+            mass = f" and {show(case['punch.mass'])} kg" if "punch.mass" in case else ""
+            return f"punch of {quantity_in(case['punch.diameter'], 'm')}{mass} on a block"
+        if "sphere.radius" in case:
+            return f"two spheres in contact, R = {quantity_in(case['sphere.radius'], 'm')}"
+        return ""
+
+    def load_keys(self, case: Mapping[str, Any]) -> dict[str, Any]:
+        """Return the velocity of the punch as that of an impact."""
+        return {"load.velocity": case["punch.velocity"]} if "punch.velocity" in case else {}
+
+    def symbols(self, runs: Sequence[ReportRun]) -> list[Symbol]:
+        """Return the unit of energies of a punch."""
+        units = [unit for unit in map(_unit_of_block, runs) if unit]
+        return [("sigma_y^2 D^3/E", units, "J", _OF_PUNCH)]
+
+
+def _unit_of_block(run: ReportRun) -> float:
+    keys = ("punch.diameter", "material.yield_strength", "material.youngs_modulus")
+    diameter, strength, modulus = (run.case.get(key) for key in keys)
+    return strength**2 * diameter**3 / modulus if strength and diameter and modulus else 0.0
+
+
+REPORT_KINDS = (ElementKind(),)

@@ -1,0 +1,85 @@
+"""What a report says of inferred contact forces."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+from granwave.analysis.document.model import DocumentTable, show
+from granwave.analysis.reports.kinds import ReportKind, ReportRun
+from granwave.analysis.reports.sentences import printed, sentences, value_table
+from granwave.extensions.inference.files import INFERENCE
+from granwave.extensions.inference.forces.tables import ENTRIES, QUANTITIES
+
+_KEYS = (
+    "n_grains", "n_contacts", "n_significant_contacts", "n_loaded_contacts", "n_sliding_contacts", "largest_force_N",
+    "mean_normal_force_N", "noise", "true_force_error", "standard_error_fraction", "acceleration_error",
+    "residual_fraction", "chi2_per_equation", "youngs_modulus_Pa", "youngs_modulus_error_Pa", "n_equations",
+    "n_unknowns",
+)  # fmt: skip
+_IN_PER_CENT = (
+    "noise", "true_force_error", "standard_error_fraction", "acceleration_error", "residual_fraction",
+)  # fmt: skip
+_SENTENCES = (  # those whose values are all there are shown
+    "{n_loaded_contacts} of {n_contacts} contacts bear a force, at most {largest_force_N}.",
+    "{n_significant_contacts} of them bear a force above two standard errors.",
+    "These forces are off by {true_force_error} of the true ones, for noise of {noise}.",
+    "Their standard error is {standard_error_fraction} of the forces.",
+    "What these forces leave unexplained is {residual_fraction} of the data.",
+)
+_CAPTIONS = {
+    "force_network": "Inferred contact forces",
+    "residuals": "What the forces of each grain leave unexplained",
+    "force_errors": "Standard errors of the forces against the forces",
+    "modulus": "Misfit against Young's modulus",
+    "noise": "Error of the forces against the noise of the measurement",
+}
+_LOOKS = {
+    "force_network": "Lines are as wide as the force is large.",
+    "residuals": "A grain far above the others was measured badly, or misses a contact.",
+    "force_errors": "Forces below twice their error may be none.",
+    "modulus": "The narrower the minimum, the better strains and accelerations determine the modulus.",
+    "noise": "The larger the slope, the more exactly strains and accelerations must be measured.",
+}
+_TABLES = {INFERENCE: ENTRIES}
+
+
+class InferenceKind(ReportKind):
+    """Inferred forces, which have no energy balance and no case."""
+
+    result_kind = INFERENCE
+    noun = "inferred forces"
+    has_balance = False
+    main_figures = ("force_network",)
+    captions = _CAPTIONS
+    looks = _LOOKS
+    tables = _TABLES
+
+    def setting(self, run: ReportRun) -> str:
+        """Return the number of grains, the measurement and what was assumed."""
+        grains = run.summary.get("n_grains")
+        source = run.summary.get("measurement")
+        count = grains[0] if isinstance(grains, list) and grains else grains
+        friction = run.number("friction")
+        parts = [f"forces of {count} grains of {source}", str(run.summary.get("state", ""))]
+        if friction is not None:
+            parts.append(f"friction {show(friction)}" if friction else "no friction")
+        return ", ".join(part for part in parts if part)
+
+    def title(self, run: ReportRun) -> str:
+        """Return the title of a table."""
+        return "Inferred forces"
+
+    def in_words(self, run: ReportRun) -> str:
+        """Return what came out."""
+        return sentences(_SENTENCES, printed(run.summary, _IN_PER_CENT))
+
+    def label(self, run: ReportRun, key: str) -> str:
+        """Return the label of a value of the summary."""
+        return QUANTITIES[key].label if key in QUANTITIES else ""
+
+    def table_of(self, runs: Sequence[ReportRun], caption: str) -> DocumentTable:
+        """Make the table of the main values."""
+        return value_table(runs, caption, _KEYS, _IN_PER_CENT)
+
+
+REPORT_KINDS = (InferenceKind(),)

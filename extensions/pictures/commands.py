@@ -1,0 +1,103 @@
+"""Commands of pictures: ``granwave view`` and ``film``."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+
+from granwave.workflows.cli import arguments as read
+from granwave.workflows.cli.commands import (
+    LOOK,
+    RUN,
+    Command,
+    figure_options,
+    flag,
+    option,
+    output,
+)
+
+#: Keys of ``[figures]`` that have an option of films.
+FILM_KEYS = ("plane", "colour_map", "force_limits", "dissipation_limits")
+
+
+def _quantities() -> Iterable[str]:
+    from granwave.extensions.pictures.films import QUANTITIES
+
+    return QUANTITIES
+
+
+def _views() -> Iterable[str]:
+    from granwave.extensions.pictures.films import VIEWS
+
+    return VIEWS
+
+
+COMMANDS = (
+    Command(
+        "view",
+        LOOK,
+        "a page to turn and cut the packing of a run in a browser",
+        "granwave.extensions.pictures.terminal:view",
+        (
+            RUN,
+            output("name of the page, .html (default: DIR/view.html)"),
+            [
+                option(
+                    "--spheres",
+                    type=read.positive,
+                    metavar="N",
+                    help="at most so many spheres, those nearest to the struck one "
+                    "(default: 250000)",
+                ),
+                flag("--all", "all spheres and snapshots, however many"),
+            ],
+            option("--frames", type=read.positive, metavar="N", help="at most so many snapshots"),
+        ),
+        after="figures",
+    ),
+    Command(
+        "film",
+        LOOK,
+        "a film of a run: planes, the cut packing, or a chain in space-time",
+        "granwave.extensions.pictures.terminal:film",
+        (
+            RUN,
+            output("a file that ends in .mp4, .gif or .webp", required=True),
+            option(
+                "--quantity",
+                default="force",
+                metavar="NAME",
+                words=_quantities,
+                help="what is shown: force, velocity or dissipation (default: force)",
+            ),
+            option(
+                "--view",
+                metavar="NAME",
+                words=_views,
+                help="what is seen: orthogonal, principal, section, 3d or chain "
+                "(default: what there is)",
+            ),
+            [
+                option(
+                    "--width",
+                    type=read.positive,
+                    default=1200,
+                    metavar="PIXELS",
+                    help="width of the pictures (default: 1200)",
+                ),
+                option(
+                    "--size",
+                    metavar="NAME|WxH",
+                    help="slide (1920x1080), page (1200x900), or width x height in pixels",
+                ),
+            ],
+            *figure_options(*FILM_KEYS),
+            option(
+                "--rate",
+                type=read.number,
+                metavar="N",
+                help="pictures per second (default: 3 to 25)",
+            ),
+        ),
+        after="view",
+    ),
+)

@@ -1,0 +1,51 @@
+"""Formats of ``granwave export`` for ParaView and OVITO."""
+
+from __future__ import annotations
+
+import json
+import os
+from pathlib import Path
+
+from granwave.analysis.exports.formats import ExportFormat, of_result, staged
+from granwave.extensions.pictures import ovito_scene, to_vtp
+from granwave.lammps_inputs.errors import InputError
+
+OVITO_SCRIPT = "open_in_ovito.py"
+
+
+def export_scene(directory: Path, output: Path) -> list[Path]:
+    """Write the script that opens a run in OVITO; return its path.
+
+    Parameters
+    ----------
+    directory
+        Directory of the run.
+    output
+        Output directory.
+
+    Raises
+    ------
+    InputError
+        The run is not finished, or each rank wrote its own dumps.
+    """
+    if ovito_scene.in_parts(directory):
+        raise InputError(
+            f"{directory}: each rank wrote its own dumps (output.parts), which OVITO does not join; use --to vtp"
+        )
+    if missing := ovito_scene.missing_files(directory):
+        raise InputError(
+            f"{directory}: {', '.join(missing)} missing; OVITO reads what LAMMPS wrote: expected the directory of a "
+            "finished run"
+        )
+    source = Path(ovito_scene.__file__).read_text(encoding="utf-8")
+    run = os.path.relpath(directory.resolve(), output.resolve())
+    with staged(output) as (path_of, placed):
+        text = source.replace(f"RUN = {json.dumps(ovito_scene.RUN)}", f"RUN = {json.dumps(run)}", 1)
+        path_of(OVITO_SCRIPT).write_text(text, encoding="utf-8")
+    return placed
+
+
+VTP = ExportFormat(
+    "spheres.pvd and contacts.pvd (ParaView)", of_result(to_vtp.export_run, to_vtp.OUTDATED)
+)
+OVITO = ExportFormat(f"{OVITO_SCRIPT}, which opens spheres and contacts together", export_scene)

@@ -1,0 +1,38 @@
+"""Products of a run: its film, and the page to turn and cut its packing."""
+
+from __future__ import annotations
+
+from granwave.analysis.products import Product
+from granwave.lammps_inputs.result_directory import ResultDirectory
+
+
+def make_film(results: ResultDirectory, file: str) -> None:
+    """Write the film of a run as a file of this name."""
+    # it loads the drawing library, which most commands do without
+    from granwave.extensions.pictures.films import write_film
+
+    results.claim([file])
+    write_film(results.path, results / file)
+
+
+def make_page(results: ResultDirectory, file: str) -> None:
+    """Write the page of a run, under the name that it always has."""
+    from granwave.extensions.pictures.view.page import write_view
+
+    write_view(results)
+
+
+def packages_of_film(file: str) -> tuple[str, ...]:
+    """Return the packages that a film needs: pictures in one file do without ffmpeg."""
+    return ("imageio_ffmpeg",) if file.endswith(".mp4") else ()
+
+
+def packages_of_page(file: str) -> tuple[str, ...]:
+    """Return the packages that a page needs."""
+    return ("k3d",)
+
+
+PRODUCTS = (
+    Product("film", make_film, packages_of_film),
+    Product("view", make_page, packages_of_page),
+)

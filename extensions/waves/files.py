@@ -1,0 +1,36 @@
+"""Files of small waves about a static state: each command leaves NAME.csv and NAME.json, and a group
+in one file of all.
+"""
+
+from __future__ import annotations
+
+from pathlib import Path
+
+from granwave.lammps_inputs.result_kinds import ResultKind
+from granwave.lammps_inputs.run_directory import SUMMARY_FILE
+
+SPECTRA = "spectra"  # kind of results
+SPECTRA_FILE = "spectra.h5"
+#: Commands of small waves; each leaves its values in a file of its name, .json.
+SPECTRA_KINDS = ("bands", "modes", "transmission")
+
+
+def spectra_in(directory: Path) -> list[str]:
+    """Return the commands whose values are in a directory, of `SPECTRA_KINDS`."""
+    return [name for name in SPECTRA_KINDS if (directory / f"{name}.json").is_file()]
+
+
+def _holds_spectra(directory: Path) -> bool:
+    """Return True for a directory of small waves alone, False for a run among whose files some are."""
+    return bool(spectra_in(directory)) and not (directory / SUMMARY_FILE).exists()
+
+
+RESULT_KINDS = (
+    ResultKind(
+        SPECTRA,
+        "bands or modes",
+        (SPECTRA_FILE, *(f"{name}.json" for name in SPECTRA_KINDS)),
+        _holds_spectra,
+        loader="granwave.extensions.waves.datasets:load_spectra",
+    ),
+)

@@ -1,0 +1,193 @@
+"""What a report says of bands, modes and transmission."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+
+import h5py
+import numpy as np
+
+from granwave.analysis.document.model import DocumentTable
+from granwave.analysis.formatting.values import grains_called_in
+from granwave.analysis.reports.kinds import ReportKind, ReportRun, by_key
+from granwave.analysis.reports.sentences import printed, sentences, value_table
+from granwave.analysis.reports.setting import setting_of
+from granwave.analysis.result.not_a_run import no_results
+from granwave.extensions.waves.files import SPECTRA, SPECTRA_FILE, spectra_in
+from granwave.extensions.waves.spectra.files import recorded
+from granwave.extensions.waves.spectra.quantities import OF_BANDS, OF_MODES, OF_TRANSMISSION
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_json, regular
+from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.run_directory import SCAN_INDEX, SUMMARY_FILE
+
+BANDS = "bands"
+MODES = "modes"
+TRANSMISSION = "transmission"
+
+_PASSES = 0.5  # of the driven grain's amplitude
+_MOST_STRETCHES = 3  # of frequency, in a sentence
+_KEYS = (
+    "highest_frequency_Hz", "lowest_frequency_Hz", "widest_gap_Hz", "widest_gap_relative",
+    "attenuation_in_widest_gap", "attenuation_spacing_m", "speeds_m_s", "largest_amplitude_ratio",
+    "least_participation_ratio", "static_force_N", "contact_stiffness_N_per_m", "unit_frequency_Hz",
+    "n_grains_in_cell", "n_grains", "n_left_out", "n_contacts_in_cell", "n_contacts", "n_bands", "n_modes", "n_floppy",
+)  # fmt: skip
+_IN_PER_CENT = ("widest_gap_relative",)
+_TITLES = {BANDS: "Bands", MODES: "Modes", TRANSMISSION: "Transmission"}
+_OF_A_LOAD = ("load.", "striker")  # keys of the case that play no part
+_SENTENCES = {  # those whose values are all there are shown
+    BANDS: (
+        "No wave passes at {widest_gap_Hz}, the widest gap ({widest_gap_relative} of its middle).",
+        "Nothing passes below {lowest_edge_Hz}.",
+        "Nothing passes above {highest_edge_Hz}.",
+        "Long waves run at {speeds_m_s}.",
+    ),
+    MODES: (
+        "{n_modes} modes from {lowest_frequency_Hz} on.",
+        "The highest frequency is {highest_frequency_Hz}.",
+        "The least participation ratio is {least_participation_ratio}.",
+    ),
+}
+_NO_GAP = "There is no gap between the bands."
+_LABELS = {entry.name: entry.label for entry in (*OF_BANDS, *OF_MODES, *OF_TRANSMISSION)}
+_FIGURES = {
+    BANDS: ("bands", "group_velocity", "slowness", "equal_frequency", "mode_shapes"),
+    MODES: ("density_of_states", "participation"),
+    TRANSMISSION: ("transmission",),
+}
+_CAPTIONS = {
+    "bands": "Band diagram: frequency against wave vector",
+    "group_velocity": "Group velocity against frequency",
+    "slowness": "Slowness of long waves over the directions of a plane",
+    "equal_frequency": "Lines of equal frequency over a plane of wave vectors",
+    "mode_shapes": "Displacements of the modes at the last corner of the first stretch",
+    "density_of_states": "Density of states",
+    "participation": "Participation ratio against frequency",
+}
+_LOOKS = {
+    "bands": "No wave passes in a grey stretch, a gap; the slope at the origin is the speed of long waves. On the "
+    "right, where it is known, the attenuation from plane to plane.",
+    "group_velocity": "So fast energy travels at each frequency; near zero, at the edges of bands, it stays.",
+    "slowness": "The farther out, the slower the wave in that direction; a circle is one speed in all directions.",
+    "equal_frequency": "Energy goes across the lines: where they are straight, a wave does not spread.",
+    "mode_shapes": "Bars are the grains of one cell: those without a bar stand still.",
+    "density_of_states": "Empty stretches are gaps.",
+    "participation": "Near 1 all grains move alike; low values are modes of few grains.",
+}
+_TABLES = {BANDS: OF_BANDS, MODES: OF_MODES, TRANSMISSION: OF_TRANSMISSION}
+
+
+class SpectraKind(ReportKind):
+    """Bands, modes and transmission of small waves, of which a directory may hold all."""
+
+    result_kind = SPECTRA
+    noun = "small waves"
+    has_balance = False
+    main_figures = ("bands", "density_of_states", "transmission")
+    captions = _CAPTIONS
+    looks = _LOOKS
+    tables = _TABLES
+
+    def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
+        """Read the bands, modes and transmission of a directory."""
+        path = results.path
+        names = spectra_in(path)
+        if not names:
+            found = sorted(entry.name for entry in path.iterdir())
+            expected = f"expected {SUMMARY_FILE} or {SCAN_INDEX} in it"
+            raise InputError(no_results(path, found, "neither a run nor a scan", expected))
+        several = len(names) > 1
+        return [
+            self._read_one(results, f"{label} ({name})" if several else label, name)
+            for name in names
+        ]
+
+    def _read_one(self, results: ResultDirectory, label: str, name: str) -> ReportRun:
+        """Read what one command left; the case and the versions are those of spectra.h5."""
+        path = results.path
+        tables, versions = recorded(path)
+        values = read_json(path / f"{name}.json")
+        if values is None:
+            raise InputError(
+                f"{path / f'{name}.json'}: cannot be read; make it anew with  "
+                f"granwave {name} CASE -o {path} --force"
+            )
+        summary = {**values, "kind": name, "versions": versions}
+        return ReportRun(label, self, results, "done", summary, by_key(tables), {})
+
+    def part(self, run: ReportRun) -> str:
+        """Return the command: bands, modes or transmission."""
+        return str(run.summary["kind"])
+
+    def setting(self, run: ReportRun) -> str:
+        """Return the packing and its static load."""
+        case = {key: value for key, value in run.case.items() if not key.startswith(_OF_A_LOAD)}
+        return setting_of(case, grains_called_in([run.summary]))
+
+    def title(self, run: ReportRun) -> str:
+        """Return the title of a table."""
+        return _TITLES[self.part(run)]
+
+    def label(self, run: ReportRun, key: str) -> str:
+        """Return the label of a value of the summary."""
+        return _LABELS.get(key, "")
+
+    def table_of(self, runs: Sequence[ReportRun], caption: str) -> DocumentTable:
+        """Make the table of the main values."""
+        return value_table(runs, caption, _KEYS, _IN_PER_CENT)
+
+    def figures_of_others(self, run: ReportRun) -> set[str]:
+        """Return the names of the figures of the other commands."""
+        others = [names for kind, names in _FIGURES.items() if kind != self.part(run)]
+        return {name for names in others for name in names}
+
+    def in_words(self, run: ReportRun) -> str:
+        """Return what came out."""
+        if self.part(run) == TRANSMISSION:
+            return _transmission_in_words(run)
+        if self.part(run) == MODES:
+            return sentences(_SENTENCES[MODES], printed(run.summary, _IN_PER_CENT))
+        text = sentences(_SENTENCES[BANDS], printed(_with_edges(run), _IN_PER_CENT))
+        return text if run.summary.get("widest_gap_Hz") else f"{_NO_GAP} {text}"
+
+
+def _with_edges(run: ReportRun) -> dict[str, object]:
+    """Return the summary of bands with the edges of all that passes; None where nothing is known."""
+    edges = run.summary.get("band_edges_Hz") or []
+    lowest = [edge[0] for edge in edges if edge and edge[0] is not None]
+    complete = (run.number("n_bands") or 0) >= (run.number("n_freedoms") or 0)
+    return {
+        **run.summary,
+        "lowest_edge_Hz": min(lowest, default=0.0) or None,
+        "highest_edge_Hz": run.summary.get("highest_frequency_Hz") if complete else None,
+    }
+
+
+def _transmission_in_words(run: ReportRun) -> str:
+    """Return at which frequencies at least half of the motion of the drive comes through."""
+    try:
+        with h5py.File(regular(run.directory / SPECTRA_FILE), "r") as file:
+            names = ("frequency", "amplitude_ratio", "sensor")
+            frequency, ratio, sensors = (file[f"{TRANSMISSION}/{name}"][()] for name in names)
+    except (OSError, KeyError):
+        return ""
+    parts = []
+    for sensor, amplitude in zip(sensors, ratio.T, strict=True):
+        passes = np.concatenate([[False], amplitude >= _PASSES, [False]]).astype(int)
+        edges = np.flatnonzero(np.diff(passes)).reshape(-1, 2)
+        stretches = [
+            f"{1e-3 * frequency[start]:.4g} to {1e-3 * frequency[stop - 1]:.4g}"
+            for start, stop in edges
+        ]
+        more = " and elsewhere" if len(stretches) > _MOST_STRETCHES else ""
+        where = f"at {', '.join(stretches[:_MOST_STRETCHES])} kHz{more}" if stretches else "nowhere"
+        peak = int(np.argmax(amplitude))
+        parts.append(
+            f"Grain {sensor} moves at least half as much as grain {run.summary.get('drive')} "
+            f"{where}, at most {amplitude[peak]:.4g} times at {1e-3 * frequency[peak]:.4g} kHz."
+        )
+    return " ".join(parts)
+
+
+REPORT_KINDS = (SpectraKind(),)

@@ -1,0 +1,71 @@
+"""Ways to start contacts of grains at places of their own that overlap, or that nearly touch:
+``packing.contacts``.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+CONTACTS = "contacts"
+TOLERANCE = "touch_tolerance"
+KEY = f"packing.{CONTACTS}"
+
+
+@dataclasses.dataclass(frozen=True)
+class ContactWay:
+    """Way to start contacts.
+
+    Attributes
+    ----------
+    name
+        Value of ``packing.contacts``.
+    summary
+        What it does, in the description of this key.
+    moves_grains
+        True if grains move, before anything else, until contacts within the tolerance just touch.
+    presses
+        True if grains that overlap press each other from the start.
+    balances
+        True if they come to balance before the run.
+    rearranges
+        True if grains may move far on the way to balance.
+    """
+
+    name: str
+    summary: str
+    moves_grains: bool = False
+    presses: bool = False
+    balances: bool = False
+    rearranges: bool = False
+
+
+TOUCH = ContactWay(
+    "touch",
+    "grains move by least squares until the pairs within the tolerance just touch, as those of a "
+    "crystal whose file is rounded",
+    moves_grains=True,
+)
+OVERLAPS = ContactWay(
+    "overlaps",
+    "overlaps press as they are, and the grains come to balance near their places",
+    presses=True,
+    balances=True,
+)
+RELAX = ContactWay(
+    "relax",
+    "the same, however far the grains move",
+    presses=True,
+    balances=True,
+    rearranges=True,
+)
+KEEP = ContactWay(
+    "keep",
+    "the run starts with grains, overlaps and forces as they are",
+    presses=True,
+)
+CONTACT_WAYS = {way.name: way for way in (TOUCH, OVERLAPS, RELAX, KEEP)}
+
+
+def described_ways() -> str:
+    """Return the ways with their summaries, in one sentence."""
+    return "; ".join(f"{way.name}: {way.summary}" for way in CONTACT_WAYS.values())

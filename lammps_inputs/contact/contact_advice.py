@@ -1,0 +1,137 @@
+"""Advice on contacts of grains at places of their own: what each way of ``packing.contacts`` does
+with the packing at hand.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+
+from granwave.lammps_inputs.case.case import Case, WrongTable
+from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, OVERLAPS, RELAX, TOUCH
+from granwave.lammps_inputs.case.grains import Grains
+from granwave.lammps_inputs.contact.law import law_between
+from granwave.lammps_inputs.packing.touching import (
+    GrainGaps,
+    Period,
+    fit_touching,
+    gaps_up_to,
+    rounding_of,
+    tolerance_of,
+)
+from granwave.lammps_inputs.packing_kind import TOUCHING
+
+_MOST_LAWS = 100  # pairs of the largest forces by their overlaps and radii, whose laws are asked
+
+
+@dataclasses.dataclass(frozen=True)
+class ContactAdvice:
+    """Contacts of grains as they were found.
+
+    Attributes
+    ----------
+    last_place
+        Unit of the last place of the numbers of the file, m.
+    tolerance
+        Touch tolerance, m.
+    n_within
+        Number of pairs that touch within it.
+    n_beyond
+        Number of pairs that overlap by more.
+    n_overlapping
+        Number of pairs that overlap by more than 1e-6 of the nominal diameter.
+    largest_overlap
+        Largest overlap, m.
+    moved
+        Largest displacement of a grain by which these pairs would just touch, m.
+    remaining
+        Largest gap or overlap that would be left of them, m.
+    largest_force
+        Largest force of a contact as it is, N; None if its law cannot be told.
+    """
+
+    last_place: float
+    tolerance: float
+    n_within: int
+    n_beyond: int
+    n_overlapping: int
+    largest_overlap: float
+    moved: float
+    remaining: float
+    largest_force: float | None
+
+    @property
+    def choices(self) -> list[str]:
+        """What each way would do, a phrase each."""
+        beyond = f"; {self.n_beyond} pairs overlap by more" if self.n_beyond else ""
+        left = f", to {self.remaining:.2g} m" if self.remaining > self.tolerance / 2 else ""
+        pressed = "" if self.largest_force is None else f", with up to {self.largest_force:.3g} N"
+        moved = f"moves grains by up to {self.moved:.2g} m until the {self.n_within} pairs within "
+        return [
+            f'"{TOUCH.name}" {moved}{self.tolerance:.2g} m just touch{left}{beyond}',
+            f'"{OVERLAPS.name}" presses them{pressed}, and balances that nearby',
+            f'"{RELAX.name}" balances it wherever the grains go',
+            f'"{KEEP.name}" starts as they are, out of balance',
+        ]
+
+    @property
+    def remedy(self) -> str:
+        """What to do about overlaps, as a message says it."""
+        return f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
+
+
+def advice_on(case: Case, grains: Grains, period: Period = None) -> ContactAdvice:
+    """Return what each way of ``packing.contacts`` would do with grains.
+
+    Parameters
+    ----------
+    grains
+        The grains as they were found.
+    period
+        Periods along x and y, m.
+    """
+    packing = case.packing
+    tolerance = packing.touch_tolerance or tolerance_of(grains, packing.diameter)
+    gaps = gaps_up_to(grains, tolerance, period)
+    overlapping = gaps.overlapping(TOUCHING * packing.diameter)
+    fit = fit_touching(grains, tolerance, period)
+    return ContactAdvice(
+        rounding_of(grains),
+        tolerance,
+        fit.n_contacts,
+        len(gaps.overlapping(tolerance)),
+        len(overlapping),
+        overlapping.largest_overlap,
+        fit.moved,
+        fit.remaining,
+        _largest_force(case, grains, overlapping),
+    )
+
+
+def _largest_force(case: Case, grains: Grains, overlapping: GrainGaps) -> float | None:
+    """Return the largest force of overlapping pairs, N; None if a table of the case is wrong."""
+    if not len(overlapping):
+        return 0.0
+    radii = grains.diameter[overlapping.pairs] / 2
+    shared = radii.prod(axis=1) / radii.sum(axis=1)
+    hertzian = np.sqrt(shared) * (-overlapping.gap) ** 1.5
+    largest = 0.0
+    try:
+        for row in np.argsort(-hertzian)[:_MOST_LAWS]:
+            first, second = overlapping.pairs[row].tolist()
+            bodies = (
+                case.named_material(grains.material[first]),
+                case.named_material(grains.material[second]),
+            )
+            law = law_between(
+                case.contact_between(*bodies),
+                bodies,
+                (float(radii[row, 0]), float(radii[row, 1])),
+                shapes=(grains.shape[first], grains.shape[second]),
+                plane_strain=case.contact.line == "plane-strain",
+            )
+            largest = max(largest, float(law.loading_force(-overlapping.gap[row])))
+    except (WrongTable, KeyError, ValueError):
+        return None
+    return largest

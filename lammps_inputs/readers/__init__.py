@@ -1,0 +1,9 @@
+"""Readers of packings that other programs wrote, found by the content of the file.
+
+grain_table   what a reader returns
+source        a file that is read: its bytes, its text, and what the user said of it
+columns       columns of a file as quantities of grains, by usual names and units
+registry      readers by the name of their format; reading of any file
+table, lammps_dump, lammps_data, yade, mercury, vtk_files, h5md, ase_files
+              a format each: ``recognises`` tells if a file has it, ``read`` returns its grains
+"""

@@ -1,0 +1,199 @@
+"""Data files of LAMMPS (``read_data``, ``write_data``) of ``atom_style sphere`` and its hybrids.
+
+https://docs.lammps.org/read_data.html
+"""
+
+from __future__ import annotations
+
+import re
+from collections.abc import Sequence
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.readers.columns import (
+    DIAMETER,
+    SPINS,
+    VELOCITIES,
+    ColumnReader,
+    GrainColumn,
+    find_columns,
+)
+from granwave.lammps_inputs.readers.grain_table import GrainTable
+from granwave.lammps_inputs.readers.lammps_dump import power_of_style
+from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
+from granwave.lammps_inputs.tables.layout import BLANKS, Layout
+from granwave.lammps_inputs.tables.text_table import table_of
+from granwave.lammps_inputs.tables.units import in_si
+
+NAME = "lammps-data"
+LABEL = "LAMMPS data file"
+_COUNT = re.compile(r"^[ \t]*([0-9]+)[ \t]+atoms\b", re.MULTILINE)
+_ATOMS = re.compile(r"^Atoms[ \t]*(?:#(.*))?$", re.MULTILINE)
+_VELOCITIES = re.compile(r"^Velocities\b.*$", re.MULTILINE)
+_STYLE_OF_UNITS = re.compile(r"units = (\w+)")
+_BOX = re.compile(r"^[ \t]*(\S+)[ \t]+(\S+)[ \t]+([xyz])lo[ \t]+[xyz]hi", re.MULTILINE)
+_PLACE = ["x", "y", "z"]
+_SPHERE = ["diameter", "density"]
+_IMAGES = ["ix", "iy", "iz"]
+_STYLES = {
+    "sphere": ["id", "type", *_SPHERE, *_PLACE],
+    "bpm/sphere": ["id", "mol", "type", *_SPHERE, *_PLACE],
+    "atomic": ["id", "type", *_PLACE],
+}
+#: Columns that sub-styles of a hybrid add behind the places.
+_OF_HYBRID = {
+    "sphere": _SPHERE,
+    "atomic": [],
+    "bond": ["mol"],
+    "angle": ["mol"],
+    "molecular": ["mol"],
+    "charge": ["q"],
+    "full": ["mol", "q"],
+    "dipole": ["q", "mux", "muy", "muz"],
+}
+_MOST_HEAD = 100_000  # characters before the section of the atoms
+
+
+def recognises(source: GrainSource) -> bool:
+    """Return True for a text with a number of atoms and bounds of a box near its beginning."""
+    return bool(_COUNT.search(source.head) and _BOX.search(source.head))
+
+
+def read(source: GrainSource) -> GrainTable:
+    """Read the atoms of a data file.
+
+    Raises
+    ------
+    ValueError
+        It is truncated, or its atoms have no sizes.
+    """
+    text = source.text
+    options = source.options
+    count = _COUNT.search(text)
+    section = _ATOMS.search(text)
+    if count is None or section is None:
+        raise ValueError("found no section Atoms, expected one; the data file may be truncated")
+    head = text[: min(section.start(), _MOST_HEAD)]
+    layout = _section(text, section, int(count[1]), "Atoms")
+    heads = _heads(section[1] or "", layout, options)
+    table = table_of(layout, heads, layout.numbers[0] - 1)
+    notes: list[str] = []
+    columns = find_columns(table, options, notes, repeated=True)
+    if DIAMETER not in columns and options.diameter is None:
+        raise ValueError(
+            f"found atoms of {' '.join(heads)}, expected atom_style sphere, which has diameters, "
+            "or packing.diameter for all grains"
+        )
+    style = _STYLE_OF_UNITS.search(head.partition("\n")[0])
+    power = power_of_style(style[1] if style else "", options)
+    grains = ColumnReader(table, columns, options, power).grains(LABEL, notes)
+    grains.bounds = _bounds(head, power)
+    _add_velocities(text, grains, power)
+    return _without_points(grains)
+
+
+def _section(text: str, section: re.Match[str], n_rows: int, name: str) -> Layout:
+    """Return the rows of a section; raise ValueError if some are missing."""
+    first_line = text.count("\n", 0, section.end()) + 2
+    numbers: list[int] = []
+    rows: list[str] = []
+    for number, line in enumerate(_lines_from(text, section.end() + 1), start=first_line):
+        row = line.partition("#")[0].strip()
+        if not row:
+            continue
+        if row[0].isalpha() or len(rows) == n_rows:
+            break
+        numbers.append(number)
+        rows.append(row)
+    if len(rows) != n_rows or not rows:
+        raise ValueError(
+            f"found {len(rows)} of {n_rows} rows in the section {name}: the data file is truncated"
+        )
+    return Layout(numbers, rows, BLANKS, ".")
+
+
+def _lines_from(text: str, start: int) -> Sequence[str]:
+    """Return the lines of a text from a place on."""
+    return text[start:].splitlines()
+
+
+def _heads(comment: str, layout: Layout, options: FileOptions) -> list[str]:
+    """Return the names of the columns, from the comment on the style of the atoms."""
+    if options.heads:
+        return list(options.heads)
+    n_columns = len(layout.cells(0))
+    style, _, listed = comment.strip().partition(":")
+    heads = listed.split() if listed else _of_style(style.split(), n_columns)
+    if n_columns == len(heads) + len(_IMAGES):
+        heads = [*heads, *_IMAGES]
+    if n_columns != len(heads):
+        raise ValueError(
+            f"line {layout.numbers[0]}: found {n_columns} values, expected {len(heads)}: "
+            f"{', '.join(heads)}; or name them by packing.columns"
+        )
+    return heads
+
+
+def _of_style(words: list[str], n_columns: int) -> list[str]:
+    """Return the names of the columns of a style; of a file that says none, those of spheres."""
+    style = words[0] if words else "sphere"
+    if style == "hybrid":
+        unknown = [word for word in words[1:] if word not in _OF_HYBRID]
+        if not unknown:
+            heads = ["id", "type", *_PLACE]
+            for word in words[1:]:
+                heads += [head for head in _OF_HYBRID[word] if head not in heads]
+            return heads
+        style = f"hybrid with {unknown[0]}"
+    if style in _STYLES:
+        return _STYLES[style]
+    raise ValueError(
+        f"found atom_style {style} with {n_columns} columns, expected sphere or a hybrid with it; "
+        'or name the columns: packing.columns = ["id", "type", "x", "y", "z", ...]'
+    )
+
+
+def _bounds(head: str, power: int) -> NDArray[np.float64] | None:
+    """Return the box: (3, 2), m; None unless the head of the file has it along all axes."""
+    edges = {match[3]: (match[1], match[2]) for match in _BOX.finditer(head)}
+    if len(edges) < len(_PLACE):
+        return None
+    try:
+        box = np.array([edges[axis] for axis in _PLACE], dtype=np.float64)
+    except ValueError:
+        return None
+    return in_si(box, power)
+
+
+def _add_velocities(text: str, grains: GrainTable, power: int) -> None:
+    """Add velocities and spins of the section Velocities, if there is one."""
+    section = _VELOCITIES.search(text)
+    if section is None or grains.ids is None:
+        return
+    layout = _section(text, section, len(grains), "Velocities")
+    heads = ["id", *VELOCITIES, *SPINS][: len(layout.cells(0))]
+    table = table_of(layout, heads, layout.numbers[0] - 1)
+    columns = {head: GrainColumn(index, head) for index, head in enumerate(heads)}
+    reader = ColumnReader(table, columns, FileOptions(), power)
+    ids = reader.ids()
+    assert ids is not None
+    order = np.argsort(ids, kind="stable")
+    if not np.array_equal(ids[order], np.sort(grains.ids)):
+        raise ValueError("found velocities of other ids than those of the atoms")
+    rows = order[np.argsort(np.argsort(grains.ids, kind="stable"), kind="stable")]
+    velocity = reader.vector(VELOCITIES)
+    spin = reader.vector(SPINS)
+    grains.velocity = None if velocity is None else velocity[rows]
+    grains.spin = None if spin is None else spin[rows]
+
+
+def _without_points(grains: GrainTable) -> GrainTable:
+    """Return the grains without atoms of diameter 0, such as the nodes of a bar."""
+    if grains.radius is None or (grains.radius != 0).all():
+        return grains
+    there = np.flatnonzero(grains.radius)
+    if not len(there):
+        return grains
+    grains.notes.append(f"{len(grains) - len(there)} points of diameter 0 left out")
+    return grains.taken(there)

@@ -1,0 +1,116 @@
+"""A file of grains that is read: its bytes, its text, and what the user said of it."""
+
+from __future__ import annotations
+
+import dataclasses
+import gzip
+import zlib
+from collections.abc import Mapping, Sequence
+from functools import cached_property
+from pathlib import Path
+
+from granwave.lammps_inputs.files import decoded, read_regular
+from granwave.lammps_inputs.tables.units import LENGTH_UNITS
+
+_GZIP = b"\x1f\x8b"
+_HEAD = 4096  # characters that show the format
+
+
+@dataclasses.dataclass(frozen=True, kw_only=True)
+class FileOptions:
+    """What the user says of a file of grains.
+
+    Attributes
+    ----------
+    format
+        Name of the format; empty: that of the content.
+    columns
+        Names of the columns in their order, of a table without them; or the name of a column, or
+        its number from 1, by quantity.
+    units
+        Unit of the lengths; empty: that of the file, or metres.
+    step
+        Timestep of a file of several; None: the last.
+    diameter
+        Diameter of grains for which the file has none, m.
+    """
+
+    format: str = ""
+    columns: Sequence[str] | Mapping[str, str | int] = ()
+    units: str = ""
+    step: int | None = None
+    diameter: float | None = None
+
+    @property
+    def heads(self) -> Sequence[str]:
+        """Names of the columns in their order; empty unless they were given so."""
+        return () if isinstance(self.columns, Mapping) else self.columns
+
+    @property
+    def names(self) -> Mapping[str, str | int]:
+        """Columns by quantity; empty unless they were given so."""
+        return self.columns if isinstance(self.columns, Mapping) else {}
+
+    def power(self, of_file: int = 0) -> int:
+        """Return the power of ten of the lengths, in metres; ``of_file`` unless they were given."""
+        return LENGTH_UNITS[self.units] if self.units else of_file
+
+
+@dataclasses.dataclass(frozen=True)
+class GrainSource:
+    """A file of grains that is read.
+
+    Attributes
+    ----------
+    path
+        The file.
+    options
+        What the user says of it.
+    """
+
+    path: Path
+    options: FileOptions = FileOptions()
+
+    @cached_property
+    def content(self) -> bytes:
+        """Bytes of the file, unpacked if it is a .gz.
+
+        Raises
+        ------
+        OSError
+            The file cannot be read.
+        ValueError
+            It is a .gz that is damaged.
+        """
+        raw = read_regular(self.path)
+        if not raw.startswith(_GZIP):
+            return raw
+        try:
+            return gzip.decompress(raw)
+        except (OSError, EOFError, zlib.error) as error:
+            reason = str(error) or type(error).__name__
+            raise ValueError(
+                f"found a .gz file that cannot be unpacked ({reason}); copy it again"
+            ) from None
+
+    @cached_property
+    def text(self) -> str:
+        """Text of the file; raises ValueError unless it is UTF-8."""
+        return decoded(self.content)
+
+    @cached_property
+    def head(self) -> str:
+        """First characters of the file, whatever their encoding."""
+        return self.content[:_HEAD].decode("utf-8-sig", errors="replace")
+
+    @property
+    def whole_lines(self) -> str:
+        """First lines of the file, without one that the head cuts."""
+        if len(self.content) <= _HEAD:
+            return self.head
+        return self.head.rpartition("\n")[0]
+
+    @property
+    def is_binary(self) -> bool:
+        """True if the file is no text."""
+        return b"\0" in self.content[:_HEAD]

@@ -1,0 +1,57 @@
+"""Tables: CSV and text of any program, as of lethe, Chrono and spreadsheets."""
+
+from __future__ import annotations
+
+from granwave.lammps_inputs.readers.columns import (
+    PLACE,
+    QUANTITIES,
+    ColumnReader,
+    find_columns,
+    quantity_of,
+    require_columns,
+)
+from granwave.lammps_inputs.readers.grain_table import GrainTable
+from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
+from granwave.lammps_inputs.tables.layout import is_number, layout_of, with_decimal_point
+from granwave.lammps_inputs.tables.text_table import read_text_table
+
+NAME = "table"
+LABEL = "table"
+_LEAST_COLUMNS = 3
+_NOTHING = (
+    f"found no grain, expected a line of names ({', '.join(QUANTITIES)}) and a row for each grain"
+)
+
+
+def recognises(source: GrainSource) -> bool:
+    """Return True for a line with a name of a place, or equally many cells with numbers."""
+    if source.is_binary:
+        return False
+    layout = layout_of(source.whole_lines)
+    if not layout.rows:
+        return True
+    try:
+        first = layout.cells(0)
+        second = layout.cells(min(1, len(layout.rows) - 1))
+    except ValueError:
+        return False
+    if any(quantity_of(head)[0] == PLACE[0] for head in first):
+        return True
+    n_numbers = sum(is_number(with_decimal_point(cell)) for cell in second)
+    return len(first) == len(second) >= _LEAST_COLUMNS <= n_numbers
+
+
+def read(source: GrainSource) -> GrainTable:
+    """Read a table of grains; raise ValueError with the line of the fault."""
+    return read_table_text(source.text, source.options)
+
+
+def read_table_text(text: str, options: FileOptions) -> GrainTable:
+    """Read the text of a table of grains; raise ValueError with the line of the fault."""
+    table = read_text_table(text, options.heads, _NOTHING)
+    notes: list[str] = []
+    columns = find_columns(table, options, notes)
+    require_columns(table, columns, options.diameter)
+    if not len(table):
+        raise ValueError("found no grain, expected a row for each below the line of names")
+    return ColumnReader(table, columns, options).grains(LABEL, notes)

@@ -1,0 +1,139 @@
+"""Kinds of results: what a directory of results holds, by its marker, or by its files where it has
+no marker.
+
+The kinds of the core are here, those of extensions come from the extensions, see `Extension`. A
+marker may name a kind that no extension here has; such a directory is neither read nor overwritten.
+"""
+
+from __future__ import annotations
+
+import contextlib
+import dataclasses
+import os
+from collections.abc import Callable
+from functools import cache
+from pathlib import Path
+
+from granwave.lammps_inputs import run_directory
+from granwave.lammps_inputs.extensions import WITHOUT, added
+
+
+def _nowhere(_: Path) -> bool:
+    """Return False: a kind that only the marker tells."""
+    return False
+
+
+@dataclasses.dataclass(frozen=True)
+class ResultKind:
+    """A kind of results.
+
+    Attributes
+    ----------
+    name
+        Name in the marker.
+    content
+        Description of what such a directory holds, as ``a run``: results of different content
+        share no directory. Empty for files that may lie in a directory with any results.
+    files
+        Names of files that are opened for reading where they are there.
+    is_in
+        Function that returns True for a directory with such results, asked where the marker does
+        not say what the directory holds.
+    no_run
+        End of the message of a command that expects a run of spheres; usually from ``content``.
+    remedy
+        Advice where a result was changed; ``{}`` stands for the directory.
+    loader
+        Reference "MODULE:NAME" of the function that `granwave.load` opens the directory with;
+        empty: as a run.
+    rows
+        Reference of the quantities that the terminal shows of a summary; empty: those of a run.
+    body
+        Noun of what was run, in messages on its plastic zone.
+    of_spheres
+        True for a run of spheres, and for what is not known to be anything else.
+    installed
+        False for a kind that no extension here has.
+    """
+
+    name: str
+    content: str = ""
+    files: tuple[str, ...] = ()
+    is_in: Callable[[Path], bool] = _nowhere
+    no_run: str = ""
+    remedy: str = "make it anew with  granwave analyse {}"
+    loader: str = ""
+    rows: str = ""
+    body: str = "packing"
+    of_spheres: bool = False
+    installed: bool = True
+
+    @property
+    def why_no_run(self) -> str:
+        """End of a message on a directory that should hold a run of spheres; empty if it may."""
+        if self.of_spheres or not self.content:
+            return ""
+        return self.no_run or f"holds {self.content}, expected a run"
+
+
+_OF_THE_CORE = (
+    ResultKind(run_directory.RUN, "a run", run_directory.READ_FILES, of_spheres=True),
+    ResultKind(run_directory.SCAN, "a scan", of_spheres=True),
+    ResultKind(run_directory.SUITE, "a suite of scans", of_spheres=True),
+    ResultKind(run_directory.OTHER, of_spheres=True),
+)
+
+
+@cache
+def result_kinds() -> dict[str, ResultKind]:
+    """Return all kinds by name, those of the core first."""
+    kinds = {kind.name: kind for kind in _OF_THE_CORE}
+    for more in added("result_kinds"):
+        kinds |= {kind.name: kind for kind in more}
+    return kinds
+
+
+@cache
+def read_files() -> tuple[str, ...]:
+    """Return the names of all files that are opened for reading where they are there."""
+    names: dict[str, None] = {}
+    for kind in result_kinds().values():
+        names |= dict.fromkeys(kind.files)
+    return tuple(names)
+
+
+def kind_named(name: str) -> ResultKind:
+    """Return a kind by its name in a marker; one that no extension here has is not ``installed``."""
+    if name in result_kinds():
+        return result_kinds()[name]
+    if not name:
+        return result_kinds()[run_directory.OTHER]
+    return ResultKind(
+        name,
+        f'results of the kind "{name}"',
+        no_run=f'holds results of the kind "{name}", and the extension that reads them {_lacking()}',
+        installed=False,
+    )
+
+
+def kind_in(directory: Path, marked: str) -> ResultKind:
+    """Return the kind of the results in a directory.
+
+    Parameters
+    ----------
+    marked
+        Kind in the marker; empty without one.
+    """
+    kind = kind_named(marked)
+    if kind.content:
+        return kind
+    with contextlib.suppress(OSError):  # the directory cannot be looked into
+        return next((one for one in result_kinds().values() if one.is_in(directory)), kind)
+    return kind
+
+
+def _lacking() -> str:
+    """Return what keeps an extension from reading its results."""
+    if left_out := os.environ.get(WITHOUT):
+        return f"is missing: it is not installed, or left out by {WITHOUT}={left_out}"
+    return "is missing: install it"

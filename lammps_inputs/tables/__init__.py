@@ -1,0 +1,7 @@
+"""Tables of text that people have: any separator, decimal sign, header and comments.
+
+layout      rows of a text, their separator and decimal sign
+text_table  columns of a table, read by pandas
+units       units in the names of columns
+digits      digits with which numbers were written
+"""

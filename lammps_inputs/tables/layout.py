@@ -1,0 +1,177 @@
+"""Layout of a table of text: its rows without comments, their separator and decimal sign.
+
+Separators are commas, semicolons, tabs or blanks; a decimal comma is told from a separator by the
+cells that it would leave. A ``#`` outside of quotes begins a comment, as do ``%`` and ``//`` at the
+beginning of a line.
+"""
+
+from __future__ import annotations
+
+import csv
+import dataclasses
+import io
+import re
+from collections.abc import Sequence
+from pathlib import Path
+
+from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.files import read_number, read_user_text
+
+BLANKS = " "
+_SEPARATORS = (";", "\t", ",", BLANKS)  # the first that fits
+_BEFORE_COMMENT = re.compile(r'(?:[^"#]|"[^"]*(?:"|$))*')
+_COMMENT_LINES = ("%", "//")
+_DECIMAL_COMMA = re.compile(r"[-+]?[0-9]*,[0-9]+(?:[eE][-+]?[0-9]+)?")
+_SHOWN_ROWS = 20  # rows from which separator and decimal sign are found
+
+Row = tuple[int, list[str]]  # number of the line, and the cells
+
+
+@dataclasses.dataclass(frozen=True)
+class Layout:
+    """Rows of a table of text.
+
+    Attributes
+    ----------
+    numbers
+        Line of each row, from 1.
+    rows
+        Text of each row, without its comment.
+    separator
+        Separator of the cells; `BLANKS` stands for any number of blanks and tabs.
+    decimal
+        Decimal sign of the numbers, ``.`` or ``,``.
+    comments
+        Comments before the first row, without the sign that begins them.
+    """
+
+    numbers: Sequence[int]
+    rows: Sequence[str]
+    separator: str
+    decimal: str
+    comments: Sequence[str] = ()
+
+    def cells(self, row: int) -> list[str]:
+        """Return the cells of a row, with decimal points.
+
+        Raises
+        ------
+        ValueError
+            The row cannot be taken apart.
+        """
+        try:
+            cells = split_row(self.rows[row], self.separator)
+        except csv.Error as error:
+            line = self.numbers[row]
+            raise ValueError(f"line {line}: found no row of a CSV file: {error}") from None
+        if self.decimal == ".":
+            return cells
+        return [with_decimal_point(cell) for cell in cells]
+
+
+def layout_of(text: str) -> Layout:
+    """Return the layout of a table of text; a row is a line, also where quotes are left open."""
+    numbers: list[int] = []
+    rows: list[str] = []
+    comments: list[str] = []
+    for number, line in enumerate(text.splitlines(), start=1):
+        row = _without_comment(line)
+        if row:
+            numbers.append(number)
+            rows.append(row)
+        elif line.strip() and not rows:
+            comments.append(line.strip().lstrip("#%/").strip())
+    sample = rows[:_SHOWN_ROWS]
+    separator = _separator(sample)
+    return Layout(numbers, rows, separator, _decimal(sample, separator), comments)
+
+
+def split_row(row: str, separator: str) -> list[str]:
+    """Return the cells of a row, without blanks around them; raise `csv.Error` if that fails."""
+    if separator == BLANKS:
+        row = row.replace("\t", BLANKS)
+    if '"' not in row and len(row) < csv.field_size_limit():
+        cells = row.split() if separator == BLANKS else row.split(separator)
+    else:
+        cells = next(csv.reader([row], delimiter=separator, skipinitialspace=True))
+    return [cell.strip() for cell in cells]
+
+
+def join_cells(cells: Sequence[str], separator: str) -> str:
+    """Return cells as a row that `split_row` and pandas take apart again."""
+    text = io.StringIO()
+    csv.writer(text, delimiter=separator, lineterminator="").writerow(cells)
+    return text.getvalue()
+
+
+def is_number(cell: str) -> bool:
+    """Return True if a cell is a number with a decimal point."""
+    try:
+        read_number(cell)
+    except ValueError:
+        return False
+    return True
+
+
+def with_decimal_point(cell: str) -> str:
+    """Return a number with a decimal comma as one with a point; any other cell as it is."""
+    return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
+
+
+def read_rows(path: Path) -> list[Row]:
+    """Read the rows of a small table, with decimal points.
+
+    Raises
+    ------
+    InputError
+        The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
+    """
+    layout = layout_of(read_user_text(path, "CSV file"))
+    try:
+        return [(number, layout.cells(row)) for row, number in enumerate(layout.numbers)]
+    except ValueError as error:
+        raise InputError(f"{path}: {error}") from None
+
+
+def _without_comment(line: str) -> str:
+    """Return a line without its comment and without blanks around it."""
+    if "#" in line:
+        match = _BEFORE_COMMENT.match(line)
+        line = match[0] if match else line
+    line = line.strip(" \r\n\f\v")
+    return "" if line.startswith(_COMMENT_LINES) or not line.strip() else line
+
+
+def _separator(rows: Sequence[str]) -> str:
+    """Return the separator of the rows of a table."""
+    return next((sign for sign in _SEPARATORS if _separates(sign, rows)), BLANKS)
+
+
+def _separates(sign: str, rows: Sequence[str]) -> bool:
+    """Return True if a sign separates cells, none of which holds several numbers."""
+    if sign == BLANKS or not rows or not all(sign in row for row in rows):
+        return False
+    for row in rows:
+        try:
+            cells = split_row(row, sign)
+        except csv.Error:
+            continue
+        if any(_holds_numbers(cell) for cell in cells):
+            return False
+    return True
+
+
+def _holds_numbers(cell: str) -> bool:
+    """Return True if a cell consists of several numbers with blanks between them."""
+    words = cell.split()
+    return len(words) > 1 and all(is_number(with_decimal_point(word)) for word in words)
+
+
+def _decimal(rows: Sequence[str], separator: str) -> str:
+    """Return the decimal sign of the rows of a table."""
+    if separator == ",":
+        return "."
+    for row in rows:
+        if "," in row and any(map(_DECIMAL_COMMA.fullmatch, split_row(row, separator))):
+            return ","
+    return "."

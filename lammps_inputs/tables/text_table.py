@@ -1,0 +1,227 @@
+"""Columns of a table of text, read by pandas."""
+
+from __future__ import annotations
+
+import dataclasses
+import io
+import itertools
+from collections.abc import Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from granwave.lammps_inputs.files import read_number
+from granwave.lammps_inputs.message_words import show
+from granwave.lammps_inputs.tables.digits import half_units, sample_of
+from granwave.lammps_inputs.tables.layout import (
+    BLANKS,
+    Layout,
+    is_number,
+    join_cells,
+    layout_of,
+    with_decimal_point,
+)
+
+if TYPE_CHECKING:
+    import pandas as pd
+
+_EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit without being asked to
+_QUOTING_LENGTH = 100_000  # characters from which a row is taken apart by `csv`, which has a limit
+
+
+@dataclasses.dataclass(eq=False)
+class TextTable:
+    """Table of text.
+
+    Attributes
+    ----------
+    heads
+        Names of the columns as they are written; empty if the table has none.
+    head_line
+        Line of the names, from 1; that of the first row if there are none.
+    lines
+        Line of each row, from 1: (n,).
+    layout
+        Layout of the text.
+    frame
+        Cells, in columns numbered from 0.
+    """
+
+    heads: Sequence[str]
+    head_line: int
+    lines: NDArray[np.int64]
+    layout: Layout
+    frame: pd.DataFrame
+
+    def __len__(self) -> int:
+        return len(self.lines)
+
+    def place(self, row: int) -> str:
+        """Return the place of a row in words."""
+        return f"line {self.lines[row]}"
+
+    def numbers(self, column: int, name: str, empty: float | None = None) -> NDArray[np.float64]:
+        """Return a column of finite numbers: (n,).
+
+        Parameters
+        ----------
+        name
+            Name of the column in messages.
+        empty
+            Value of an empty cell; None: there must be none.
+
+        Raises
+        ------
+        ValueError
+            A cell is no finite number; the message names its line.
+        """
+        cells = self.frame[column]
+        if cells.dtype.kind in "iuf":
+            return np.asarray(cells, dtype=np.float64)
+        values = np.empty(len(cells))
+        for row, cell in enumerate(cells):
+            values[row] = self._number(str(cell).strip(), row, name, empty)
+        return values
+
+    def _number(self, cell: str, row: int, name: str, empty: float | None) -> float:
+        """Return the number in a cell."""
+        if not cell and empty is not None:
+            return empty
+        try:
+            number = read_number(with_decimal_point(cell) if self.layout.decimal == "," else cell)
+        except ValueError:
+            number = np.nan
+        if not np.isfinite(number):
+            where = self.place(row)
+            raise ValueError(f"{where}: found {show(cell)} for {name}, expected a finite number")
+        return number
+
+    def words(self, column: int) -> list[str]:
+        """Return a column of words, without blanks around them: (n,)."""
+        return [str(word).strip() for word in self.frame[column].tolist()]
+
+    def half_units(
+        self, columns: Sequence[int], values: NDArray[np.float64]
+    ) -> NDArray[np.float64]:
+        """Return half a unit of the last place of each number of some columns: (n, n_columns)."""
+        first = len(self.layout.rows) - len(self)
+        texts: list[str] = []
+        for row in sample_of(len(self)).tolist():
+            cells = self.layout.cells(first + row)
+            texts += [cells[column] for column in columns]
+        return half_units(texts, values)
+
+
+def read_text_table(
+    text: str, heads: Sequence[str] = (), nothing: str = "found nothing, expected a table"
+) -> TextTable:
+    """Read a table of text.
+
+    Parameters
+    ----------
+    heads
+        Names of the columns, of a table that has none, or in place of those that it has.
+    nothing
+        Message if there is no row.
+
+    Raises
+    ------
+    ValueError
+        It is none; the message names the line.
+    """
+    layout = layout_of(text)
+    if not layout.rows:
+        raise ValueError(nothing)
+    first = layout.cells(0)
+    is_headed = not any(map(is_number, first))
+    names = list(heads)
+    head_line = layout.numbers[0]
+    if is_headed and not names:
+        names = first
+    elif not names:
+        names = _heads_in_comment(layout, len(first))
+    return table_of(layout, names, head_line, start=int(is_headed))
+
+
+def table_of(layout: Layout, heads: Sequence[str], head_line: int, *, start: int = 0) -> TextTable:
+    """Return the table of the rows of a layout from ``start`` on.
+
+    Raises
+    ------
+    ValueError
+        A row has more or fewer cells than there are names, or than the first row without names.
+    """
+    expected = list(heads) or [f"column {n + 1}" for n in range(len(layout.cells(0)))]
+    rows = _checked_rows(layout, start, expected)
+    lines = np.array(layout.numbers[start:], dtype=np.int64)
+    return TextTable(heads, head_line, lines, layout, _frame(layout, rows, len(expected)))
+
+
+def _heads_in_comment(layout: Layout, n: int) -> list[str]:
+    """Return the names of ``n`` columns in the last comment before the rows; none without such."""
+    if not layout.comments:
+        return []
+    line = layout.comments[-1]
+    words = line.split(layout.separator) if layout.separator in line.strip() else line.split()
+    words = line.split() if layout.separator == BLANKS else words
+    has_names = len(words) == n and not any(map(is_number, words))
+    return [word.strip() for word in words] if has_names else []
+
+
+def _checked_rows(layout: Layout, start: int, names: Sequence[str]) -> Sequence[str]:
+    """Return the rows from one on, which have as many cells as there are names."""
+    sign = layout.separator
+    expected = len(names)
+    rows = list(layout.rows[start:])
+    for k, row in enumerate(rows):
+        is_plain = '"' not in row and len(row) < _QUOTING_LENGTH
+        if is_plain:
+            n_cells = len(row.split()) if sign == BLANKS else row.count(sign) + 1
+        else:
+            cells = layout.cells(start + k)
+            n_cells = len(cells)
+            rows[k] = join_cells(cells, sign)
+        if n_cells != expected:
+            line = layout.numbers[start + k]
+            hint = _hint_at_cells(layout, start + k, n_cells, expected)
+            raise ValueError(
+                f"line {line}: found {n_cells} values, expected {expected}: "
+                f"{', '.join(names)}{hint}"
+            )
+    return rows
+
+
+def _hint_at_cells(layout: Layout, row: int, n_cells: int, expected: int) -> str:
+    """Return a hint at the reason why a row has another number of cells; empty without one."""
+    if n_cells < expected and row > 1 and row == len(layout.rows) - 1:
+        return "; the file may be truncated"
+    if n_cells > expected and layout.separator == ",":
+        return "; decimal commas need semicolons, tabs or blanks between the columns"
+    return ""
+
+
+def _frame(layout: Layout, rows: Sequence[str], n_columns: int) -> pd.DataFrame:
+    """Return the cells of rows that have been checked."""
+    import pandas  # takes longer to load than most commands need
+
+    if not rows:
+        return pandas.DataFrame({column: [] for column in range(n_columns)}, dtype=np.float64)
+    exact: dict[str, Any] = {}
+    version = tuple(map(int, itertools.islice(pandas.__version__.split("."), 2)))
+    if version < _EXACT_BY_DEFAULT:
+        exact["float_precision"] = "round_trip"
+    return pandas.read_csv(
+        io.StringIO("\n".join(rows)),
+        sep=r"\s+" if layout.separator == BLANKS else layout.separator,
+        decimal=layout.decimal,
+        header=None,
+        names=range(n_columns),
+        index_col=False,
+        keep_default_na=False,
+        na_filter=False,
+        skipinitialspace=True,
+        skip_blank_lines=False,
+        low_memory=False,
+        **exact,
+    )

@@ -1,0 +1,91 @@
+"""What ``granwave check`` shows of a packing from a file: what was read, and what it is."""
+
+from __future__ import annotations
+
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from typing import Any
+
+import numpy as np
+
+from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.places import Places
+
+_MOST_SHOWN = 6  # materials or types in a row
+_SAME = 1e-9  # relative difference of equal sizes
+
+
+def grain_file_values(assembly: Assembly) -> dict[str, Any] | None:
+    """Return what was read of ``packing.file``; None if the grains come from no file.
+
+    Units are part of the names.
+    """
+    grains = assembly.case.packing.grains
+    lattice = assembly.lattice
+    if grains is None or grains.reading is None or not isinstance(lattice, Places):
+        return None
+    reading = grains.reading
+    overlaps = lattice.overlapping()[1]
+    speed = np.linalg.norm(grains.velocity, axis=1)
+    names = [name or assembly.case.material.name for name in grains.material]
+    return {
+        "file": grains.file,
+        "format": reading.format,
+        "n_grains": len(grains),
+        "types": reading.types,
+        "materials": dict(Counter(names)),
+        "smallest_diameter_m": float(grains.diameter.min()),
+        "mean_diameter_m": float(grains.diameter.mean()),
+        "largest_diameter_m": float(grains.diameter.max()),
+        "box_m": None if reading.bounds is None else reading.bounds.tolist(),
+        "periodic": "".join(
+            axis for axis, is_periodic in zip("xyz", reading.periodic, strict=True) if is_periodic
+        ),
+        "last_place_m": 2 * float(grains.half_unit.max()) if len(grains.half_unit) else None,
+        "density_kg_m3": reading.density,
+        "largest_speed_m_s": float(speed.max()),
+        "n_touching": lattice.n_contacts,
+        "n_overlapping": len(overlaps),
+        "largest_overlap_m": float(overlaps.max()) if len(overlaps) else 0.0,
+    }
+
+
+def grain_file_rows(values: Mapping[str, Any] | None) -> Iterator[tuple[str, str]]:
+    """Yield the rows of `grain_file_values` for the table of a plan."""
+    if values is None:
+        return
+    yield "read", f"{values['n_grains']} grains of {values['file']} ({values['format']})"
+    yield "diameters", _sizes(values)
+    yield "materials", _counts(values["materials"])
+    if len(values["types"]) > 1:
+        yield "types in the file", _counts(values["types"], "of type ")
+    if values["box_m"] is not None:
+        edges = " x ".join(f"{high - low:.4g}" for low, high in values["box_m"])
+        axes = " and ".join(values["periodic"])
+        yield "box of the file", f"{edges} m" + (f", periodic along {axes}" if axes else "")
+    if values["density_kg_m3"] is not None:
+        low, high = values["density_kg_m3"]
+        shown = f"{low:.4g}" if high - low <= _SAME * high else f"{low:.4g} to {high:.4g}"
+        yield "density in the file", f"{shown} kg/m^3; those of the materials count"
+    if values["largest_speed_m_s"]:
+        yield "velocities", f"up to {values['largest_speed_m_s']:.4g} m/s in the file"
+    n_overlapping = values["n_overlapping"]
+    deepest = f"{n_overlapping}, the largest by {values['largest_overlap_m']:.4g} m"
+    yield "overlaps in the file", deepest if n_overlapping else "none"
+
+
+def _sizes(values: Mapping[str, Any]) -> str:
+    """Return smallest, mean and largest diameter in words."""
+    low = values["smallest_diameter_m"]
+    high = values["largest_diameter_m"]
+    if high - low <= _SAME * high:
+        return f"{high:.6g} m"
+    mean = values["mean_diameter_m"]
+    return f"{low:.6g} m to {high:.6g} m, {mean:.6g} m in the mean"
+
+
+def _counts(counts: Mapping[str, int], before: str = "") -> str:
+    """Return names with their numbers of grains, the first ones of many."""
+    shown = [f"{n} {before}{name}" for name, n in list(counts.items())[:_MOST_SHOWN]]
+    more = len(counts) - len(shown)
+    return ", ".join(shown) + (f" and {more} more" if more else "")
