@@ -69,7 +69,7 @@ class Extension:
         Folder with built-in cases in ``cases/``, scans in ``scans/``, and examples of keys in
         ``key_examples.toml``: a table for each table of each kind of file.
     lattices
-        Reference: mapping of names to `granwave.lammps_inputs.lattices.PackingKind`.
+        Reference: mapping of names to `granwave.lammps_inputs.packing_kind.PackingKind`.
     packings
         Reference: sequence of `granwave.lammps_inputs.case.made_packing.PackingMaker`: kinds of
         packings whose grains are made before the case is read.

@@ -20,6 +20,7 @@ import re
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -298,71 +299,98 @@ def read_data(
     path = directory / files.DATA_FILE
     if not path.exists():
         raise MissingOutputError(f"{path} is missing; {AGAIN}")
-    n_spheres = n_read = 0
+    with Lines(path) as lines:
+        header = _data_header(lines)
+        size = at_once or header.n_spheres
+        blocks = _data_blocks(lines, header, size, processes)
+        before = lines.n_read
+        n_read = 0
+        rest = np.empty((0, len(header.names)))
+        for values in blocks:
+            n_left = header.n_spheres - n_read
+            rest = np.concatenate([rest, values])[:n_left] if len(rest) else values[:n_left]
+            while len(rest) >= min(size, header.n_spheres - n_read) > 0:
+                table = Frame(0, header.box, header.names, rest[:size]).vector(*DATA_COLUMNS)
+                rest = rest[size:]
+                n_read += len(table)
+                more = n_read < header.n_spheres
+                rows = np.ascontiguousarray(table)
+                yield Frame(0, header.box, DATA_COLUMNS, rows, more=more)
+        if n_read < header.n_spheres:
+            n_read += len(rest)
+            raise _cut_data(header, before + n_read, n_read)
+
+
+class DataHeader(NamedTuple):
+    """Header of a data file: number of atoms, columns of their rows, and box, (3, 2), m."""
+
+    path: Path
+    n_spheres: int
+    names: tuple[str, ...]
+    box: NDArray[np.float64]
+
+
+def _data_header(lines: Lines) -> DataHeader:
+    """Read the header of a data file up to its first row.
+
+    Raises
+    ------
+    OutputFormatError
+        It lacks the number of atoms, or a column.
+    """
+    path = lines.path
+    n_spheres = 0
     names: tuple[str, ...] = DATA_COLUMNS
     box = np.zeros((3, 2))
-    with Lines(path) as lines:
-        lines.take(1)  # the title
-        while found := lines.take(1):
-            words = found[0].split()
-            if words[1:] == ["atoms"]:
-                n_spheres = whole_number(words[0], "number of atoms", lines.place())
-            elif len(words) == 4 and words[3] in ("xhi", "yhi", "zhi"):
-                edges = read_rows(
-                    [" ".join(words[:2])], (words[2], words[3]), lambda _: lines.place()
-                )
-                box["xyz".index(words[3][0])] = edges[0]
-            elif words and words[0] == "Atoms":
-                names = tuple(found[0].partition(":")[2].split()) or DATA_COLUMNS
+    lines.take(1)  # the title
+    while found := lines.take(1):
+        (line,) = found
+        match line.split():
+            case [number, "atoms"]:
+                n_spheres = whole_number(number, "number of atoms", lines.place())
+            case [low, high, ("xlo" | "ylo" | "zlo") as low_name, ("xhi" | "yhi" | "zhi") as name]:
+                edges = read_rows([f"{low} {high}"], (low_name, name), lambda _: lines.place())
+                box["xyz".index(name[0])] = edges[0]
+            case ["Atoms", *_]:
+                names = tuple(line.partition(":")[2].split()) or DATA_COLUMNS
                 break
-        if not n_spheres:
-            raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
-        if missing := [name for name in DATA_COLUMNS if name not in names]:
-            raise OutputFormatError(
-                f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}"
-            )
-        lines.take(1)
-        before = lines.n_read
-        size = at_once or n_spheres
+    if not n_spheres:
+        raise OutputFormatError(f"{path} does not say how many atoms it holds; {DAMAGED}")
+    missing = [name for name in DATA_COLUMNS if name not in names]
+    if missing:
+        raise OutputFormatError(
+            f"{path} lacks the columns {', '.join(missing)}; it has {' '.join(names)}; {AGAIN}"
+        )
+    lines.take(1)
+    return DataHeader(path, n_spheres, names, box)
 
-        def blocks() -> Iterator[NDArray[np.float64]]:
-            if n_spheres > size and (pieces := data_rows(path, _ROW_BYTES * size)):
-                yield from processes.map(partial(TextRows.read, columns=names), pieces)
-                return
-            for first in range(0, n_spheres, size):
-                n_rows = min(size, n_spheres - first)
-                if len(rows := lines.take(n_rows)) < n_rows:
-                    raise _cut_data(path, lines.n_read, first + len(rows), n_spheres, names)
-                yield read_rows(rows, names, partial(_line_of, path, lines.n_read - n_rows))
 
-        held = np.empty((0, len(names)))
-        for values in blocks():
-            held = (
-                np.concatenate([held, values])[: n_spheres - n_read]
-                if len(held)
-                else values[: n_spheres - n_read]
-            )
-            while len(held) >= min(size, n_spheres - n_read) > 0:
-                table = Frame(0, box, names, held[:size]).vector(*DATA_COLUMNS)
-                n_read = n_read + len(table)
-                held = held[size:]
-                yield Frame(
-                    0, box, DATA_COLUMNS, np.ascontiguousarray(table), more=n_read < n_spheres
-                )
-        if n_read < n_spheres:
-            n_read += len(held)
-            raise _cut_data(path, before + n_read, n_read, n_spheres, names)
+def _data_blocks(
+    lines: Lines, header: DataHeader, size: int, processes: Processes
+) -> Iterator[NDArray[np.float64]]:
+    """Iterate over the rows of a data file in blocks of about ``size``; several processes read a
+    large file.
+    """
+    path, n_spheres, names, _ = header
+    if n_spheres > size and (pieces := data_rows(path, _ROW_BYTES * size)):
+        yield from processes.map(partial(TextRows.read, columns=names), pieces)
+        return
+    for first in range(0, n_spheres, size):
+        n_rows = min(size, n_spheres - first)
+        rows = lines.take(n_rows)
+        if len(rows) < n_rows:
+            raise _cut_data(header, lines.n_read, first + len(rows))
+        yield read_rows(rows, names, partial(_line_of, path, lines.n_read - n_rows))
 
 
 def _line_of(path: Path, n_above: int, row: int) -> str:
     return f"{path}: line {n_above + row + 1}"
 
 
-def _cut_data(
-    path: Path, line: int, n_read: int, n_spheres: int, names: tuple[str, ...]
-) -> OutputFormatError:
-    rows = f"{n_read} of {n_spheres} rows under Atoms ({' '.join(names)})"
-    return OutputFormatError(f"{path}: line {line}: found {rows}; {CUT}")
+def _cut_data(header: DataHeader, line: int, n_read: int) -> OutputFormatError:
+    """Return the error of a data file that ends after some rows, at a line."""
+    rows = f"{n_read} of {header.n_spheres} rows under Atoms ({' '.join(header.names)})"
+    return OutputFormatError(f"{header.path}: line {line}: found {rows}; {CUT}")
 
 
 def _rising(frames: Iterable[Frame]) -> Iterator[Frame]:

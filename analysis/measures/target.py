@@ -21,7 +21,7 @@ from __future__ import annotations
 
 import dataclasses
 import math
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING, Any
 
@@ -331,97 +331,150 @@ def _rebound(group: Impactors) -> Reached:
     return Reached(time, force, force)
 
 
-def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
-    """Spheres that hit the target, in phases between which one of them turns round."""
-    n = len(target.mass)
-    k = len(groups)
-    mass = np.array([one.mass for one in groups])
-    count = np.array([one.count for one in groups])
-    peak = np.zeros(k)
+class _Collision:
+    """Spheres on the target, as an ordinary differential equation.
 
-    def overlaps(state: Array) -> Array:
-        return state[:k] - (state[2 * k] if n else 0.0)
+    The state has overlaps (of spheres from where they touch the plane at rest), velocities of the
+    spheres, positions and velocities of the planes: (2 n_groups + 2 n_planes,), m and m/s.
 
-    def forces(state: Array) -> Array:
-        found = np.zeros(k)
-        for place, (group, overlap) in enumerate(zip(groups, overlaps(state), strict=True)):
-            if overlap > 0:
-                deepest = max(peak[place], overlap)
-                found[place] = group.law.force(np.array([overlap]), np.array([deepest]))[0]
-        return found
+    Parameters
+    ----------
+    groups
+        Equal spheres, each group with its law, mass, number and velocity.
+    target
+        Planes on springs, the uppermost first.
+    """
 
-    def rates(_: float, state: Array) -> Array:
-        force = forces(state)
-        place = state[2 * k : 2 * k + n]
-        speed = state[2 * k + n :]
-        return np.concatenate(
-            [state[k : 2 * k], -force / mass, *target.rates(place, speed, float(count @ force))]
+    def __init__(self, groups: Sequence[Impactors], target: Target) -> None:
+        self.groups = groups
+        self.target = target
+        self.n_groups = len(groups)
+        self.n_planes = len(target.mass)
+        self.mass = np.array([group.mass for group in groups])
+        self.count = np.array([group.count for group in groups])
+        self.peak = np.zeros(self.n_groups)  # largest overlaps before the present phase, m
+
+    def start(self) -> Array:
+        """Return the state at first contact."""
+        velocity = [group.velocity for group in self.groups]
+        return np.concatenate([np.zeros(self.n_groups), velocity, np.zeros(2 * self.n_planes)])
+
+    def scales(self) -> Array:
+        """Return a typical size of each component of the state."""
+        overlap = max(group.largest_overlap for group in self.groups)
+        velocity = max(group.velocity for group in self.groups)
+        return np.repeat(
+            [overlap, velocity, overlap, velocity],
+            [self.n_groups, self.n_groups, self.n_planes, self.n_planes],
         )
 
-    def turn(place: int, direction: int) -> Event:
-        """The sphere and the plane stop to come closer (-1), or to part (+1)."""
+    def planes(self, state: Array) -> tuple[Array, Array]:
+        """Return positions and velocities of the planes, from one state or a column for each."""
+        first = 2 * self.n_groups
+        return state[first : first + self.n_planes], state[first + self.n_planes :]
+
+    def overlaps(self, state: Array) -> Array:
+        """Return the overlaps with the uppermost plane, negative for gaps: (n_groups,), m."""
+        position, _ = self.planes(state)
+        return state[: self.n_groups] - (position[0] if self.n_planes else 0.0)
+
+    def forces(self, state: Array) -> Array:
+        """Return the force of a sphere of each group: (n_groups,), N."""
+        forces = np.zeros(self.n_groups)
+        for place, overlap in enumerate(self.overlaps(state)):
+            if overlap > 0:
+                deepest = max(self.peak[place], overlap)
+                law = self.groups[place].law
+                forces[place] = law.force(np.array([overlap]), np.array([deepest]))[0]
+        return forces
+
+    def force_on_target(self, state: Array) -> float:
+        """Return the sum of the forces of all spheres, N."""
+        return float(self.count @ self.forces(state))
+
+    def rates(self, _: float, state: Array) -> Array:
+        """Return the time derivative of the state."""
+        force = self.forces(state)
+        velocity = state[self.n_groups : 2 * self.n_groups]
+        of_planes = self.target.rates(*self.planes(state), float(self.count @ force))
+        return np.concatenate([velocity, -force / self.mass, *of_planes])
+
+    def turn(self, place: int, direction: int) -> Event:
+        """Sphere and plane stop approaching each other (-1), or separating (+1)."""
 
         def rate(_: float, state: Array) -> float:
-            moved = target.rates(
-                state[2 * k : 2 * k + n], state[2 * k + n :], float(count @ forces(state))
-            )[0]
-            return float(state[k + place] - (moved[0] if n else 0.0))
+            of_planes, _accelerations = self.target.rates(
+                *self.planes(state), self.force_on_target(state)
+            )
+            of_plane = of_planes[0] if self.n_planes else 0.0
+            return float(state[self.n_groups + place] - of_plane)
 
         return _event(rate, direction)
 
-    def contact(direction: int) -> Event:
+    def contact(self, direction: int) -> Event:
         """The last sphere leaves the plane (-1), or a first one meets it (+1)."""
-        return _event(lambda _, state: float(overlaps(state).max()), direction)
+        return _event(lambda _, state: float(self.overlaps(state).max()), direction)
 
-    scale = max(group.largest_overlap for group in groups)
-    fastest = max(group.velocity for group in groups)
+
+def _hit(groups: list[Impactors], target: Target, end_time: float) -> Reached:
+    """Spheres that hit the target, in phases between which one of them turns round."""
+    from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
+
+    collision = _Collision(groups, target)
     duration = min(group.duration for group in groups)
-    lengths = np.concatenate(
-        [np.full(k, scale), np.full(k, fastest), np.full(n, scale), np.full(n, fastest)]
-    )
-    state = np.concatenate([np.zeros(k), [group.velocity for group in groups], np.zeros(2 * n)])
+    state = collision.start()
+    tolerances = _TOLERANCE * collision.scales()
     times = [np.zeros(1)]
     states = [state[:, None]]
-    peaks = [peak.copy()]
+    peaks = [collision.peak.copy()]
     now = 0.0
     end = max(end_time, 2 * duration)
     parted = False  # once
-    directions = [-1] * (k + 1)  # of the next event: of the turn of each sphere, and of the contact
+    turns = [-1] * len(groups)  # directions of the next turn of each sphere
+    parting = -1  # direction of the next event of the contact
     for _ in range(_MOST_PHASES):
-        step = (
-            duration / _IN_CONTACT if directions[k] < 0 else max(duration, target.settles) / _AFTER
+        events = [collision.turn(place, direction) for place, direction in enumerate(turns)]
+        solution = solve_ivp(
+            collision.rates,
+            (now, end),
+            state,
+            "DOP853",
+            rtol=_TOLERANCE,
+            atol=tolerances,
+            max_step=_longest_step(target, duration, in_contact=parting < 0),
+            events=[*events, collision.contact(parting)],
         )
-        from scipy.integrate import solve_ivp  # takes longer to load than many a figure to draw
-
-        found = solve_ivp(
-            rates, (now, end), state, "DOP853", rtol=_TOLERANCE, atol=_TOLERANCE * lengths, max_step=step,
-            events=[*(turn(place, directions[place]) for place in range(k)), contact(directions[k])],
-        )  # fmt: skip
-        times.append(found.t[1:])
-        states.append(found.y[:, 1:])
-        peaks += [peak.copy()] * len(found.t[1:])
-        now = float(found.t[-1])
-        state = found.y[:, -1]
-        if found.status != 1:
+        times.append(solution.t[1:])
+        states.append(solution.y[:, 1:])
+        peaks += [collision.peak.copy()] * len(solution.t[1:])
+        now = float(solution.t[-1])
+        state = solution.y[:, -1]
+        if solution.status != 1:
             break
-        peak[:] = np.maximum(peak, overlaps(state))
-        directions = [
-            -way if len(at) else way for way, at in zip(directions, found.t_events, strict=True)
-        ]
-        if directions[k] > 0:  # no sphere is in contact any more
+        collision.peak = np.maximum(collision.peak, collision.overlaps(state))
+        *turned, passed = (len(instants) > 0 for instants in solution.t_events)
+        turns = [-way if done else way for way, done in zip(turns, turned, strict=True)]
+        parting = -parting if passed else parting
+        if parting > 0:  # no sphere is in contact any more
             if not target.settles or target.ground_stiffness == target.ground_damping == 0:
                 break
-            end = min(end, now + target.settles) if not parted else end
+            if not parted:
+                end = min(end, now + target.settles)
             parted = True
     time = np.concatenate(times)
     course = np.concatenate(states, axis=1)
     force = np.empty(len(time))
     for place, deepest in enumerate(peaks):
-        peak[:] = deepest
-        force[place] = count @ forces(course[:, place])
-    return Reached(
-        time, force, _on_ground(target, force, course[2 * k : 2 * k + n], course[2 * k + n :])
-    )
+        collision.peak = deepest
+        force[place] = collision.force_on_target(course[:, place])
+    return Reached(time, force, _on_ground(target, force, *collision.planes(course)))
+
+
+def _longest_step(target: Target, duration: float, *, in_contact: bool) -> float:
+    """Return the longest step of the integration, s."""
+    if in_contact:
+        return duration / _IN_CONTACT
+    return max(duration, target.settles) / _AFTER
 
 
 def _event(function: Callable[[float, Array], float], direction: int) -> Event:

@@ -21,9 +21,10 @@ from granwave.lammps_inputs.case.precompression import STATIC_LOADS
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
 from granwave.lammps_inputs.files import read_tables
-from granwave.lammps_inputs.lattices import PackingKind, kind_names, kind_of
+from granwave.lammps_inputs.lattices import kind_names, kind_of
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.packing.cylinders import in_grains
+from granwave.lammps_inputs.packing_kind import PackingKind
 from granwave.lammps_inputs.run_directory import CASE_FILE
 
 _MOST_NAMED = 4  # inputs that the first line describes one by one

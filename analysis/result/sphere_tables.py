@@ -25,9 +25,9 @@ from granwave.analysis.result.contacts import Contacts
 from granwave.analysis.result.hdf5_file import Encoded
 from granwave.analysis.result.start import DentRecord, Start, periodic
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.packing_kind import TOUCHING
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import INITIAL_WALL_FORCES_FILE

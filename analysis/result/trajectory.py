@@ -17,7 +17,7 @@ import getpass
 from collections.abc import Iterable, Iterator
 from functools import partial
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import NamedTuple
 
 import h5py
 import numpy as np
@@ -27,6 +27,7 @@ from granwave.analysis.errors import OutputFormatError
 from granwave.analysis.lammps_output.frame import AGAIN, Frame
 from granwave.analysis.result.hdf5_file import COMPRESSION, ROWS_IN_CHUNK, Encoded, encoded, store
 from granwave.analysis.result.start import Start, periodic
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.processes import ALONE, Processes
 
@@ -96,48 +97,21 @@ def write_trajectory(
     OutputFormatError
         A snapshot has other spheres than the data file.
     """
-    case = assembly.case
     group = file.create_group(GROUP)
-    n_spheres = start.n_spheres
     origin = assembly.deck_origin
-    box = group.create_group("box")
-    box.attrs["dimension"] = 3
-    box.attrs["boundary"] = [
-        "periodic" if is_periodic else "none" for is_periodic in periodic(case)
-    ]
-    # lower is an extension of the standard, whose boxes start at 0
-    low, high = start.box.T
-    for name, data in (("edges", high - low), ("lower", low + origin)):
-        box.create_dataset(name, data=data).attrs["unit"] = "m"
-    n_chunk = min(n_spheres, ROWS_IN_CHUNK)
+    n_chunk = min(start.n_spheres, ROWS_IN_CHUNK)
+    _write_box(group, assembly, start)
     for name, (dtype, unit) in _FIXED.items():
-        group.create_dataset(name, n_spheres, dtype, chunks=(n_chunk,), **COMPRESSION).attrs[
-            "unit"
-        ] = unit
+        data = group.create_dataset(name, start.n_spheres, dtype, chunks=(n_chunk,), **COMPRESSION)
+        data.attrs["unit"] = unit
     for columns in processes.map(partial(_fixed, start, n_chunk), range(start.n_parts)):
         for name, column in columns.items():
             store(group[name], column.pieces)
 
-    left_out = {"friction_energy": not case.has_friction, "viscous_energy": not case.has_loss}
-    scalars = {name: columns for name, (columns, _) in _SCALARS.items() if not left_out.get(name)}
+    scalars = _scalars_of(assembly.case)
     elements = {}
     for name in (*_VECTORS, *scalars):  # all share the step and the time of the first
-        shape = (n_spheres, 3) if name in _VECTORS else (n_spheres,)
-        options: dict[str, Any] = {
-            "maxshape": (None, *shape),
-            "chunks": (1, n_chunk, *shape[1:]),
-            **COMPRESSION,
-        }
-        element = group.create_group(name)
-        elements[name] = element.create_dataset("value", (0, *shape), np.float64, **options)
-        elements[name].attrs["unit"] = _VECTORS[name] if name in _VECTORS else _SCALARS[name][1]
-        for of_all, dtype, its_unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
-            if name == "position":
-                element.create_dataset(of_all, (0,), dtype, maxshape=(None,)).attrs["unit"] = (
-                    its_unit
-                )
-            else:
-                element[of_all] = group["position"][of_all]
+        elements[name] = _create_element(group, name, start.n_spheres, n_chunk)
     steps: list[int] = []
     blocks = _blocks(start, frames, source, steps)
     for number, columns in processes.map(
@@ -150,6 +124,51 @@ def write_trajectory(
         group["position"][name].resize(len(steps), axis=0)
         group["position"][name][:] = values
     return steps[-1]
+
+
+def _write_box(group: h5py.Group, assembly: Assembly, start: Start) -> None:
+    """Write the box: its boundaries, edges and lower corner, m."""
+    box = group.create_group("box")
+    box.attrs["dimension"] = 3
+    sides = periodic(assembly.case)
+    box.attrs["boundary"] = ["periodic" if repeats else "none" for repeats in sides]
+    # lower is an extension of the standard, whose boxes start at 0
+    low, high = start.box.T
+    for name, data in (("edges", high - low), ("lower", low + assembly.deck_origin)):
+        box.create_dataset(name, data=data).attrs["unit"] = "m"
+
+
+def _scalars_of(case: Case) -> dict[str, tuple[str, ...]]:
+    """Return the columns of each scalar that the snapshots of a case have."""
+    left_out = {"friction_energy": not case.has_friction, "viscous_energy": not case.has_loss}
+    return {name: columns for name, (columns, _) in _SCALARS.items() if not left_out.get(name)}
+
+
+def _create_element(group: h5py.Group, name: str, n_spheres: int, n_chunk: int) -> h5py.Dataset:
+    """Create the group of a vector or scalar of each sphere, and return its data set of values.
+
+    The group of positions has the steps and times, to which the others link.
+    """
+    vector = name in _VECTORS
+    shape = (n_spheres, 3) if vector else (n_spheres,)
+    element = group.create_group(name)
+    values: h5py.Dataset = element.create_dataset(
+        "value",
+        (0, *shape),
+        np.float64,
+        maxshape=(None, *shape),
+        chunks=(1, n_chunk, *shape[1:]),
+        **COMPRESSION,
+    )
+    _, scalar_unit = _SCALARS.get(name, ((), ""))
+    values.attrs["unit"] = _VECTORS[name] if vector else scalar_unit
+    for instant, dtype, unit in (("step", np.int64, "1"), ("time", np.float64, "s")):
+        if name == "position":
+            data = element.create_dataset(instant, (0,), dtype, maxshape=(None,))
+            data.attrs["unit"] = unit
+        else:
+            element[instant] = group["position"][instant]
+    return values
 
 
 def _fixed(start: Start, n_chunk: int, part: int) -> dict[str, Encoded]:

@@ -44,9 +44,10 @@ from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import GranwaveError
-from granwave.lammps_inputs.lattices import KINDS, PackingKind
+from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.load_case import assembly_from_dict, stored_case
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing_kind import PackingKind
 
 TITLE = "Bands of precompressed packings, and the transforms of their runs"
 TEXT = (

@@ -42,11 +42,11 @@ from granwave.lammps_inputs.lattices import (
     RESTART,
     ROWS,
     Lattice,
-    PackingKind,
     kind_names,
     kind_of,
     lattice_kinds,
 )
+from granwave.lammps_inputs.packing_kind import PackingKind
 from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
 
 LARGEST_ID = schema.LARGEST_COUNT

@@ -15,13 +15,13 @@ from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import Mismatch
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
 from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import sites_of
 from granwave.lammps_inputs.packing.walls import touched, walls
+from granwave.lammps_inputs.packing_kind import TOUCHING
 from granwave.lammps_inputs.restart_file import read_restart
 
 # keys of grains that could not be placed

@@ -12,7 +12,6 @@ from granwave.lammps_inputs.case.case import Case, WrongTable
 from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, OVERLAPS, RELAX, TOUCH
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.touching import (
     GrainGaps,
     Period,
@@ -21,6 +20,7 @@ from granwave.lammps_inputs.packing.touching import (
     rounding_of,
     tolerance_of,
 )
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 _MOST_LAWS = 100  # pairs of the largest forces by their overlaps and radii, whose laws are asked
 

@@ -23,11 +23,11 @@ from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.law import law_between
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import regular
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
 from granwave.lammps_inputs.packing.places import near_pairs
 from granwave.lammps_inputs.packing.walls import touched_by, walls
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 LARGEST = 0.2  # overlap over R* up to which the elasto-plastic law was fitted
 KEY = "contact.initial_overlap"

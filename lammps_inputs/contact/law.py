@@ -26,12 +26,13 @@ from granwave.lammps_inputs.case.contact import (
 from granwave.lammps_inputs.case.contact_tables import Cohesion, DashpotRestitution
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.bodies import PlacedBar
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.packing.places import cohesive_law
 from granwave.lammps_inputs.packing.walls import backing_of, walls
+from granwave.lammps_inputs.packing_kind import TOUCHING
 from granwave.lammps_inputs.roots import brentq
 
 HERTZ = Contact(law="hertz")

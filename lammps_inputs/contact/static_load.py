@@ -39,10 +39,10 @@ from granwave.lammps_inputs.case.precompression import (
     Uniform,
 )
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 _SHELL = (
     3,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.bodies import Striker
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape, mass_of
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.bodies import (
     BAR,
     INCIDENT_BAR,
@@ -32,6 +32,7 @@ from granwave.lammps_inputs.packing.bodies import (
 from granwave.lammps_inputs.packing.cylinders import grains_called
 from granwave.lammps_inputs.packing.places import Layout, Places, balanced_overlap, layout_of
 from granwave.lammps_inputs.packing.sites import Sites, sites_of
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 Others = ParamSpec("Others")
 Value = TypeVar("Value")

@@ -21,7 +21,6 @@ from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Overlaps, Precompression
 from granwave.lammps_inputs.case.schema import ErrorList, show
 from granwave.lammps_inputs.errors import Mismatch
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.touching import (
     Period,
     fit_touching,
@@ -29,6 +28,7 @@ from granwave.lammps_inputs.packing.touching import (
     rounding_of,
     tolerance_of,
 )
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 # diameters: tolerance up to which the digits of a file explain overlaps without being asked
 _EXPLAINED = 1e-4

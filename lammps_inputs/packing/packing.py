@@ -9,11 +9,12 @@ import ase
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Layout
 from granwave.lammps_inputs.packing.walls import Wall, walls
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

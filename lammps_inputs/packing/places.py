@@ -21,15 +21,9 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.case.packing import Enclosure, PackingSection
-from granwave.lammps_inputs.lattices import (
-    FILE,
-    TOUCHING,
-    Lattice,
-    PackingKind,
-    kind_of,
-    lattice_kinds,
-)
+from granwave.lammps_inputs.lattices import FILE, Lattice, kind_of, lattice_kinds
 from granwave.lammps_inputs.packing.cylinders import distances, extents, reaches
+from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

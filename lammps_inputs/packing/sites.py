@@ -21,7 +21,7 @@ from granwave.lammps_inputs.case.bodies import Replace
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.case.packing import PackingSection
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.disorder import (
     diameter_losses,
     lean,
@@ -29,6 +29,7 @@ from granwave.lammps_inputs.packing.disorder import (
     vacant_sites,
 )
 from granwave.lammps_inputs.packing.places import Layout, Places, struck_spheres
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

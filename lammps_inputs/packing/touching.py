@@ -17,7 +17,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.grains import Grains
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.cylinders import (
     distances,
     nearest_image,
@@ -25,6 +24,7 @@ from granwave.lammps_inputs.packing.cylinders import (
     reaches,
 )
 from granwave.lammps_inputs.packing.places import near_pairs
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 _DIGITS = 15  # of a number of double precision that survive a change of its unit
 _OF_GAP = math.sqrt(3) + 1 / 2  # largest error of a gap over the unit of the last place

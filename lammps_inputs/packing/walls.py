@@ -12,11 +12,11 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
-from granwave.lammps_inputs.lattices import TOUCHING
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.places import balanced_overlap
 from granwave.lammps_inputs.packing.sites import Sites
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 SIDE_WALLS = ("tube", "xlo", "xhi", "ylo", "yhi")
 PLATE = "plate"  # name of the wall that is a plate on the free top, and of its fix

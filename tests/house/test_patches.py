@@ -34,7 +34,15 @@ MOST_FILES = {
     "new_law_parameter": 8,
 }
 #: Sources of the contact laws for Python.
-BINDING = ("bindings/python_bindings.cpp", "laws/law_arguments.cpp")
+BINDING = (
+    "bindings/arguments.cpp",
+    "bindings/bound_contact.cpp",
+    "bindings/bound_laws.cpp",
+    "bindings/bound_shapes.cpp",
+    "bindings/collision.cpp",
+    "bindings/python_bindings.cpp",
+    "laws/law_arguments.cpp",
+)
 FLAGS = ("-std=c++17", "-O1", "-fPIC", "-fvisibility=hidden", "-ffp-contract=off")
 
 

@@ -13,7 +13,7 @@ import hashlib
 import json
 import logging
 import random
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
@@ -272,6 +272,33 @@ def _build(
                 f"{path}: {SEED}: varies twice; leave out replicates, which are seeds from 1 on"
             )
         varied = (*varied, SEED)
+    _check_fixed(path, fixed, varied, changes)
+    if template is None:
+        template = _template_of(path, header)
+    kind = solver_of(template)
+
+    def read(values: Mapping[str, Any]) -> AnyCase:
+        data = _with(template, {**fixed, **values}, path, changes)
+        return kind.read(data, path, overridden=changes)
+
+    points = _points_of(path, header, kind, read, variations, varied, here=here)
+    return Scan(
+        name=header.name,
+        case_name=str(template["name"]),
+        varied=varied,
+        points=tuple(_labelled(points, varied, path.parent)),
+        figures=header.figures,
+        study=header.study,
+        n_points=round(len(points) * n_all / len(variations)),
+        n_values=n_values,
+        text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
+    )
+
+
+def _check_fixed(
+    path: Path, fixed: Mapping[str, Any], varied: Sequence[str], changes: Mapping[str, Any]
+) -> None:
+    """Refuse keys that are set for all points and vary, too."""
     twice = [key for key in fixed if key in varied]
     if twice:
         fault = "varies in the scan, expected a key that does not"
@@ -284,23 +311,39 @@ def _build(
             )
             for key in twice
         )
-    if template is None:
-        try:
-            base = library.find_for(header.case, *case_commands(), directory=path.parent)
-        except InputError as error:
-            raise InputError(item.inside(f"{path}: case") for item in error.items) from None
-        except OSError as error:
-            fault = f"found {show(header.case)}, which cannot be read: {error.strerror}"
-            raise InputError(f"{path}: case: {fault}") from None
-        template = {"name": base.stem, **read_toml(base)}
-    kind = solver_of(template)
+
+
+def _template_of(path: Path, header: ScanHeader) -> Mapping[str, Any]:
+    """Read the case that a scan varies."""
+    try:
+        base = library.find_for(header.case, *case_commands(), directory=path.parent)
+    except InputError as error:
+        raise InputError(item.inside(f"{path}: case") for item in error.items) from None
+    except OSError as error:
+        fault = f"found {show(header.case)}, which cannot be read: {error.strerror}"
+        raise InputError(f"{path}: case: {fault}") from None
+    return {"name": base.stem, **read_toml(base)}
+
+
+def _points_of(
+    path: Path,
+    header: ScanHeader,
+    kind: CaseKind,
+    read: Callable[[Mapping[str, Any]], AnyCase],
+    variations: Sequence[Mapping[str, Any]],
+    varied: Sequence[str],
+    *,
+    here: bool,
+) -> list[ScanPoint]:
+    """Make the points of a scan, and log each of their warnings once.
+
+    Raises
+    ------
+    InputError
+        Points are wrong; the message has a line for each of them.
+    """
     points: list[ScanPoint] = []
     errors: list[tuple[int, Mapping[str, Any], list[InputFault]]] = []
-
-    def read(values: Mapping[str, Any]) -> AnyCase:
-        data = _with(template, {**fixed, **values}, path, changes)
-        return kind.read(data, path, overridden=changes)
-
     progress = Progress(len(variations), f"{header.name}: points", enabled=len(variations) > _MANY)
     fresh = each_warning_once()  # many points would repeat them
     with contextlib.closing(progress), contextlib.ExitStack() as at_end:
@@ -308,11 +351,7 @@ def _build(
         at_end.callback(_LOG.removeFilter, fresh)
         for n, values in enumerate(variations, start=1):
             try:
-                replicates = [values]
-                if header.replicates > 1 and isinstance(case := read(values), Case):
-                    seeds = header.replicates if is_random(case) else 1
-                    replicates = [{**values, SEED: seed} for seed in range(1, seeds + 1)]
-                for replicate in replicates:
+                for replicate in _replicates(header, values, read):
                     case = read(replicate)
                     points.append(_point(len(points) + 1, replicate, case, kind, header, varied))
                     if here:
@@ -326,17 +365,22 @@ def _build(
         )
     if errors:
         raise InputError(_faults_of(path, errors, len(variations)))
-    return Scan(
-        name=header.name,
-        case_name=str(template["name"]),
-        varied=varied,
-        points=tuple(_labelled(points, varied, path.parent)),
-        figures=header.figures,
-        study=header.study,
-        n_points=round(len(points) * n_all / len(variations)),
-        n_values=n_values,
-        text="".join(f"# --set {key}={show(value)}\n" for key, value in changes.items()) + text,
-    )
+    return points
+
+
+def _replicates(
+    header: ScanHeader,
+    values: Mapping[str, Any],
+    read: Callable[[Mapping[str, Any]], AnyCase],
+) -> list[Mapping[str, Any]]:
+    """Return the values of a point with each of its seeds; itself if nothing is random."""
+    if header.replicates <= 1:
+        return [values]
+    case = read(values)
+    if not isinstance(case, Case):
+        return [values]
+    n_seeds = header.replicates if is_random(case) else 1
+    return [{**values, SEED: seed} for seed in range(1, n_seeds + 1)]
 
 
 def _with(

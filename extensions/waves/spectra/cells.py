@@ -26,10 +26,11 @@ from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.lattices import TOUCHING, Lattice, PackingKind
+from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
+from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
 _ALONG = 1e-9  # largest deviation of the cosine from 1 for a cylinder along x, y or z
 _ZZ = (2, 2)  # uniaxial strain along z

@@ -19,7 +19,7 @@ from granwave.extensions.waves.spectra.bodies import Bodies, NeighbourPairs
 from granwave.extensions.waves.spectra.network import Array, Ints
 from granwave.extensions.waves.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
-from granwave.lammps_inputs.lattices import TOUCHING
+from granwave.lammps_inputs.packing_kind import TOUCHING
 
 MARGIN = 0.02  # largest gap of pairs that may close in a step, mean diameters
 DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except slender packings

@@ -152,16 +152,6 @@ class DrivenLoad(LoadOnSpheres):
         return min(first, last), max(first, last)
 
     @property
-    def lowest_frequency(self) -> float:
-        """Lowest frequency of a load that oscillates, Hz."""
-        return min(self.frequencies)
-
-    @property
-    def highest_frequency(self) -> float:
-        """Highest frequency of a load that oscillates, Hz."""
-        return max(self.frequencies)
-
-    @property
     def highest_key(self) -> str:
         """Key of the highest frequency."""
         rises = self.last_frequency is not None and self.last_frequency == self.highest_frequency

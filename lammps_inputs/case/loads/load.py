@@ -177,11 +177,6 @@ class Load(ABC):
     # Keys of some loads, for those that lack them.
 
     @property
-    def highest_frequency(self) -> float:
-        """Highest frequency of a load that oscillates, Hz; 0 for other loads."""
-        return 0.0
-
-    @property
     def spheres(self) -> int:
         """Number of struck spheres at the centre of the top; 0 if the load strikes others."""
         return 0
@@ -247,6 +242,16 @@ class Load(ABC):
     def frequencies(self) -> tuple[float, float]:
         """Lowest and highest frequency of a load that oscillates, Hz."""
         return 0.0, 0.0
+
+    @property
+    def lowest_frequency(self) -> float:
+        """Lowest frequency of a load that oscillates, Hz."""
+        return min(self.frequencies)
+
+    @property
+    def highest_frequency(self) -> float:
+        """Highest frequency of a load that oscillates, Hz."""
+        return max(self.frequencies)
 
     @property
     def keeps_oscillating(self) -> bool:

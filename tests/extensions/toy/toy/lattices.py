@@ -2,7 +2,7 @@
 
 import math
 
-from granwave.lammps_inputs.lattices import PackingKind
+from granwave.lammps_inputs.packing_kind import PackingKind
 
 HEIGHT = math.sqrt(3) / 2  # of a row, diameters
 

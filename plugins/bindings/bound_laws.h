@@ -1,0 +1,16 @@
+// SPDX-License-Identifier: GPL-2.0-only
+/* The table of laws and their parameters, as Python has them. */
+
+#ifndef GRANWAVE_BINDINGS_BOUND_LAWS_H
+#define GRANWAVE_BINDINGS_BOUND_LAWS_H
+
+#include <pybind11/pybind11.h>
+
+namespace granwave::bindings {
+
+/* Make the classes LawParameter and LawEntry of Python, and the tables LAWS, PARAMETERS and FE_RANGE. */
+void bind_laws(pybind11::module_ &module);
+
+}    // namespace granwave::bindings
+
+#endif
