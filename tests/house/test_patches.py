@@ -30,6 +30,7 @@ SOURCES = ("analysis", "docs", "extensions", "lammps_inputs", "plugins", "tests"
 FILES = ("pyproject.toml", "CONTRIBUTING.md", "CHANGELOG.md", "README.md")
 #: Most files that a patch may touch.
 MOST_FILES = {
+    "new_lattice": 3,
     "new_load": 6,
     "new_law_parameter": 8,
 }
