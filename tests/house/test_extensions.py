@@ -19,8 +19,8 @@ ROOT = Path(__file__).parents[2]
 SMALL = (
     "packing.size=[3,3,3]", "run.frames=3", "run.end_time=2e-5", "figures.formats=[]",
 )  # fmt: skip
-#: Keys of [figures], a quantity of driven rows, and a part of a study.
-ALSO_OF_THE_CORE = {"film", "view", "transmission", "pictures"}
+#: Keys of [figures], a quantity of driven rows, a part of a study, and a field of `Extension`.
+ALSO_OF_THE_CORE = {"film", "view", "transmission", "pictures", "packings"}
 #: Tests of the core that are run where all extensions are hidden.
 ROOMS = (
     "lammps_inputs", "analysis", "workflows", "hostile", "plugins/laws", "plugins/pair", "earlier",
