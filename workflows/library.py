@@ -126,7 +126,8 @@ def find_for(study: str, *verbs: str, directory: Path = Path()) -> Path:
     try:
         verb = verb_of(path)
     except InputError as error:
-        raise InputError(item.inside(study) for item in error.items) from None
+        items = [item if item.source else item.inside(study) for item in error.items]
+        raise InputError(items) from None
     if verb not in verbs:
         raise _other_word(study, verb, verbs[0])
     return path

@@ -341,6 +341,7 @@ def test_results_of_what_is_no_run(analysed, tmp_path):
     assert "is not finished (state interrupted); go on with  granwave run" in said(
         tmp_path / "first"
     )
+    (tmp_path / "first" / ".granwave").unlink()  # which says that it is a run
     (tmp_path / "first" / "case.toml").write_text("[block]\n[punch]\n")
     assert "is a continuum run" in said(tmp_path / "first")
     (tmp_path / "first" / "case.toml").unlink()
