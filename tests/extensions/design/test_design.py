@@ -288,6 +288,7 @@ def test_far_worse_designs_are_not_run_further(folder):
         assert search._is_lost(design) == lost
 
 
+@pytest.mark.validation
 def test_the_best_are_run_again_in_full_and_their_neighbours_too(folder):
     """A search of few, coarse runs: the ranking and the case of the best are of full ones, in the
     same directories.
@@ -451,6 +452,7 @@ def test_keys_without_quotes(folder):
     assert sorted(one["boundary.bottom.plate.mass"] for one in samples) == [1.5, 2.5]
 
 
+@pytest.mark.validation
 def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
     """In a job on two nodes each run is a step on one of them."""
     (folder / "job.sh").write_text(

@@ -236,6 +236,7 @@ def test_the_front_of_all_rows(search):
     assert len(best & ours) >= 0.6 * len(best)
 
 
+@pytest.mark.validation
 def test_killed_again_and_again_it_finds_the_same(search):
     """Several runs of each design, some pruned; coarse runs first; designs next to the best;
     limits.
