@@ -110,8 +110,8 @@ def run(copy: Path, *words: str) -> subprocess.CompletedProcess[str]:
     )
 
 
-@pytest.mark.parametrize("path", sorted(PATCHES.glob("*.patch")), ids=lambda path: path.stem)
-def test_a_patch_adds_one_thing(path: Path, copy: Path) -> None:
+def try_patch(path: Path, copy: Path) -> None:
+    """Apply a patch to a copy of the sources, and run its tests there."""
     text = path.read_text(encoding="utf-8")
     files = patched_files(text)
     assert 0 < len(files) <= MOST_FILES[path.stem]
@@ -126,3 +126,24 @@ def test_a_patch_adds_one_thing(path: Path, copy: Path) -> None:
     options = ("-q", "-p", "no:cacheprovider", "-p", "no:xdist")
     tested = run(copy, sys.executable, "-m", "pytest", *options, *tests)
     assert tested.returncode == 0, tested.stdout[-5000:] + tested.stderr[-2000:]
+
+
+def test_every_patch_is_tried() -> None:
+    """Each has a bound on its files, and a test of its own below."""
+    assert {path.stem for path in PATCHES.glob("*.patch")} == set(MOST_FILES)
+    assert all(f"test_a_{name}" in globals() for name in MOST_FILES)
+
+
+@pytest.mark.validation
+def test_a_new_lattice(copy: Path) -> None:
+    try_patch(PATCHES / "new_lattice.patch", copy)
+
+
+@pytest.mark.validation
+def test_a_new_load(copy: Path) -> None:
+    try_patch(PATCHES / "new_load.patch", copy)
+
+
+@pytest.mark.validation
+def test_a_new_law_parameter(copy: Path) -> None:
+    try_patch(PATCHES / "new_law_parameter.patch", copy)

@@ -13,6 +13,7 @@ from tests.helpers.two_spheres import DRIVEN, LAW, PAIR, REPORT, R
 from tests.plugins.fixes.test_holder_and_damping import bar
 from tests.plugins.test_packings import ROLLS, SLIPS, text_of
 
+pytestmark = pytest.mark.xdist_group("two processors")  # else four of theirs share two cores
 SUMS = "compute sums all reduce sum c_dents[13] c_dents[15] inputs local\nthermo_style custom step c_en c_en[*] c_sums[*]\n"
 ENERGIES = ["c_en", "c_en[1]", "c_en[6]", "c_en[7]", "c_sums[1]", "c_sums[2]"]
 

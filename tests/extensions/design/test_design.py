@@ -172,6 +172,7 @@ def test_results_are_not_replaced(searched, granwave):
     assert "holds a search for a design" in done.stderr
 
 
+@pytest.mark.validation
 def test_a_killed_search_goes_on_to_the_same_designs(searched, folder):
     directory, _ = searched
     command = [
@@ -201,6 +202,7 @@ def test_a_killed_search_goes_on_to_the_same_designs(searched, folder):
     assert (folder / "killed/designs.csv").read_text() == (directory / "designs.csv").read_text()
 
 
+@pytest.mark.validation
 def test_ctrl_c_stops_a_search_that_goes_on_later(folder):
     search = {"evaluations": 4, "seed": 2, "guards": False}
     (folder / "few.toml").write_text(tomli_w.dumps(TABLES | {"search": search}))

@@ -326,6 +326,7 @@ def test_too_little_room_for_a_point_is_told(tmp_path, monkeypatch) -> None:
 # ---------------------------------------------------------------------- what goes wrong on the way
 
 
+@pytest.mark.validation
 def test_ctrl_c_and_kills_lose_nothing(start: Start, granwave, tmp_path: Path) -> None:
     directory = tmp_path / "out"
     text = LONG % 2e-2
