@@ -21,10 +21,8 @@ SMALL = (
 )  # fmt: skip
 #: Keys of [figures], a quantity of driven rows, a part of a study, and a field of `Extension`.
 ALSO_OF_THE_CORE = {"film", "view", "transmission", "pictures", "packings"}
-#: Tests of the core that are run where all extensions are hidden.
-ROOMS = (
-    "lammps_inputs", "analysis", "workflows", "hostile", "plugins/laws", "plugins/pair", "earlier",
-)  # fmt: skip
+#: Tests of the core that are run where all extensions are hidden; those in `hostile` name commands of extensions.
+ROOMS = ("lammps_inputs", "analysis", "workflows", "plugins/laws", "plugins/pair")
 
 
 def without(names: str, *words: object, cwd: Path | None = None) -> subprocess.CompletedProcess:

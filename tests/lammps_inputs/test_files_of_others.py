@@ -69,6 +69,7 @@ def test_folders_are_shared_and_force_removes_what_is_ours(says, tmp_path):
     ).exists()
 
 
+@pytest.mark.needs_extension("continuum")
 @pytest.mark.parametrize("words", [[], ["--force"]])
 @pytest.mark.parametrize(
     ("name", "command"),
@@ -180,6 +181,7 @@ def test_pictures_of_a_report_overwrite_no_others(says, tmp_path):
 # ---------------------------------------------------------------------- one at a time, and where nothing can be written
 
 
+@pytest.mark.needs_extension("pictures")
 def test_one_process_at_a_time(says, tmp_path):
     Path("mine").write_text("mine")
     Path("linked").mkdir()

@@ -198,6 +198,7 @@ def test_a_full_disk_is_told_with_the_file_and_no_crash(process, run, small_disk
     assert (there / "result.h5").read_bytes() == before
 
 
+@pytest.mark.needs_extension("pictures")
 @pytest.mark.parametrize(
     ("words", "name"),
     [
@@ -290,6 +291,7 @@ def test_a_dump_that_changed_is_refused_and_computed_again(run, whole, capsys, n
     )
 
 
+@pytest.mark.needs_extension("pictures", "inference")
 @pytest.mark.parametrize("command", READERS)
 @pytest.mark.parametrize("name", ["result.h5"])
 def test_a_result_that_changed_is_refused(run, capsys, command, name):
@@ -301,6 +303,7 @@ def test_a_result_that_changed_is_refused(run, capsys, command, name):
     capsys.readouterr()
 
 
+@pytest.mark.needs_extension("pictures")
 @pytest.mark.parametrize("place", range(0, 800, 96))
 def test_damage_that_no_checksum_of_ours_tells_is_one_line(run, capsys, place):
     """The beginning of the file has checksums of HDF5 itself, whose errors are KeyErrors."""

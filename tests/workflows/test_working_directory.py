@@ -57,6 +57,7 @@ def do(place: Path, *words: str, **variables: str) -> str:
     return done.stdout
 
 
+@pytest.mark.needs_extension("pictures")
 def test_a_run_on_ranks_its_report_film_and_figures(place, tmp_path_factory):
     do(place, "run", "fcc-small", *TINY, "--np", "2", "-o", "out")
     assert (place / "out" / "summary.json").is_file()
@@ -76,6 +77,7 @@ def test_scans(place):
     assert (place / "out" / "scan.csv").read_text().count("\n") == 3
 
 
+@pytest.mark.needs_extension("continuum")
 def test_a_block_of_finite_elements(place):
     small = ["--set", "run.elements=400", "--set", "run.end_time=1e-6"]
     do(place, "continuum", "half-space", *small, "-o", "out", "--no-figures")

@@ -315,6 +315,7 @@ def test_summary_of_what_is_no_number(analysed, tmp_path, value):
 # ---------------------------------------------------------------------- what is no run
 
 
+@pytest.mark.needs_extension("continuum")
 def test_results_of_what_is_no_run(analysed, tmp_path):
     def said(path: Path) -> str:
         with pytest.raises((MissingOutputError, OutputFormatError)) as error:

@@ -49,6 +49,7 @@ def both(tmp_path_factory):
     return found, build(found, place)
 
 
+@pytest.mark.needs_extension("continuum")
 def test_sections_and_order_of_the_inputs(both):
     inputs, report = both
     slugs = [section.slug for section in report.sections]
@@ -286,6 +287,7 @@ def test_replicates_have_mean_and_confidence(tmp_path):
     assert rows[0]["Dissipated fraction"].text == "0.70 ± 0.25"  # 4.303 x 0.1 / sqrt 3
 
 
+@pytest.mark.needs_extension("continuum")
 def test_versions_common_once_and_differences_by_run(tmp_path):
     """Programs of another kind of run are no difference: continuum runs need no LAMMPS."""
     several = {

@@ -94,6 +94,7 @@ def test_schemas_are_schemas_and_keep_their_own_examples(kind):
     walk(schema)
 
 
+@pytest.mark.needs_extension("continuum", "waves", "inference", "design", "pictures", "packings")
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.relative_to(ROOT).as_posix())
 def test_files_that_are_there_fit(path: Path):
     data = tomllib.loads(path.read_text(encoding="utf-8"))

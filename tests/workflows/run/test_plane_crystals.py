@@ -121,6 +121,7 @@ def test_contact_forces_of_snapshots_as_a_table(run: Path) -> None:
     )
 
 
+@pytest.mark.needs_extension("inference")
 def test_inferred_forces_are_those_of_the_run(
     run: Path, tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
