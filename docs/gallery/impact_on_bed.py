@@ -21,7 +21,7 @@ REPOSE = np.tan(np.radians(22.0))  # of spheres with this friction
 GRAVITY = 9.81
 DIAMETER = 0.02
 bed = {"packing.grains": 300, "packing.box": [0.07, 0.07], "run.end_time": 0.04}
-speeds = [0.25, 0.5, 1.0, 2.0]
+speeds = [0.25, 1.0, 2.0]
 depths = []
 forces = []
 for speed in speeds:
