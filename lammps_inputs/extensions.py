@@ -48,7 +48,7 @@ Listed = TypeVar("Listed", bound=ListEntry)
 
 @dataclasses.dataclass(frozen=True)
 class Extension:
-    """What an extension adds; everything but its name and title may be left out.
+    """Lists of what an extension adds; everything but its name and title may be left out.
 
     A field that is called a reference is a text "MODULE:NAME" for an object of the type that is
     given here; a mapping of references has a reference for each name.

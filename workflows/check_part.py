@@ -1,4 +1,4 @@
-"""What ``granwave check`` shows of a case in addition to its plan: rows, values and lines."""
+"""Parts of ``granwave check`` in addition to the plan: rows, values and lines."""
 
 from __future__ import annotations
 

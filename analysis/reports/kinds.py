@@ -14,7 +14,7 @@ from functools import cache, cached_property
 from pathlib import Path
 from typing import Any, ClassVar
 
-from granwave.analysis.document.model import DocumentTable, Report, is_number
+from granwave.analysis.document.model import Report, is_number
 from granwave.analysis.errors import MissingOutputError, OutputFormatError
 from granwave.analysis.quantities import Quantity, quantity, report_columns
 from granwave.analysis.result.not_a_run import OF_A_RUN, UNFINISHED, no_results, resumed
@@ -125,7 +125,8 @@ class ReportRun:
 
 
 class ReportKind:
-    """What a report says of one kind of results; here of runs with an energy balance.
+    """Words, tables and figures of one kind of results in a report; here of runs with an energy
+    balance.
 
     Attributes
     ----------
@@ -151,6 +152,10 @@ class ReportKind:
         Captions of figures, in their order.
     looks
         What to look for in figures: the rest of their captions.
+    table_keys
+        Main values of a summary, in the order of their table; of kinds without a balance.
+    in_per_cent
+        Those of them that are shares.
     tables
         Values of the summaries that only this kind has, by the name of a table of the reference.
     """
@@ -165,6 +170,8 @@ class ReportKind:
     main_figures: ClassVar[Sequence[str]] = ()
     captions: ClassVar[Mapping[str, str]] = {}
     looks: ClassVar[Mapping[str, str]] = {}
+    table_keys: ClassVar[Sequence[str]] = ()
+    in_per_cent: ClassVar[Sequence[str]] = ()
     tables: ClassVar[Mapping[str, Sequence[Quantity]]] = {}
 
     # ------------------------------------------------------------------ reading
@@ -253,10 +260,6 @@ class ReportKind:
     def label(self, run: ReportRun, key: str) -> str:
         """Return the label of a value of a summary; empty: the usual one."""
         return ""
-
-    def table_of(self, runs: Sequence[ReportRun], caption: str) -> DocumentTable:
-        """Make the table of the main values of runs of one part."""
-        raise NotImplementedError(f"{type(self).__name__} has neither a balance nor a table")
 
     def figures_of_others(self, run: ReportRun) -> set[str]:
         """Return the names of figures in its directory that belong to other results."""

@@ -35,7 +35,7 @@ from granwave.analysis.measures.zone_size import Mark, bounds_in_words, mark_of
 from granwave.analysis.quantities import FRICTION_SHARES, report_columns
 from granwave.analysis.reports.inputs import ReportInputs, ReportScan
 from granwave.analysis.reports.kinds import ReportRun
-from granwave.analysis.reports.sentences import by_part
+from granwave.analysis.reports.sentences import by_part, value_table
 from granwave.analysis.reports.setting import differing, is_chain, target_of
 from granwave.analysis.scans.table import (
     CONFIDENCE,
@@ -153,8 +153,7 @@ def compact_table(runs: Sequence[ReportRun]) -> DocumentTable:
     Runs without an energy balance have their values below each other.
     """
     if not runs[0].has_balance:
-        kind = runs[0].kind
-        return kind.table_of(runs, kind.title(runs[0]))
+        return value_table(runs, runs[0].kind.title(runs[0]))
     keys = [key for key in differing(runs) if all(key in run.case for run in runs)]
     if _MATERIAL in keys:
         keys = [key for key in keys if not key.startswith(_OF_MATERIAL) or key == _MATERIAL]
@@ -177,7 +176,7 @@ def compact_table(runs: Sequence[ReportRun]) -> DocumentTable:
 def value_rows(run: ReportRun) -> DocumentTable:
     """Make a table of the main values of a run, a row each."""
     if not run.has_balance:
-        return run.kind.table_of([run], f"Run {run.label}")
+        return value_table([run], f"Run {run.label}")
     summary = run.summary
     driven = run.number("transmission") is not None
     plate, bottom, ground = map(

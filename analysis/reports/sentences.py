@@ -34,23 +34,19 @@ def by_part(runs: Sequence[ReportRun]) -> list[list[ReportRun]]:
     return list(parts.values())
 
 
-def value_table(
-    runs: Sequence[ReportRun], caption: str, keys: Sequence[str], in_per_cent: Collection[str] = ()
-) -> DocumentTable:
-    """Make a table of runs of one kind: a row for each value that there is, a column for each run.
-
-    Parameters
-    ----------
-    keys
-        Values of the summaries.
-    in_per_cent
-        Those of them that are shown in per cent.
+def value_table(runs: Sequence[ReportRun], caption: str) -> DocumentTable:
+    """Make a table of the main values of runs of one kind: a row for each value that there is, a
+    column for each run.
     """
+    kind = runs[0].kind
     rows = []
-    for key in keys:
-        label = runs[0].kind.label(runs[0], key)
+    for key in kind.table_keys:
+        label = kind.label(runs[0], key)
         unit = quantity(key).unit
-        unit, scale = ("%", _PER_CENT) if key in in_per_cent else _SHOWN_IN.get(unit, (unit, 1.0))
+        if key in kind.in_per_cent:
+            unit, scale = "%", _PER_CENT
+        else:
+            unit, scale = _SHOWN_IN.get(unit, (unit, 1.0))
         cells = [_span_cell(run.summary.get(key), scale) for run in runs]
         rows.append((Cell(label, label), *cells, Cell(unit)))
     heads = [run.label for run in runs] if len(runs) > 1 else ["Value"]

@@ -1,4 +1,4 @@
-"""What a report says of runs of finite elements."""
+"""Words, tables and figures of runs of finite elements in a report."""
 
 from __future__ import annotations
 

@@ -1,12 +1,10 @@
-"""What a report says of inferred contact forces."""
+"""Words, tables and figures of inferred contact forces in a report."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
-from granwave.analysis.document.model import DocumentTable, show
+from granwave.analysis.document.model import show
 from granwave.analysis.reports.kinds import ReportKind, ReportRun
-from granwave.analysis.reports.sentences import printed, sentences, value_table
+from granwave.analysis.reports.sentences import printed, sentences
 from granwave.extensions.inference.files import INFERENCE
 from granwave.extensions.inference.forces.tables import ENTRIES, QUANTITIES
 
@@ -70,6 +68,8 @@ class InferenceKind(ReportKind):
     main_figures = ("force_network",)
     captions = _CAPTIONS
     looks = _LOOKS
+    table_keys = _KEYS
+    in_per_cent = _IN_PER_CENT
     tables = _TABLES
 
     def setting(self, run: ReportRun) -> str:
@@ -94,10 +94,6 @@ class InferenceKind(ReportKind):
     def label(self, run: ReportRun, key: str) -> str:
         """Return the label of a value of the summary."""
         return QUANTITIES[key].label if key in QUANTITIES else ""
-
-    def table_of(self, runs: Sequence[ReportRun], caption: str) -> DocumentTable:
-        """Make the table of the main values."""
-        return value_table(runs, caption, _KEYS, _IN_PER_CENT)
 
 
 REPORT_KINDS = (InferenceKind(),)

@@ -1,16 +1,13 @@
-"""What a report says of bands, modes and transmission."""
+"""Words, tables and figures of bands, modes and transmission in a report."""
 
 from __future__ import annotations
-
-from collections.abc import Sequence
 
 import h5py
 import numpy as np
 
-from granwave.analysis.document.model import DocumentTable
 from granwave.analysis.formatting.values import grains_called_in
 from granwave.analysis.reports.kinds import ReportKind, ReportRun, by_key
-from granwave.analysis.reports.sentences import printed, sentences, value_table
+from granwave.analysis.reports.sentences import printed, sentences
 from granwave.analysis.reports.setting import setting_of
 from granwave.analysis.result.not_a_run import no_results
 from granwave.extensions.waves.files import SPECTRA, SPECTRA_FILE, spectra_in
@@ -106,6 +103,8 @@ class SpectraKind(ReportKind):
     main_figures = ("bands", "density_of_states", "transmission")
     captions = _CAPTIONS
     looks = _LOOKS
+    table_keys = _KEYS
+    in_per_cent = _IN_PER_CENT
     tables = _TABLES
 
     def read(self, results: ResultDirectory, label: str) -> list[ReportRun]:
@@ -151,10 +150,6 @@ class SpectraKind(ReportKind):
     def label(self, run: ReportRun, key: str) -> str:
         """Return the label of a value of the summary."""
         return _LABELS.get(key, "")
-
-    def table_of(self, runs: Sequence[ReportRun], caption: str) -> DocumentTable:
-        """Make the table of the main values."""
-        return value_table(runs, caption, _KEYS, _IN_PER_CENT)
 
     def figures_of_others(self, run: ReportRun) -> set[str]:
         """Return the names of the figures of the other commands."""

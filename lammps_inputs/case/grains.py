@@ -43,7 +43,7 @@ _LARGEST_RATIO = 1000.0  # of the largest grain to the median, beyond which unit
 
 @dataclasses.dataclass(frozen=True)
 class FileReading:
-    """What was read of a file of grains.
+    """Facts about a file of grains that was read.
 
     Attributes
     ----------
@@ -182,7 +182,7 @@ class Grains:
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class GrainChoices:
-    """What becomes of the grains of a file.
+    """Choices of the user for the grains of a file.
 
     Attributes
     ----------

@@ -50,7 +50,7 @@ class PackingNotMadeError(InputError):
 
 @dataclasses.dataclass(frozen=True)
 class MakerInput:
-    """What a packing is made of.
+    """Recipe of a packing that is made before the run.
 
     Attributes
     ----------

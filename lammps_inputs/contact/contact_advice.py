@@ -63,7 +63,7 @@ class ContactAdvice:
 
     @property
     def choices(self) -> list[str]:
-        """What each way would do, a phrase each."""
+        """Phrase on the effect of each way."""
         beyond = f"; {self.n_beyond} pairs overlap by more" if self.n_beyond else ""
         left = f", to {self.remaining:.2g} m" if self.remaining > self.tolerance / 2 else ""
         pressed = "" if self.largest_force is None else f", with up to {self.largest_force:.3g} N"
@@ -77,7 +77,7 @@ class ContactAdvice:
 
     @property
     def remedy(self) -> str:
-        """What to do about overlaps, as a message says it."""
+        """Remedy for overlaps, as a message says it."""
         return f"move them apart, or choose {KEY}: {'; '.join(self.choices)}"
 
 

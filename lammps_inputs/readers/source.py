@@ -18,7 +18,7 @@ _HEAD = 4096  # characters that show the format
 
 @dataclasses.dataclass(frozen=True, kw_only=True)
 class FileOptions:
-    """What the user says of a file of grains.
+    """Keys of a case that say how a file of grains is read.
 
     Attributes
     ----------

@@ -1,4 +1,4 @@
-"""What is easy to add: each patch in `patches` adds one thing, in few files, to a copy of the
+"""Things that are easy to add: each patch in `patches` adds one thing, in few files, to a copy of the
 sources, and its tests pass there; contact laws that it changes are compiled there first.
 
 The text above the changes says what the patch shows, and names its tests in lines ``Tests: FILE

@@ -38,7 +38,7 @@ def faults_of(**tables: Any) -> list[InputFault]:
 
 
 def test_every_key_has_a_type() -> None:
-    """Of any kind of file: in words, and as a JSON Schema that is no shrug."""
+    """A type in words, and a JSON Schema that is no shrug, for keys of all kinds of files."""
     for table in keys.tables():
         for key in table.keys:
             assert key.accepts and key.json, f"{table.file} {table.name}.{key.name}"

@@ -1,4 +1,4 @@
-"""What ``granwave check`` shows of a packing from a file: what was read, and what it is."""
+"""Rows and values of ``granwave check`` for a packing from a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""What a report says of runs of finite elements."""
+"""Reports of runs of finite elements."""
 
 from __future__ import annotations
 

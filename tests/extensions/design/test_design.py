@@ -1,6 +1,4 @@
-"""Searches from a file to the best design: results, resumption, refusals, two objectives,
-uncertainty, Python.
-"""
+"""Searches to the best design: results, resumption, two objectives, uncertainty, Python."""
 
 from __future__ import annotations
 
@@ -16,64 +14,24 @@ import tomllib
 
 import pytest
 import tomli_w
-from jsonschema import Draft202012Validator
 
 import granwave as gw
-from granwave.extensions.design.search.design_file import load_problem
 from granwave.extensions.design.search.driver import _Search
 from granwave.extensions.design.search.guards import (
-    changes_of,
-    finding_of,
-    findings_without_runs,
-    further_runs,
-    has_come,
     has_passed,
-    late_impulse,
     of_neighbours,
     target_force,
 )
-from granwave.extensions.design.search.problem import with_values
-from granwave.extensions.design.search.study import Design, DesignStudy, first_design, new_design
+from granwave.extensions.design.search.study import Design, DesignStudy
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from granwave.workflows.cli.json_schema import schema_of
 from tests.conftest import PLAIN
+from tests.extensions.design.chain_search import CHAIN, MATERIALS, TABLES, problem_of
 from tests.helpers.slurm_cluster import slurm  # noqa: F401
 
 pytest.importorskip("sklearn")
 pytestmark = pytest.mark.xdist_group("design")  # its results are shared
-
-CHAIN = """
-name = "chain"
-material = "stainless-steel"
-[packing]
-kind = "chain"
-size = 3
-diameter = 0.010
-[load]
-velocity = 2.0
-[contact]
-law = "hertz"
-[run]
-end_time = 6e-5
-frames = 2
-"""
-MATERIALS = ["stainless-steel", "ptfe"]
-TABLES = {
-    "base": "chain.toml",
-    "variables": {f"replace.{n}.material": MATERIALS for n in (1, 2, 3)},
-    "objective": {"minimise": ["target_peak_force_N"]},
-    "search": {"evaluations": 8, "seed": 2},
-}
-
-
-@pytest.fixture(scope="module")
-def folder(tmp_path_factory):
-    found = tmp_path_factory.mktemp("design")
-    (found / "chain.toml").write_text(CHAIN)
-    (found / "beads.toml").write_text(tomli_w.dumps(TABLES))
-    return found
 
 
 @pytest.fixture(scope="module")
@@ -100,14 +58,6 @@ def searched(folder):
 def rows_of(directory):
     with (directory / "designs.csv").open() as file:
         return list(csv.DictReader(file))
-
-
-def problem_of(folder, **changes):
-    return load_problem({**TABLES, "base": str(folder / "chain.toml"), **changes})
-
-
-def test_a_design_without_variables_does_not_fit_the_schema():
-    assert not Draft202012Validator(schema_of("design")).is_valid({"base": "fcc-small"})
 
 
 def test_all_designs_of_a_small_space(searched):
@@ -397,63 +347,6 @@ def test_limits_after_a_run(folder):
     assert "wall_impulse_Ns" in found.table["reason"][0]
 
 
-PTFE = {"index": 7, "material": "ptfe"}
-
-
-@pytest.mark.parametrize(
-    ("entry", "values", "expected"),
-    [
-        ({"index": 5, "diameter": 0.01}, {"replace.5.material": "ptfe", "replace.7.material": "ptfe"},
-         [{"index": 5, "diameter": 0.01, "material": "ptfe"}, PTFE]),
-        # the diameter stays
-        ({"index": {"first": 1, "last": 3}, "diameter": 0.009}, {"replace.2.material": "ptfe"},
-         [{"index": {"first": 1, "last": 3}, "diameter": 0.009}, {"index": 2, "diameter": 0.009, "material": "ptfe"}]),
-        ({"index": {"first": 3, "last": 5}, "diameter": 0.2}, {"replace.1-4.material": "ptfe"},
-         [{"index": {"first": 3, "last": 5}, "diameter": 0.2}, {"index": {"first": 1, "last": 2}, "material": "ptfe"},
-          {"index": {"first": 3, "last": 4}, "diameter": 0.2, "material": "ptfe"}]),
-        (PTFE, {"replace.7.index": 3, "replace.7.diameter": 0.1}, [{"index": 3, "material": "ptfe", "diameter": 0.1}]),
-    ],
-)  # fmt: skip
-def test_values_go_into_lists_and_grains(entry, values, expected):
-    base = {"packing": {"size": [4, 4, 5]}, "material": "steel", "replace": [entry]}
-    before = json.dumps(base)
-    made = with_values(base, {"packing.size.2": 9, **values})
-    assert made["packing"]["size"] == [4, 4, 9] and made["replace"] == expected
-    assert json.dumps(base) == before
-
-
-def test_keys_without_quotes(folder):
-    nested = {
-        "packing": {"diameter": [0.01]},
-        "boundary": {"bottom": {"plate": {"mass": {"low": 1.0, "high": 2.0}}}},
-    }
-    base = {"boundary.bottom": {"plate": {"mass": 1.0, "stiffness": 1e6}}}
-    keys = [one.key for one in problem_of(folder, variables=nested, set=base).space.variables]
-    assert keys == ["packing.diameter", "boundary.bottom.plate.mass"]
-    (folder / "plate.toml").write_text(
-        CHAIN + "[boundary]\nbottom = {plate = {mass = 1.0, stiffness = 1e6}}\n"
-    )
-    for table in (
-        {"boundary": {"bottom": {"plate": {"mass": 2.0}}}},
-        {"boundary.bottom.plate.mass": 2.0},
-    ):
-        made = problem_of(folder, base=str(folder / "plate.toml"), set=table)
-        assert made.base["boundary"]["bottom"] == {"plate": {"mass": 2.0, "stiffness": 1e6}}
-    half_space = {"half_space": {}, "material": "steel"}
-    made = problem_of(
-        folder, base=str(folder / "plate.toml"), set={"boundary": {"bottom": half_space}}
-    )
-    assert made.base["boundary"]["bottom"] == half_space
-    both = {"load": {"velocity": [1.0, 3.0]}, "replicates": 2}
-    assert (
-        problem_of(folder, uncertainty=both).samples
-        == problem_of(folder, uncertainty={"load.velocity": [1.0, 3.0], "replicates": 2}).samples
-    )
-    plate = {"boundary": {"bottom": {"plate": {"mass": [1.0, 3.0]}}}, "replicates": 2}
-    samples = problem_of(folder, base=str(folder / "plate.toml"), uncertainty=plate).samples
-    assert sorted(one["boundary.bottom.plate.mass"] for one in samples) == [1.5, 2.5]
-
-
 @pytest.mark.validation
 def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
     """In a job on two nodes each run is a step on one of them."""
@@ -476,227 +369,3 @@ def test_steps_of_a_job_of_slurm(folder, slurm):  # noqa: F811
         json.loads(path.read_text()) for path in (folder / "job/points").glob("[0-9]/run.json")
     ]
     assert {node for record in records for node in record["nodes"]} == set(slurm)
-
-
-def test_layers_are_variables_of_each_bead(folder):
-    problem = problem_of(
-        folder, variables={"layers": {"materials": MATERIALS, "diameters": [0.5, 1.0]}}
-    )
-    assert len(problem.space.variables) == 6
-    sizes = [one for one in problem.space.variables if one.key == "replace.2.diameter"]
-    assert (sizes[0].low, sizes[0].high) == (0.005, 0.01)
-
-
-def test_layers_of_a_packing_and_those_that_are_tied(folder):
-    base = {"base": "fcc-small", "set": {"packing.size": [4, 4, 4]}}
-    for tied, keys in (
-        ({}, ["1-16", "17-32", "33-48", "49-64"]),
-        ({"tied": {"period": 2}}, ["1-16,33-48", "17-32,49-64"]),
-        ({"tied": {"groups": 2}}, ["1-32", "33-64"]),
-    ):
-        problem = problem_of(
-            folder, **base, variables={"layers": {"materials": ["steel", "aluminium"], **tied}}
-        )
-        assert [one.key for one in problem.space.variables] == [
-            f"replace.{ids}.material" for ids in keys
-        ]
-        known = new_design(
-            problem, 1, {one.key: "aluminium" for one in problem.space.variables}
-        ).known
-        light = new_design(
-            problem_of(folder, **base, variables={"material": ["aluminium"]}),
-            1,
-            {"material": "aluminium"},
-        )
-        assert known["mass_kg"] == pytest.approx(light.known["mass_kg"])
-    row = problem_of(folder, variables={"layers": {"diameters": [0.5, 1.0], "tied": {"period": 2}}})
-    made = row.tables_of({"replace.1,3.diameter": 0.01, "replace.2.diameter": 0.005})
-    assert made["replace"] == [
-        {"index": {"first": 1, "last": 3, "step": 2}, "diameter": 0.01},
-        {"index": 2, "diameter": 0.005},
-    ]
-
-
-def test_limits_known_before_a_run(folder):
-    problem = problem_of(folder, limits={"mass_kg": 0.005, "n_spheres": {"low": 2}})
-    steel = new_design(problem, 1, {f"replace.{n}.material": "stainless-steel" for n in (1, 2, 3)})
-    assert steel.state == "refused"
-    assert steel.reason.startswith("mass_kg 0.012")
-    assert (
-        new_design(problem, 1, {f"replace.{n}.material": "ptfe" for n in (1, 2, 3)}).state
-        == "running"
-    )
-
-
-@pytest.mark.parametrize(
-    ("changes", "expected"),
-    [
-        (
-            {"limits": {"mass_kg": 1e-6}},
-            "no design meets them, of 200 drawn or all that there are; the nearest is",
-        ),
-        (
-            {"variables": {"packing.diametr": [0.01]}},
-            "is no key of a case; did you mean packing.diameter?",
-        ),
-        (
-            {"variables": {"packing.diameter": {"low": 2.0, "high": 1.0}}},
-            "whose high (1) is above its low (2)",
-        ),
-        ({"variables": {"packing.size.2": [3, 4]}}, "packing.size.2: found 3 in the case"),
-        ({"variables": {}}, "found none, expected a table of keys"),
-        ({"objective": {"minimise": ["target_peak_force"]}}, "did you mean target_peak_force_N?"),
-        ({"objective": {}}, "found 0 values, expected one"),
-        ({"set": {"boundary.bottom": "free"}}, "target_peak_force_N: is null without a target"),
-        ({"limits": {"mass": 1.0}}, "limits.mass: is no value of summary.json"),
-        ({"limits": {"mass_kg": {"low": 2.0, "high": 1.0}}}, "a high that is not below the low"),
-        ({"uncertainty": {"velocity": [3.0, 1.0]}}, "the largest not below the smallest"),
-        ({"uncertainty": {"statistic": "median"}}, '"mean", "worst"'),
-        ({"variables": {"packing.diameter": [0.01, float("inf")]}}, "numbers that are finite"),
-        (
-            {"variables": {"packing.diameter": [0.01], "packing": {"diameter": [0.01]}}},
-            "is given twice",
-        ),
-        (
-            {"variables": {"layers": {"materials": MATERIALS}, "replace.1.material": MATERIALS}},
-            "is given twice",
-        ),
-        (
-            {"variables": {"layers": {"materials": MATERIALS}, "packing.size": [3, 4]}},
-            "found beside packing.size",
-        ),
-        (
-            {"variables": {"layers": {"materials": MATERIALS, "tied": True}}},
-            "layers.tied: found true, expected {period",
-        ),
-        ({"variables": {"layers": {}}}, "layers: found {}, expected"),
-        (
-            {"base": "fcc-small", "variables": {"layers": {"diameters": [0.5, 1.0]}}},
-            'expected "chain": smaller spheres',
-        ),
-        (
-            {"variables": {"packing.diameter": {"low": 0.01, "high": 0.02, "step": 0}}},
-            "steps above 0",
-        ),
-        ({"variables": {"packing.kind": ["foo"]}}, "variables: packing.kind: found"),
-        (
-            {"objective": {"minimise": ["end_reason"]}},
-            "expected the name of a number of summary.json",
-        ),
-        ({"serach": {}}, "did you mean search?"),
-        ({"uncertainty": {"velocity": [1, 2], "load.velocity": [1, 2]}}, "is given twice"),
-        ({"uncertainty": {"velocity": [-5, -3]}}, "uncertainty: load.velocity"),
-        ({"search": {"evaluations": 0}}, "evaluations: found 0"),
-        ({"search": {"evaluation": 5}}, "did you mean"),
-        ({"base": "no-such-case"}, "neither a file nor a built-in case"),
-        ({"variables": {"load.velocity": [-1.0, -2.0]}}, "load.velocity"),
-    ],
-)
-def test_bad_files_are_refused_before_anything_is_run(folder, changes, expected):
-    with pytest.raises(InputError) as error:
-        problem = problem_of(folder, **changes)
-        first_design(DesignStudy(problem, folder / "nowhere"))
-    assert expected in str(error.value)
-
-
-def test_check_plans_a_search(folder, granwave):
-    done = granwave("check", "beads.toml", "--json", cwd=folder)
-    found = json.loads(done.stdout)
-    assert (found["n_designs"], found["evaluations"], found["share_within_limits"]) == (8, 8, 1.0)
-    assert "granwave design beads.toml" in granwave("run", "beads.toml", cwd=folder).stderr
-
-
-def test_guards_change_one_thing():
-    tables = {
-        "packing": {"kind": "fcc", "size": [8, 8, 5], "diameter": 0.01},
-        "boundary": {"bottom": {"plate": {"stiffness": 1e6}}},
-        "run": {"end_time": 1e-3},
-    }
-    assert {name: changes for name, _, changes in changes_of(tables, random=False)} == {
-        "wider": {"packing.size": [12, 12, 5]},
-        "longer": {"run.end_time": pytest.approx(1.5e-3)},
-        "finer": {"run.energy_tolerance": pytest.approx(1.5e-6)},
-        "tolerance": {"packing.diameter_scatter": pytest.approx(5e-6)},
-        "stiffer": {"boundary.bottom.plate.stiffness": 4e6},
-    }
-
-
-def test_what_the_run_of_the_best_tells(folder, tmp_path):
-    """Overlaps beyond the law, beads that fly off, an impulse that still comes in, an end of a
-    range: each is said.
-    """
-    import h5py
-    import numpy as np
-
-    ranges = {"packing.diameter": {"low": 0.004, "high": 0.012}}
-    problem = problem_of(
-        folder, base="fcc-small", variables=ranges, set={"packing.size": [4, 4, 4]}
-    )
-    time_ = np.linspace(0.0, 1.0, 101)
-    still = np.ones(101)
-    past = np.exp(-(((time_ - 0.3) / 0.1) ** 2))
-    bad = (5, 1.0, 0.5, still, 0.012, "not fallen")
-    good = (0, 1.0, 0.1, past, 0.008, "")
-
-    def warned(beyond, given, kinetic, force, diameter, note):
-        with h5py.File(tmp_path / "result.h5", "w") as file:
-            file["walls/bottom/time"], file["walls/bottom/force"] = time_, force
-        summary = {
-            "contacts_beyond_law": beyond,
-            "energy_input_J": given,
-            "energy_kinetic_J": kinetic,
-        }
-        best = Design(1, {"packing.diameter": diameter}, "complete", runs={"1": {"note": note}})
-        return {
-            one.name
-            for one in findings_without_runs(problem, best, summary, tmp_path)
-            if one.warning
-        }
-
-    assert warned(*good) == set()
-    names = ("law", "", "flight", "impulse", "edge", "end")
-    for place, name in enumerate(names):
-        if name:
-            assert warned(*(bad[n] if n == place else good[n] for n in range(6))) == {name}
-
-
-def test_what_changes_by_more_than_five_per_cent_is_said_first(folder):
-    problem = problem_of(folder, limits={"wall_impulse_Ns": 1.0})
-    before = {"target_peak_force_N": 100.0, "wall_impulse_Ns": 0.9}
-    for force, impulse, warning, text in (
-        (104.0, 0.9, False, "104 (+4.0 %)"),
-        (94.0, 0.9, True, "94 (-6.0 %)"),
-        (101.0, 1.1, True, "beyond a limit: wall_impulse_Ns 1.1, at most 1"),
-        (None, 0.9, True, "gives no value"),
-    ):
-        after = {"target_peak_force_N": force, "wall_impulse_Ns": impulse}
-        found = finding_of("wider", "a wider packing", problem, before, after)
-        assert (found.warning, text in found.text) == (warning, True)
-
-
-def test_luck_is_another_seed_of_what_is_random_and_a_tolerance_of_what_is_not(folder):
-    variables = {"load.velocity": [1.0, 2.0]}
-    base = {"base": "fcc-small", "variables": variables, "set": {"packing.size": [4, 4, 4]}}
-    best = Design(1, {"load.velocity": 1.0}, "complete")
-    plain = {name for name, *_ in further_runs(problem_of(folder, **base), best, 1)}
-    random = problem_of(folder, **base, uncertainty={"tolerance": 5e-6, "replicates": 2})
-    assert plain == {"wider", "longer", "finer", "tolerance"}
-    assert {name for name, *_ in further_runs(random, best, 1)} == {
-        "wider",
-        "longer",
-        "finer",
-        "seed",
-    }
-
-
-def test_passed_forces_and_late_impulses():
-    import numpy as np
-
-    time_ = np.linspace(0.0, 1.0, 1001)
-    pulse = np.exp(-(((time_ - 0.5) / 0.1) ** 2))
-    assert has_passed(pulse)
-    assert not has_passed(pulse[:550])
-    assert has_come(pulse[:550])
-    assert not has_come(pulse[:450])
-    assert not has_come(np.zeros(5))
-    assert late_impulse(time_, np.ones_like(time_)) == pytest.approx(0.1, rel=0.02)

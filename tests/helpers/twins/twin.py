@@ -127,7 +127,7 @@ def middle_of_top(place: np.ndarray) -> int:
 
 @njit(cache=True)
 def _approach(moved, first, second, normals):
-    """How far the spheres of each pair have come nearer along its normal."""
+    """Approach of the spheres of each pair along its normal."""
     nearer = np.empty(len(first))
     for k in range(len(first)):
         i = first[k]

@@ -114,7 +114,7 @@ def test_values_outside_the_range_are_refused_by_all(law: str, name: str) -> Non
 
 
 def test_parameters_of_another_law_are_refused() -> None:
-    """Where the case has no default for them; the answer names the laws that take them."""
+    """Parameters without a default in the case; the answer names the laws that take them."""
     for name, parameter in PARAMETERS.items():
         if parameter.of_material or not (parameter.required or parameter.optional):
             continue

@@ -1,4 +1,4 @@
-"""What ``granwave check`` shows of a packing from a file."""
+"""Rows of ``granwave check`` for a packing from a file."""
 
 from __future__ import annotations
 

@@ -1,4 +1,4 @@
-"""How often a run reads, checks and assembles its case, and a report of finished runs."""
+"""Counts of how often a run reads, checks and assembles its case, and a report of finished runs."""
 
 from __future__ import annotations
 

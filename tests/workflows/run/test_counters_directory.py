@@ -1,4 +1,4 @@
-"""How often a command reads the marker of a directory of results, and other JSON files in it."""
+"""Counts of how often a command reads the marker of a directory of results, and other JSON files in it."""
 
 from __future__ import annotations
 
