@@ -78,7 +78,7 @@ def lammps():
 @pytest.fixture
 def granwave(capfd):
     """Run the command line in the process of the test."""
-    from tests.helpers.command import command
+    from tests.helpers.programs.command import command
 
     def run(*arguments: object, cwd: Path | None = None) -> subprocess.CompletedProcess[str]:
         done = command(list(map(str, arguments)), cwd or Path.cwd(), capfd)

@@ -16,7 +16,7 @@ from granwave.analysis.quantities import quantity
 from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs import sphere_contact, struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 
 def summary_of(directory, dent=synthetic.DENT, **options):

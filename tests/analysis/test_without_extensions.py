@@ -11,7 +11,7 @@ from pathlib import Path
 import pytest
 
 from granwave.lammps_inputs.extensions import WITHOUT
-from tests.helpers.synthetic_report import write_run
+from tests.helpers.made_up.synthetic_report import write_run
 
 LEFT_OUT = f"which {WITHOUT} leaves out: remove it from there"
 

@@ -20,7 +20,7 @@ import numpy as np
 from granwave.lammps_inputs.case.case import Case
 from granwave.measures import decay_rate, first_peak
 from granwave.workflows.scanning.scan_file import load_scan
-from tests.helpers.symmetric_row import SymmetricRow, soft_material
+from tests.helpers.bodies.symmetric_row import SymmetricRow, soft_material
 from tests.helpers.twins.twin import Network, fcc, middle_of_top
 
 THESIS = Path(__file__).parents[2] / "reproductions" / "thesis"

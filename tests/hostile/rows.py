@@ -24,7 +24,7 @@ from typing import Any
 import pytest
 
 from tests.conftest import BIN, PLAIN
-from tests.helpers.command import command
+from tests.helpers.programs.command import command
 
 TABLE = Path(__file__).with_name("inputs.toml")
 # limits of a row: s, and bytes in addition to those used by the tests

@@ -14,7 +14,7 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.run.driver import run_case
 from granwave.workflows.scanning import layout
 from granwave.workflows.scanning.scan_file import load_scan
-from tests.helpers.run_files import without_checksums
+from tests.helpers.made_up.run_files import without_checksums
 from tests.hostile import places
 from tests.hostile.rows import Row, damage, entries_of, judge, parameters, read_rows, run_row
 

@@ -19,7 +19,7 @@ from granwave.lammps_inputs.case.parse import parse_overrides
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.library import load_case
 from granwave.workflows.run.driver import run_case
-from tests.helpers.run_files import without_checksums
+from tests.helpers.made_up.run_files import without_checksums
 
 WRONG = {
     "spheres/id": 2**62,

@@ -17,8 +17,8 @@ from granwave.lammps_inputs.case.run import FRAMES_OF_A_FILM, CutPlane, Figures,
 from granwave.lammps_inputs.case.schema import ValidationError
 from granwave.lammps_inputs.errors import GranwaveError, InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
-from tests.helpers.small_cases import FILE, changed
-from tests.helpers.synthetic import make_case
+from tests.helpers.made_up.small_cases import FILE, changed
+from tests.helpers.made_up.synthetic import make_case
 
 
 @pytest.fixture

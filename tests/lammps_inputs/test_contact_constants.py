@@ -20,8 +20,8 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, load_case
 from tests.conftest import script_of
+from tests.helpers.bodies.two_spheres import PAIR, R, collide, restitution, value
 from tests.helpers.twins.twin import CONSTANTS, OTHER, PRINTED, LawTwin, Network
-from tests.helpers.two_spheres import PAIR, R, collide, restitution, value
 
 BRASS = {
     "youngs_modulus": (115e9, 115e9),

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.lammps_inputs.packing.places import struck_spheres
 from granwave.workflows import load_case, run_case
-from tests.helpers.small_cases import (
+from tests.helpers.made_up.small_cases import (
     BALL,
     INNER,
     LATTICES,

@@ -25,7 +25,7 @@ from granwave.workflows.scanning.batches import Machine, Outlook
 from granwave.workflows.scanning.engine import submission
 from granwave.workflows.scanning.scan_file import ScanPoint
 from granwave.workflows.scanning.slurm import Profile
-from tests.helpers.scan_texts import SMALL, reader
+from tests.helpers.made_up.scan_texts import SMALL, reader
 
 SETTLED = {"kind": "uniaxial", "pressure": 1e5}
 PERIODIC = {"sides": "periodic"}

@@ -18,7 +18,7 @@ from granwave.lammps_inputs import own_files
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.run_directory import MARKER, POINT_FILES, RUN, SCAN
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 
 def fill(directory, *names):

@@ -12,8 +12,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import script_of
-from tests.helpers.rubbing import BRASS, HERTZ, MU, packing, rubbing, same, state
-from tests.helpers.two_spheres import BOX, PAIR, R, value
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, packing, rubbing, same, state
+from tests.helpers.bodies.two_spheres import BOX, PAIR, R, value
 
 HEADS_ON = [(0, 0, 1.0), (0, 0, -1.0)]
 LINE = [(0, 0, 0), (0, 0, 2 * R + 1e-5), (0, 0, 4 * R + 2e-5)]

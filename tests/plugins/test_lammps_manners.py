@@ -11,8 +11,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import refuses, script_of
-from tests.helpers.rubbing import BRASS, HERTZ, rubbing, same, state
-from tests.helpers.two_spheres import BOX, PAIR, WALL, R, collide, value
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, rubbing, same, state
+from tests.helpers.bodies.two_spheres import BOX, PAIR, WALL, R, collide, value
 
 
 def test_omp_suffix_falls_back_to_the_plain_style(lammps):

@@ -15,9 +15,9 @@ import pytest
 from granwave import plugins
 from granwave._contact_laws import ContactLaw
 from tests.conftest import refuses, script_of
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, TOTAL, packing, rubbing, state
+from tests.helpers.bodies.two_spheres import BOX, LAW, PAIR, R, collide, value
 from tests.helpers.manual import PAGES
-from tests.helpers.rubbing import BRASS, HERTZ, MU, TOTAL, packing, rubbing, state
-from tests.helpers.two_spheres import BOX, LAW, PAIR, R, collide, value
 
 ROOT = Path(__file__).parents[2]
 TABLE = tomllib.loads((PAGES / "other_commands.toml").read_text(encoding="utf-8"))

@@ -7,8 +7,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from tests.helpers.rubbing import BRASS, HERTZ, MU, TOTAL, packing, rubbing
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, TOTAL, packing, rubbing
+from tests.helpers.bodies.two_spheres import value
 
 LEDGER = TOTAL + "+c_en[8]+c_en[9]+c_en[10]+c_en[11]+c_en[12]+c_en[13]"
 RUBS = f"friction {MU}"

@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import refuses, script_of
-from tests.helpers.rubbing import rubbing
-from tests.helpers.two_spheres import BOX, PAIR, R, collide, value
+from tests.helpers.bodies.rubbing import rubbing
+from tests.helpers.bodies.two_spheres import BOX, PAIR, R, collide, value
 
 ONE = script_of([(0, 0, 0)])
 BARE = "newton off\natom_style sphere\nregion b block 0 1 0 1 0 1\ncreate_box 1 b\n"

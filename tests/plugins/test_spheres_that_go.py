@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import printed, refuses, script_of
-from tests.helpers.rubbing import BRASS, rubbing
-from tests.helpers.two_spheres import LAW, MASS, R, value
+from tests.helpers.bodies.rubbing import BRASS, rubbing
+from tests.helpers.bodies.two_spheres import LAW, MASS, R, value
 
 HERTZ = "hertz 115e9 0.3"
 SHALLOW = 1e-5

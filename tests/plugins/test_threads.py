@@ -10,8 +10,8 @@ import numpy as np
 
 from granwave._contact_laws import ContactLaw
 from granwave._number_reader import read_numbers
-from tests.helpers.rubbing import BRASS, MU, packing, rubbing, same, state
-from tests.helpers.two_spheres import R
+from tests.helpers.bodies.rubbing import BRASS, MU, packing, rubbing, same, state
+from tests.helpers.bodies.two_spheres import R
 
 AT_ONCE = 2
 

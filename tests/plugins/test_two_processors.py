@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import printed, script_of
-from tests.helpers.rubbing import BRASS, HERTZ, MU, rubbing
-from tests.helpers.two_spheres import DRIVEN, LAW, PAIR, REPORT, R
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, rubbing
+from tests.helpers.bodies.two_spheres import DRIVEN, LAW, PAIR, REPORT, R
 from tests.plugins.fixes.test_holder_and_damping import bar
 from tests.plugins.test_packings import ROLLS, SLIPS, text_of
 

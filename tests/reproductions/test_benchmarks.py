@@ -13,8 +13,8 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.studies.registry import load_study
-from tests.helpers.scripts import columns, row, study_of
-from tests.helpers.synthetic_contact import RADIUS, write_contact
+from tests.helpers.made_up.synthetic_contact import RADIUS, write_contact
+from tests.helpers.programs.scripts import columns, row, study_of
 
 FOLDER = Path(__file__).parents[2] / "reproductions" / "benchmarks"
 OXIDE = {"youngs_modulus": 3.8e11, "poisson_ratio": 0.23, "density": 4000}

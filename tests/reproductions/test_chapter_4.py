@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from tests.helpers.scripts import columns, row, study_of
+from tests.helpers.programs.scripts import columns, row, study_of
 
 STEEL = {"material": "steel", "packing.diameter": 0.006}
 

@@ -17,7 +17,7 @@ from granwave.analysis.studies.study import Study
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.measures import Chain, exponential_decay, maxima
 from granwave.workflows import load_scan
-from tests.helpers.scripts import FOLDER, row, study_of
+from tests.helpers.programs.scripts import FOLDER, row, study_of
 from tests.helpers.twins import chain_twin as twin_of
 from tests.helpers.twins.chain_twin import Bead, Record, Solid
 

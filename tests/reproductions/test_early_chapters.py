@@ -10,7 +10,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.studies.study import Study
-from tests.helpers.scripts import columns, row, study_of
+from tests.helpers.programs.scripts import columns, row, study_of
 
 
 def run(directory: Path, name: str, changes: dict[str, Any]) -> gw.Run:
@@ -82,7 +82,7 @@ def test_elastic_chain_beside(pulses: list[gw.Run]) -> None:
 
 
 def test_unlike_spheres_follow_the_law(tmp_path: Path) -> None:
-    """Loading and unloading; values at 0.4 mm of the independent law (tests/helpers/twin.py) in kN."""
+    """Loading and unloading; values at 0.4 mm of the independent law (tests/helpers/twins/twin.py) in kN."""
     probed = {
         "packing.diameter": 0.00952,
         "run.end_time": 4e-5,

@@ -10,7 +10,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.studies.registry import load_study
-from tests.helpers.scripts import FOLDER, row, study_of
+from tests.helpers.programs.scripts import FOLDER, row, study_of
 
 CHAPTER = FOLDER / "thesis" / "chapter_6"
 waves, theory, yielding = (

@@ -12,8 +12,8 @@ from granwave.analysis.measures.hertz_lattices import discrete_speed, discrete_w
 from granwave.analysis.studies.registry import load_study
 from granwave.workflows import load_case
 from tests.helpers import second_solver
-from tests.helpers.scripts import FOLDER
-from tests.helpers.symmetric_row import SymmetricRow
+from tests.helpers.bodies.symmetric_row import SymmetricRow
+from tests.helpers.programs.scripts import FOLDER
 from tests.helpers.twins import viscous_twin
 
 ROOT = FOLDER.parent

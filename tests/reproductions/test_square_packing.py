@@ -10,7 +10,7 @@ import pytest
 
 import granwave as gw
 from granwave.analysis.studies.study import make_studies
-from tests.helpers.scripts import FOLDER, columns, row, study_of
+from tests.helpers.programs.scripts import FOLDER, columns, row, study_of
 
 #: A packing of 8 x 10 that the strikers hit between X1Y5 and X1Y6.
 SMALL = {

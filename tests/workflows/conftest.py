@@ -8,7 +8,7 @@ from pathlib import Path
 import pytest
 
 from granwave.workflows import run_case
-from tests.helpers.small_cases import TWO_SPHERES
+from tests.helpers.made_up.small_cases import TWO_SPHERES
 
 
 @pytest.fixture(scope="session")

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows import load_case, run_case
 from granwave.workflows.cli.main import main
 from granwave.workflows.run import driver
-from tests.helpers.small_cases import TWO_SPHERES
+from tests.helpers.made_up.small_cases import TWO_SPHERES
 
 CLOCK = ("wall_time_s", "sphere_steps_per_s")
 

@@ -18,8 +18,8 @@ from granwave.workflows import library
 from granwave.workflows.python.inputs import in_python
 from granwave.workflows.run import mpi
 from tests.conftest import PLAIN
-from tests.helpers.export_inputs import equal
 from tests.helpers.keywords import check_keywords
+from tests.helpers.made_up.export_inputs import equal
 
 TINY = {"packing.size": [4, 4, 3], "run.end_time": 5e-5, "run.frames": 2}
 PAIR = {

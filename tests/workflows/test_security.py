@@ -14,7 +14,7 @@ import pytest
 from granwave.workflows.cli import selftest
 from granwave.workflows.cli.main import main
 from tests.documents.pages import ROOT
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 PACKAGES = ("analysis", "lammps_inputs", "workflows", "plugins")
 NETWORK = {

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.load_case import load_case
 from granwave.workflows import library
 from granwave.workflows.run.driver import run_case
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 
 def contact(law="elastoplastic", strength=550e6):

@@ -12,8 +12,8 @@ from granwave.analysis.exports.export import export
 from granwave.analysis.exports.formats import staged
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from tests.helpers import synthetic_scan
-from tests.helpers.export_inputs import write_walled_run
+from tests.helpers.made_up import synthetic_scan
+from tests.helpers.made_up.export_inputs import write_walled_run
 
 NEEDS = pytest.mark.needs_extension("pictures")
 

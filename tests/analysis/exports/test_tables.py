@@ -14,8 +14,13 @@ from packaging.version import Version
 from granwave.analysis import Result, write_result
 from granwave.analysis.exports.export import export
 from granwave.analysis.scans.table import read_scan
-from tests.helpers import synthetic, synthetic_scan
-from tests.helpers.export_inputs import equal, write_chain_run, write_periodic_run, write_walled_run
+from tests.helpers.made_up import synthetic, synthetic_scan
+from tests.helpers.made_up.export_inputs import (
+    equal,
+    write_chain_run,
+    write_periodic_run,
+    write_walled_run,
+)
 
 TABLES = ("spheres", "contacts", "wall_contacts", "energy")
 UNITS = {"J": "_J", "N": "_N", "m": "_m", "s": "_s", "kg": "_kg", "m s-1": "_m_s", "1": ""}

@@ -26,9 +26,9 @@ from granwave.analysis.studies.study import Picture, Row
 from granwave.lammps_inputs.case.run import CutPlane, Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.cli.main import main
-from tests.helpers import synthetic
-from tests.helpers.synthetic_report import build, notes, write_run
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.synthetic_report import build, notes, write_run
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 NAMES = ("energies", "impactor_velocity", "bottom_force")
 

@@ -17,7 +17,7 @@ from granwave.lammps_inputs import struck_spheres
 from granwave.lammps_inputs.case.run import FIGURES_AFTER_ADDED, FIGURES_BEFORE_ADDED
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import run_case
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 MOVING = {"energies", "bottom_force", "target", "impactor_velocity"}
 PLANES = {"peak_force_principal", "peak_force_orthogonal", "wave_front", "directions"}

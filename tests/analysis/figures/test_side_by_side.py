@@ -19,7 +19,7 @@ from granwave.analysis.figures.side_by_side import PROCESSES
 from granwave.analysis.pipeline import analyse
 from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.errors import InputError
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 NAMES = ("energies", "probes", "impactor_velocity", "bottom_force")
 

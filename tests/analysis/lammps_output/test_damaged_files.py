@@ -23,10 +23,10 @@ from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import run_case
-from tests.helpers import synthetic
-from tests.helpers.export_inputs import write_walled_run
-from tests.helpers.run_files import without_checksums
-from tests.helpers.small_cases import PULSE, case_of
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.export_inputs import write_walled_run
+from tests.helpers.made_up.run_files import without_checksums
+from tests.helpers.made_up.small_cases import PULSE, case_of
 
 Damage = Callable[[Path], object]
 DUMPS = ("spheres.dump", "contacts.dump", "wall_bottom.dump", "history.dump", "forces.dump")

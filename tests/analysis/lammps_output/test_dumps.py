@@ -19,8 +19,8 @@ from granwave.analysis.lammps_output.time_series import read_energy
 from granwave.lammps_inputs import build_packing
 from granwave.workflows import run_case
 from granwave.workflows.run import driver
-from tests.helpers import synthetic
-from tests.helpers.run_files import without_checksums
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.run_files import without_checksums
 
 
 @pytest.fixture

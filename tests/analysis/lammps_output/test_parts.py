@@ -35,9 +35,9 @@ from granwave.workflows.cli.check import plan_table
 from granwave.workflows.cli.terminal import in_shell
 from granwave.workflows.run import driver
 from tests.conftest import BIN, PLAIN
-from tests.helpers import synthetic
-from tests.helpers.run_files import without_checksums
-from tests.helpers.several_processes import SeveralProcesses
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.run_files import without_checksums
+from tests.helpers.programs.several_processes import SeveralProcesses
 
 pytestmark = pytest.mark.xdist_group("parts")  # its fixtures are made once
 

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.planning.arrival import expected_arrival
 from granwave.workflows import run_case
-from tests.helpers.small_cases import BRASS
+from tests.helpers.made_up.small_cases import BRASS
 from tests.helpers.twins.chain_twin import RIGID, Bead, Chain
 
 D = 0.01

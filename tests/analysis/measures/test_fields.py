@@ -10,7 +10,7 @@ from granwave.analysis.measures import impact as dissipation
 from granwave.analysis.measures.geometry import layers, planes, preferred_directions, section
 from granwave.lammps_inputs import Lattice, struck_spheres
 from granwave.lammps_inputs.packing.assembly import assemble
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 SIZES = {
     "fcc": (9, 9, 7),

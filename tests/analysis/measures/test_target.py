@@ -24,7 +24,7 @@ from granwave.lammps_inputs import Case, flat_contact, write_deck
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.library import load_case
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 END = 3e-4
 PLATE = {"plate": {"mass": 0.05, "stiffness": 1e6, "damping": 10.0}}

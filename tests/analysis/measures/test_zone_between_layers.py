@@ -19,7 +19,7 @@ from granwave.analysis.measures.zone_size import (
 from granwave.analysis.quantities import SHARES
 from granwave.lammps_inputs import sphere_contact
 from granwave.lammps_inputs.packing.motion import impacted_of
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 D = synthetic.DIAMETER
 LAYER = D * math.sqrt(2 / 3)  # spacing of the layers of fcc

@@ -30,8 +30,8 @@ from granwave.lammps_inputs.planning.cost import expected_zone
 from granwave.workflows.cli.check import expected_cut
 from granwave.workflows.cli.main import main
 from granwave.workflows.run.driver import run_case
-from tests.helpers.synthetic_report import blocks, build, notes, table, write_run
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.synthetic_report import blocks, build, notes, table, write_run
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 CUT = {
     "zone_cut": ["bottom", "sides"],

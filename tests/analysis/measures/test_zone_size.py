@@ -28,7 +28,7 @@ from granwave.extensions.continuum.material import PLASTIC
 from granwave.extensions.continuum.punch import ContinuumCase
 from granwave.extensions.continuum.punch.run import BlockRun
 from granwave.workflows.run.driver import run_case
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 D = synthetic.DIAMETER
 SPHERE = math.pi / 6 * D**3

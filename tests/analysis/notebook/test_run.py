@@ -20,9 +20,9 @@ from granwave.analysis.notebook.load import load
 from granwave.analysis.notebook.run import Run
 from granwave.analysis.summary_table import summary_table
 from granwave.lammps_inputs.errors import InputError
-from tests.helpers import synthetic
-from tests.helpers.export_inputs import equal, write_chain_run
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.export_inputs import equal, write_chain_run
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 NAME = '<i>a & "b"'  # a case may be called so
 

@@ -21,9 +21,9 @@ from granwave.analysis.scans.result import ScanResult
 from granwave.analysis.studies.study import Row, Study
 from granwave.extensions.continuum.report import ElementKind
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from tests.helpers.chromium import Browser
-from tests.helpers.synthetic_report import NASTY, build, draw, write_run
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.synthetic_report import NASTY, build, draw, write_run
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
+from tests.helpers.programs.chromium import Browser
 
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

@@ -30,11 +30,11 @@ from granwave.analysis.studies.study import draw_studies
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.run_directory import FIGURES_DIRECTORY
 from granwave.workflows import run_case
-from tests.helpers import synthetic
-from tests.helpers.chromium import Browser
-from tests.helpers.small_cases import PULSE, case_of
-from tests.helpers.synthetic_report import build, nasty_inputs, write_inputs, write_run
-from tests.helpers.synthetic_scan import grid, write_json, write_scan
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.small_cases import PULSE, case_of
+from tests.helpers.made_up.synthetic_report import build, nasty_inputs, write_inputs, write_run
+from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
+from tests.helpers.programs.chromium import Browser
 
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

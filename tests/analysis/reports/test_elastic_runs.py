@@ -10,7 +10,7 @@ from granwave.analysis.document.model import DocumentTable, Gallery, Note
 from granwave.analysis.reports import figures
 from granwave.analysis.reports.answer import _of_runs_in_words
 from granwave.analysis.reports.inputs import read_inputs
-from tests.helpers.synthetic_report import blocks, build, write_run
+from tests.helpers.made_up.synthetic_report import blocks, build, write_run
 
 
 @pytest.fixture

@@ -18,7 +18,7 @@ from granwave.analysis.reports.setting import setting_of, symbols_note
 from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.load_case import load_case
 from granwave.lammps_inputs.result_directory import ResultDirectory
-from tests.helpers.synthetic_report import write_run
+from tests.helpers.made_up.synthetic_report import write_run
 
 MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 

@@ -29,7 +29,7 @@ from granwave.analysis.document.model import (
 from granwave.analysis.reports import report as pdf_writer
 from granwave.analysis.reports.report import html_page, markdown, parts, write_report
 from granwave.lammps_inputs.errors import InputError
-from tests.helpers.synthetic_report import blocks, build, nasty_inputs, write_inputs
+from tests.helpers.made_up.synthetic_report import blocks, build, nasty_inputs, write_inputs
 
 
 @pytest.fixture(scope="module")

@@ -23,7 +23,7 @@ from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.report import write_report
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
 from granwave.lammps_inputs.case.run import RunSettings as CaseRun
-from tests.helpers.synthetic_report import (
+from tests.helpers.made_up.synthetic_report import (
     blocks,
     build,
     draw,
@@ -32,7 +32,7 @@ from tests.helpers.synthetic_report import (
     write_inputs,
     write_run,
 )
-from tests.helpers.synthetic_scan import grid, write_json, write_scan
+from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
 
 @pytest.fixture

@@ -25,8 +25,8 @@ from granwave.analysis.reports.results import results_section
 from granwave.analysis.reports.setting import settings_blocks
 from granwave.analysis.reports.studies import studies_section
 from granwave.analysis.studies.study import Row, Study
-from tests.helpers.synthetic_report import build, notes, table, write_run
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.synthetic_report import build, notes, table, write_run
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 
 def made(heads: list[str], rows: list[list], *, by_row: bool = False) -> DocumentTable:

@@ -33,7 +33,7 @@ from granwave.analysis.result.hdf5_file import new_hdf5
 from granwave.analysis.result.trajectory import GROUP
 from granwave.lammps_inputs import Lattice, build_packing, pair_contact
 from granwave.lammps_inputs.packing.assembly import assemble
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 
 def dissipation_mismatch(result: Result) -> float:

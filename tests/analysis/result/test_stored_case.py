@@ -20,8 +20,8 @@ from granwave.lammps_inputs.case import added_grains, packing
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict, stored_case
 from granwave.lammps_inputs.run_directory import RESULT_FILE
-from tests.helpers.small_cases import changed
-from tests.helpers.synthetic import make_case, write_run
+from tests.helpers.made_up.small_cases import changed
+from tests.helpers.made_up.synthetic import make_case, write_run
 
 _RING = [{"at": "tetrahedral", "diameter": 0.002}]
 _CHECKS = ("check_together", "check_case", "warn_about")

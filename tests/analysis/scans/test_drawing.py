@@ -20,7 +20,7 @@ from granwave.analysis.scans.drawing import draw_bars, draw_curves, draw_map
 from granwave.analysis.scans.figures import draw_scan_figures, drawings
 from granwave.analysis.scans.keys import key_of
 from granwave.analysis.scans.result import ScanResult
-from tests.helpers.synthetic_scan import grid, write_json, write_scan
+from tests.helpers.made_up.synthetic_scan import grid, write_json, write_scan
 
 BOTTOMS = [
     "wall",

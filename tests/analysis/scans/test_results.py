@@ -31,9 +31,16 @@ from granwave.analysis.scans.table import (
 from granwave.lammps_inputs import load_case, sphere_contact, write_deck
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.workflows import library
-from tests.helpers import synthetic
-from tests.helpers.synthetic_report import build
-from tests.helpers.synthetic_scan import case_of, grid, point_id, summary_of, write_json, write_scan
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.synthetic_report import build
+from tests.helpers.made_up.synthetic_scan import (
+    case_of,
+    grid,
+    point_id,
+    summary_of,
+    write_json,
+    write_scan,
+)
 
 QUANTITIES = {
     "dissipated_fraction",

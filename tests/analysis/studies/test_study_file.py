@@ -34,8 +34,8 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import STUDY_ROWS
 from granwave.workflows import load_case, load_scan, run_scan
 from granwave.workflows.scanning.suite import load_suite
-from tests.helpers.synthetic_report import write_run
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.synthetic_report import write_run
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 STUDY = '''"""Force against velocity.
 

@@ -34,9 +34,9 @@ from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.disorder import is_random
 from granwave.workflows import load_case, load_scan, run_case
-from tests.helpers.synthetic_contact import write_contact
-from tests.helpers.synthetic_report import build, notes, table
-from tests.helpers.synthetic_scan import case_of, grid, write_json, write_scan
+from tests.helpers.made_up.synthetic_contact import write_contact
+from tests.helpers.made_up.synthetic_report import build, notes, table
+from tests.helpers.made_up.synthetic_scan import case_of, grid, write_json, write_scan
 
 FORCE_IDEAL = 1332.0
 SHARE_IDEAL = 0.88

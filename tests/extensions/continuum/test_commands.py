@@ -9,7 +9,7 @@ import pytest
 
 import granwave as gw
 from granwave.workflows.cli.main import main
-from tests.helpers.completion import completed
+from tests.helpers.programs.completion import completed
 
 SMALL = ["--set", "packing.size=[6,6,4]"]
 UNIT = "energy_input_over_sigma2_D3_E"

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from granwave.analysis.reports.report import write_report
-from tests.helpers.synthetic_report import build, notes, table, write_run
-from tests.helpers.synthetic_scan import write_json
+from tests.helpers.made_up.synthetic_report import build, notes, table, write_run
+from tests.helpers.made_up.synthetic_scan import write_json
 
 
 def test_continuum_run_with_other_keys_and_nulls(tmp_path):

@@ -28,7 +28,7 @@ from granwave.lammps_inputs.interrupts import Interrupts
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from tests.conftest import PLAIN
 from tests.extensions.design.chain_search import CHAIN, MATERIALS, TABLES, problem_of
-from tests.helpers.slurm_cluster import slurm  # noqa: F401
+from tests.helpers.programs.slurm_cluster import slurm  # noqa: F401
 
 pytest.importorskip("sklearn")
 pytestmark = pytest.mark.xdist_group("design")  # its results are shared

@@ -23,7 +23,7 @@ from granwave.extensions.inference.forces.infer import infer, relative_noise
 from granwave.extensions.inference.forces.output import network
 from granwave.extensions.inference.forces.solve import solve, solve_conic
 from granwave.extensions.inference.forces.tables import instant_summary
-from tests.helpers import plane_crystal
+from tests.helpers.bodies import plane_crystal
 
 RADIUS = 0.01
 MASS = 0.3

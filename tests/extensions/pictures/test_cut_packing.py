@@ -9,7 +9,7 @@ from granwave.analysis import Result, write_result
 from granwave.analysis.figures.run_figures import run_figures
 from granwave.extensions.pictures import packing3d, sphere_renderer
 from granwave.workflows import run_case
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 BOTH = {"packing_3d", "packing_3d_dissipation"}
 

@@ -26,8 +26,8 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.workflows import run_case
 from granwave.workflows.cli.main import main
 from tests.conftest import PLAIN
-from tests.helpers import synthetic
-from tests.helpers.small_cases import PULSE, case_of
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.small_cases import PULSE, case_of
 
 
 @pytest.fixture(scope="module")

@@ -24,8 +24,8 @@ from granwave.lammps_inputs.case.run import Figures
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
-from tests.helpers import synthetic
-from tests.helpers.chromium import Browser
+from tests.helpers.made_up import synthetic
+from tests.helpers.programs.chromium import Browser
 
 CHROMIUM = (
     shutil.which("chromium") or shutil.which("chromium-browser") or shutil.which("google-chrome")

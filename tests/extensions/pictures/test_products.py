@@ -10,7 +10,7 @@ from granwave.lammps_inputs.checks import products
 from granwave.lammps_inputs.checks.products import missing_products
 from granwave.lammps_inputs.extensions import WITHOUT
 from granwave.workflows.cli.main import main
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 BOTH = Figures(film="mp4", view=True)
 INSTALL = 'not installed, which pictures needs: pip install "granwave[pictures]"'

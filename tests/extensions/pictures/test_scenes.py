@@ -12,8 +12,8 @@ import pytest
 
 from granwave.analysis import Result, write_result
 from granwave.analysis.exports.export import export
-from tests.helpers import synthetic
-from tests.helpers.export_inputs import equal, write_periodic_run, write_walled_run
+from tests.helpers.made_up import synthetic
+from tests.helpers.made_up.export_inputs import equal, write_periodic_run, write_walled_run
 
 pytestmark = pytest.mark.xdist_group("export_scenes")  # its fixtures are made once
 

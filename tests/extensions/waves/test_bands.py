@@ -18,7 +18,7 @@ from granwave.lammps_inputs.contact.law import sphere_contact
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
-from tests.helpers.springs import endless, network
+from tests.helpers.bodies.springs import endless, network
 
 AXIAL = {"kind": "uniaxial", "force": 20.0}
 ALL_ROUND = {"kind": "uniform", "pressure": 1e5}

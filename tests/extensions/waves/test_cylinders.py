@@ -17,7 +17,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows.library import load_case
-from tests.helpers.springs import endless
+from tests.helpers.bodies.springs import endless
 
 # of thesis 7.2, m
 D = 9.525e-3

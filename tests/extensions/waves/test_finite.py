@@ -23,7 +23,7 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import load_case
-from tests.helpers.springs import endless
+from tests.helpers.bodies.springs import endless
 
 AXIAL = {"kind": "uniaxial", "force": 20.0}
 

@@ -11,7 +11,7 @@ import xarray
 import granwave as gw
 from granwave.analysis.document.model import Note
 from granwave.analysis.errors import OutputFormatError
-from tests.helpers.synthetic_report import build
+from tests.helpers.made_up.synthetic_report import build
 
 MASS = 8500 * math.pi * 0.00952**3 / 6  # kg, a bead of the row
 

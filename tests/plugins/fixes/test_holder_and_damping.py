@@ -9,7 +9,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import printed, script_of
-from tests.helpers.two_spheres import BOX, MASS, R, value
+from tests.helpers.bodies.two_spheres import BOX, MASS, R, value
 
 MU = 0.3
 G = 9.81

@@ -11,8 +11,7 @@ import pytest
 
 from granwave._contact_laws import load_at
 from tests.conftest import script_of
-from tests.helpers.manual import PAGES, Log
-from tests.helpers.two_spheres import (
+from tests.helpers.bodies.two_spheres import (
     DRIVEN,
     MASS,
     PAIR,
@@ -24,6 +23,7 @@ from tests.helpers.two_spheres import (
     table,
     value,
 )
+from tests.helpers.manual import PAGES, Log
 
 LOADS = {
     "force": ("group driven id 1\n", "driven|force half-sine 5000 3e-5"),

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import script_of
-from tests.helpers.two_spheres import R, value
+from tests.helpers.bodies.two_spheres import R, value
 
 APART = 2e-5  # m: the first of two spheres flies before it hits
 LINE = [(0, 0, 0)] + [(0, 0, 2 * R * k + APART) for k in range(1, 6)]

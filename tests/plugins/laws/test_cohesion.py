@@ -12,8 +12,8 @@ from scipy.optimize import brentq
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.rubbing import HERTZ, MU, NU, TOTAL, E, R, oblique, rubbing, state
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.rubbing import HERTZ, MU, NU, TOTAL, E, R, oblique, rubbing, state
+from tests.helpers.bodies.two_spheres import value
 
 W = 100.0  # J/m^2: large, so that it counts in impacts of spheres of 10 mm
 WHOLE = f"{TOTAL}+c_en[9]+c_en[10]+c_en[11]+c_en[12]+c_en[8]+c_en[13]"

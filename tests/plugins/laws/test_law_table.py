@@ -19,7 +19,7 @@ from granwave.lammps_inputs.deck.commands import law_coefficients
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.cli.main import main
-from tests.helpers.two_spheres import R, collide, value
+from tests.helpers.bodies.two_spheres import R, collide, value
 
 LAWS_FOLDER = Path(__file__).resolve().parents[3] / "plugins" / "laws"
 MANUAL = LAWS_FOLDER.parent / "doc" / "pair_gran_hysteretic.md"

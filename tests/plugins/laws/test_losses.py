@@ -9,8 +9,8 @@ import pytest
 
 from granwave._contact_laws import ContactLaw, LineContact
 from tests.conftest import script_of
+from tests.helpers.bodies.two_spheres import BOX, PAIR, R, restitution, value
 from tests.helpers.twins import viscous_twin
-from tests.helpers.two_spheres import BOX, PAIR, R, restitution, value
 
 E = 115e9
 NU = 0.3

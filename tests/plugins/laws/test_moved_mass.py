@@ -14,8 +14,8 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import printed, script_of
-from tests.helpers.rubbing import same, state
-from tests.helpers.two_spheres import BOX, MASS, PAIR, R, value
+from tests.helpers.bodies.rubbing import same, state
+from tests.helpers.bodies.two_spheres import BOX, MASS, PAIR, R, value
 from tests.plugins.test_going_on import resumed
 
 HERTZ = "hertz 115e9 0.3"

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
-from tests.helpers.rubbing import BRASS, HERTZ, MU, NU, TOTAL, E, R, oblique, rubbing, state
+from tests.helpers.bodies.rubbing import BRASS, HERTZ, MU, NU, TOTAL, E, R, oblique, rubbing, state
+from tests.helpers.bodies.two_spheres import value
 from tests.helpers.twins.slip_twin import forces, rebound
-from tests.helpers.two_spheres import value
 
 LAW = ContactLaw(
     "hertz",

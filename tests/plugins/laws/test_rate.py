@@ -12,9 +12,9 @@ import pytest
 from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import law_table, restitution
 from tests.conftest import script_of
-from tests.helpers.rubbing import same, state
-from tests.helpers.two_spheres import BOX, PAIR, R, collide, value
-from tests.helpers.two_spheres import restitution as restitution_of
+from tests.helpers.bodies.rubbing import same, state
+from tests.helpers.bodies.two_spheres import BOX, PAIR, R, collide, value
+from tests.helpers.bodies.two_spheres import restitution as restitution_of
 
 BODY = {
     "youngs_modulus": 200e9,

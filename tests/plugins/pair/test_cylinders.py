@@ -13,7 +13,7 @@ from scipy.optimize import brentq
 
 from granwave._contact_laws import CylinderPair, LineContact
 from tests.conftest import refuses, script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 from tests.plugins.walls.test_tubes_and_lines import radius_by_scipy
 
 X = (1.0, 0.0, 0.0)

@@ -9,8 +9,8 @@ import pytest
 from scipy.optimize import brentq
 
 from tests.conftest import script_of
-from tests.helpers.rubbing import BRASS, rubbing
-from tests.helpers.two_spheres import LAW, PAIR, R, restitution, value
+from tests.helpers.bodies.rubbing import BRASS, rubbing
+from tests.helpers.bodies.two_spheres import LAW, PAIR, R, restitution, value
 
 MASS = 8500 * 4 / 3 * np.pi * R**3
 REPORTS = """compute one all gran/hysteretic/contact 1 2

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from granwave._contact_laws import ContactLaw
-from tests.helpers.rubbing import (
+from tests.helpers.bodies.rubbing import (
     BRASS,
     HERTZ,
     LAMMPS_OWN,
@@ -23,7 +23,7 @@ from tests.helpers.rubbing import (
     rubbing,
     state,
 )
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 # ---------------------------------------------------------------------- closed forms
 

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from tests.conftest import script_of
-from tests.helpers.rubbing import (
+from tests.helpers.bodies.rubbing import (
     BRASS,
     HERTZ,
     LAMMPS_OWN,
@@ -22,7 +22,7 @@ from tests.helpers.rubbing import (
     same,
     state,
 )
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 
 def test_separation_clears_the_spring_and_not_the_dent(lammps):

@@ -8,8 +8,8 @@ import pytest
 from granwave._contact_laws import ContactLaw
 from granwave.plugins import library
 from tests.conftest import script_of
+from tests.helpers.bodies.two_spheres import LAW, PAIR, R, collide, value
 from tests.helpers.twins.twin import Network
-from tests.helpers.two_spheres import LAW, PAIR, R, collide, value
 
 
 def test_collision_against_the_network_twin(lammps):

@@ -11,7 +11,7 @@ from scipy.linalg import expm
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 R = 0.005
 MASS = 8500 * 4 / 3 * np.pi * R**3

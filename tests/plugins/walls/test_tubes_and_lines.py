@@ -12,7 +12,7 @@ from scipy.special import ellipe, ellipkm1, lambertw
 
 from granwave._contact_laws import LineContact, elliptic_radius, logarithm
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 D = 4.76e-3
 LENGTH = 9.525e-3

@@ -15,7 +15,7 @@ from scipy.integrate import solve_ivp
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 # test 4: aluminium oxide; tests 5 and 6: aluminium alloy
 OXIDE = {"modulus": 380e9, "poisson": 0.23, "density": 4000.0, "radius": 0.0025, "friction": 0.092}

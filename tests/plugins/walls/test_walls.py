@@ -9,7 +9,7 @@ import pytest
 
 from granwave._contact_laws import ContactLaw
 from tests.conftest import script_of
-from tests.helpers.two_spheres import WALL, value
+from tests.helpers.bodies.two_spheres import WALL, value
 
 R = 0.005
 RIGID = ContactLaw(

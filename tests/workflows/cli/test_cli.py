@@ -14,7 +14,7 @@ import pytest
 
 import granwave as gw
 from tests.conftest import PLAIN
-from tests.helpers.run_files import summary
+from tests.helpers.made_up.run_files import summary
 
 pytestmark = pytest.mark.xdist_group("cli")  # its fixtures are made once
 

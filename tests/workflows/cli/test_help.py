@@ -26,7 +26,7 @@ from granwave.workflows.cli.terminal import BOLD, SHELLS, SWITCH_ON, coloured
 from granwave.workflows.file_kinds import CASE_FILE, file_kinds
 from granwave.workflows.run.lammps_engine import Engine
 from tests.conftest import BIN, PLAIN
-from tests.helpers.completion import completed
+from tests.helpers.programs.completion import completed
 
 
 def on_terminal(*words: str) -> str:

@@ -18,7 +18,7 @@ from granwave.workflows.cli.main import main
 from granwave.workflows.cli.scan import outcome_values
 from granwave.workflows.cli.terminal import print_json
 from granwave.workflows.scanning.driver import ScanOutcome
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 SMALL = {"packing.size": "[8,8,5]"}
 CENTRE = {"load": "{kind='striker'}", "striker": "[{touches='centre',velocity=[0,0,5]}]"}

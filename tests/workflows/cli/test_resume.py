@@ -17,8 +17,8 @@ import numpy as np
 import pytest
 
 from tests.conftest import PLAIN
-from tests.helpers.processes import wait_for
-from tests.helpers.run_files import summary, without_clock
+from tests.helpers.made_up.run_files import summary, without_clock
+from tests.helpers.programs.processes import wait_for
 
 pytestmark = pytest.mark.xdist_group("resume")  # its fixtures are made once
 

@@ -18,7 +18,7 @@ from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.bodies import echoes
 from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
-from tests.helpers.small_cases import BRASS, DIAMETER, PULSE, case_of
+from tests.helpers.made_up.small_cases import BRASS, DIAMETER, PULSE, case_of
 from tests.helpers.twins import chain_twin as twin
 
 SOFT = {"youngs_modulus": 67e9, "poisson_ratio": 0.33, "density": 2700.0, "yield_strength": 150e6}

@@ -20,7 +20,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.measures import GrainRow, first_peak, largest_of_pulses, push_starts
 from granwave.workflows import load_case
 from granwave.workflows.run.driver import run_case
-from tests.helpers.symmetric_row import SymmetricRow
+from tests.helpers.bodies.symmetric_row import SymmetricRow
 
 N = 14
 BIG = 0.015

@@ -17,8 +17,8 @@ from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
-from tests.helpers.run_files import summary
-from tests.helpers.small_cases import grains_at
+from tests.helpers.made_up.run_files import summary
+from tests.helpers.made_up.small_cases import grains_at
 
 LATTICE = Lattice("fcc", (6, 6, 4), 0.01)
 RUN = {"end_time": 4e-5, "timestep": 4e-8, "frames": 5}

@@ -16,7 +16,7 @@ from granwave.lammps_inputs import build_packing, load_case, write_deck
 from granwave.lammps_inputs.lattices import KINDS
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.workflows import library, run_case
-from tests.helpers.small_cases import LATTICES, packing_of
+from tests.helpers.made_up.small_cases import LATTICES, packing_of
 from tests.helpers.twins.twin import Network
 
 

@@ -22,7 +22,7 @@ from granwave.workflows.run.initial_state import make_spheres
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 from tests.analysis.lammps_output.test_parts import CASES, case_of
 from tests.conftest import BIN, PLAIN
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 GRAINS = (
     "x,y,z,diameter,vz\n0.0,0.0,0.0,0.01,0\n0.0,0.0,0.01,0.01,-2.5\n0.0021,0.0,0.0195,0.009,1\n"

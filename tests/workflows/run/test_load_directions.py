@@ -16,7 +16,7 @@ from granwave.lammps_inputs import write_deck
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.workflows.run.driver import run_case
-from tests.helpers.small_cases import grains_at
+from tests.helpers.made_up.small_cases import grains_at
 
 N = 5
 D = 0.01

@@ -23,7 +23,7 @@ from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.run_directory import MARKER
 from granwave.workflows.run.driver import run_case
-from tests.helpers.two_spheres import R
+from tests.helpers.bodies.two_spheres import R
 
 
 def case_of(

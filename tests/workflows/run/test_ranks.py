@@ -15,7 +15,7 @@ import pytest
 from granwave.lammps_inputs.errors import InputError
 from granwave.workflows.run import mpi
 from tests.conftest import BIN, PLAIN
-from tests.helpers.processes import alive, children, wait_for
+from tests.helpers.programs.processes import alive, children, wait_for
 
 LONG = [
     "fcc-small",

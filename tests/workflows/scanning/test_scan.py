@@ -20,7 +20,7 @@ import pytest
 from granwave.analysis.scans.table import read_scan, write_scan_table
 from granwave.workflows.cli.worker import _Worker
 from tests.conftest import PLAIN
-from tests.helpers.processes import alive, children, wait_for
+from tests.helpers.programs.processes import alive, children, wait_for
 
 HEAD = """
 case = "fcc-small"

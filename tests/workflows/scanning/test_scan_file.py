@@ -17,7 +17,7 @@ from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.directory import check_points
 from granwave.workflows.scanning.scan_file import Scan
 from granwave.workflows.scanning.suite import is_suite
-from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
+from tests.helpers.made_up.scan_texts import SMALL, VELOCITIES, Load, reader
 
 
 @pytest.fixture

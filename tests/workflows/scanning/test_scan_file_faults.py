@@ -15,8 +15,8 @@ from granwave.workflows.cli.scan import outcome_text
 from granwave.workflows.scanning.batches import Machine
 from granwave.workflows.scanning.driver import ScanOutcome
 from granwave.workflows.scanning.engine import submission
-from tests.helpers.scan_texts import SMALL, VELOCITIES, Load, reader
-from tests.helpers.synthetic_scan import grid, write_scan
+from tests.helpers.made_up.scan_texts import SMALL, VELOCITIES, Load, reader
+from tests.helpers.made_up.synthetic_scan import grid, write_scan
 
 
 @pytest.fixture

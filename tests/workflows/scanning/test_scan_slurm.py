@@ -18,8 +18,8 @@ import pytest
 
 from granwave.workflows.scanning.slurm import end_of
 from tests.conftest import PLAIN
-from tests.helpers.processes import children, wait_for
-from tests.helpers.slurm_cluster import slurm  # noqa: F401 (a fixture)
+from tests.helpers.programs.processes import children, wait_for
+from tests.helpers.programs.slurm_cluster import slurm  # noqa: F401 (a fixture)
 
 pytestmark = [pytest.mark.usefixtures("slurm"), pytest.mark.xdist_group("slurm")]
 

@@ -13,7 +13,7 @@ from PIL import Image
 from granwave.analysis.document.model import Beside, DocumentTable, Group, Note, Report
 from granwave.analysis.reports.inputs import read_inputs
 from granwave.analysis.reports.outline import build_report
-from tests.helpers.synthetic_scan import case_of, grid, summary_of, write_json, write_scan
+from tests.helpers.made_up.synthetic_scan import case_of, grid, summary_of, write_json, write_scan
 
 NASTY = "<script>alert(1)</script> & \"q\" 'a' | *b* `c` {{ 7*7 }}"
 

@@ -23,7 +23,7 @@ from pathlib import Path
 
 import pytest
 
-from tests.helpers.processes import wait_for
+from tests.helpers.programs.processes import wait_for
 
 CONF = Path("/etc/slurm/slurm.conf")
 MARK = "# granwave test cluster, state in "

@@ -9,7 +9,7 @@ from typing import Any
 import granwave as gw
 from granwave.analysis.studies.study import Row, Study, make_studies
 
-FOLDER = Path(__file__).parents[2] / "reproductions"
+FOLDER = Path(__file__).parents[3] / "reproductions"
 
 
 def study_of(script: str, runs: Sequence[gw.Run]) -> Study:

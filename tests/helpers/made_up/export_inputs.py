@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from granwave.analysis import write_result
 from granwave.lammps_inputs import Case, write_deck
 from tests.conftest import BIN, PLAIN
-from tests.helpers import synthetic
+from tests.helpers.made_up import synthetic
 
 
 def write_walled_run(directory: Path) -> Path:

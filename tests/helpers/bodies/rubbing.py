@@ -7,7 +7,7 @@ from __future__ import annotations
 import numpy as np
 
 from tests.conftest import script_of
-from tests.helpers.two_spheres import value
+from tests.helpers.bodies.two_spheres import value
 
 R = 0.005
 E = 115e9

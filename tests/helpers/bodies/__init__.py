@@ -1,0 +1,1 @@
+"""Scripts and formulas of a few bodies in contact."""

@@ -1,0 +1,1 @@
+"""Results, cases and files with known numbers, made up for tests."""

@@ -1,0 +1,1 @@
+"""Programs that tests start or look at: a browser, a cluster, the command line, scripts."""
