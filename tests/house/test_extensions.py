@@ -114,7 +114,7 @@ def _commands_of(extension):
 def test_the_tests_of_the_core_pass_without(name):
     """All of them where all extensions are hidden; where one is, those of the doors."""
     rooms = ROOMS if name == ALL else ("workflows/cli", "analysis/reports", "analysis/notebook")
-    command = [sys.executable, "-m", "pytest", "-p", "tests.helpers.hidden", "-q", "-x"]
+    command = [sys.executable, "-m", "pytest", "-n", "2", "-p", "tests.helpers.hidden", "-q"]
     command += ["-p", "no:cacheprovider", *(f"tests/{room}" for room in rooms)]
     environment = os.environ | {WITHOUT: name}
     done = subprocess.run(command, cwd=ROOT, env=environment, capture_output=True, text=True)
