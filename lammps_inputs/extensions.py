@@ -186,16 +186,32 @@ def owner_left_out(field: str, is_it: Callable[[Any], bool]) -> str:
     is_it
         Function that returns True for an entry that is asked for.
     """
-    for extension in left_out():
-        reference = getattr(extension, field)
-        entries: Iterable[Any] = ()
-        if reference:
-            with contextlib.suppress(Exception):  # as in `left_out`
-                entries = load(reference)
-        if any(map(is_it, entries)):
-            owner = f"it belongs to the extension {extension.name}"
-            return f"{owner}, which {WITHOUT} leaves out: remove it from there"
+    for extension, entry in entries_left_out(field):
+        if is_it(entry):
+            return of_left_out(extension)
     return ""
+
+
+def of_left_out(extension: str) -> str:
+    """Return that something belongs to an extension that is left out, and the remedy."""
+    owner = f"it belongs to the extension {extension}"
+    return f"{owner}, which {WITHOUT} leaves out: remove it from there"
+
+
+def entries_left_out(field: str) -> list[tuple[str, Any]]:
+    """Return the entries of the extensions of `left_out`, each with the name of its extension.
+
+    Parameters
+    ----------
+    field
+        Name of a field that refers to a sequence, such as ``commands``.
+    """
+    entries: list[tuple[str, Any]] = []
+    for extension in left_out():
+        if reference := getattr(extension, field):
+            with contextlib.suppress(Exception):  # as in `left_out`
+                entries += [(extension.name, entry) for entry in load(reference)]
+    return entries
 
 
 def distribution_of(extension: Extension) -> str:

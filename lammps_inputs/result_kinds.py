@@ -14,7 +14,7 @@ from functools import cache
 from pathlib import Path
 
 from granwave.lammps_inputs import run_directory
-from granwave.lammps_inputs.extensions import WITHOUT, joined, left_out, load, loaded
+from granwave.lammps_inputs.extensions import WITHOUT, entries_left_out, joined, loaded
 
 
 def _nowhere(_: Path) -> bool:
@@ -111,10 +111,9 @@ def kind_named(name: str) -> ResultKind:
         return result_kinds()[name]
     if not name:
         return result_kinds()[run_directory.OTHER]
-    for extension in left_out():
-        kinds = _by_name(load(extension.result_kinds)) if extension.result_kinds else {}
-        if name in kinds:
-            return _of_left_out(extension.name, kinds[name])
+    for extension, kind in entries_left_out("result_kinds"):
+        if kind.name == name:
+            return _of_left_out(extension, kind)
     content = f'results of the kind "{name}"'
     reason = f"holds {content}, and the extension that reads them is not installed"
     return ResultKind(name, content, no_run=reason, installed=False)

@@ -13,7 +13,7 @@ from typing import Any, NamedTuple
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
-from granwave.lammps_inputs.extensions import extensions
+from granwave.lammps_inputs.extensions import extensions, left_out, of_left_out
 from granwave.lammps_inputs.files import read_toml
 from granwave.lammps_inputs.lattices import kind_names, kind_of
 from granwave.lammps_inputs.load_case import load_assembly as load_assembly_file
@@ -84,6 +84,8 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
         raise InputError(f"{study}: cannot be read: {error.strerror}") from None
     except (OSError, ValueError):
         pass
+    if owner := _owner_left_out(study):
+        raise InputError(f"{study}: {owner}")
     folder = path.parent
     is_path = len(Path(study).parts) > 1
     files = [file.stem for file in folder.glob(f"*{_SUFFIX}")] if _is(folder.is_dir) else []
@@ -99,6 +101,17 @@ def find(study: str, kind: str = CASES, directory: Path = Path()) -> Path:
     raise InputError(
         f"{show(study)[1:-1] or '(empty)'}: neither a file nor a built-in {what}; {hint}"
     )
+
+
+def _owner_left_out(study: str) -> str:
+    """Return that a built-in study belongs to an extension that is left out; empty if not."""
+    for extension in left_out():
+        if extension.folder is None:
+            continue
+        files = [extension.folder / kind / f"{study}{_SUFFIX}" for kind in _WHAT]
+        if any(_is(file.is_file) for file in files):
+            return of_left_out(extension.name)
+    return ""
 
 
 def _is(question: Callable[[], bool]) -> bool:

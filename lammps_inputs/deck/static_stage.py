@@ -56,6 +56,12 @@ from granwave.lammps_inputs.deck.output import (
     initial_forces,
     outward_force,
 )
+from granwave.lammps_inputs.deck.plugin_columns import (
+    DisplacementColumn,
+    EnergyColumn,
+    SphereColumn,
+    WallColumn,
+)
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.disorder import has_gaps
 from granwave.lammps_inputs.packing.motion import start_velocity, struck_of, written_in_parts
@@ -96,10 +102,10 @@ _TOLERANCE_OF_DISORDER = 3e-7  # same, over the largest contact force, as found 
 _FIRST_HALF = 1e-5  # same, over the mean contact force, in the first half
 _ROUNDING = 8.0  # net force by rounding over stiffness times the rounding error of a coordinate
 _STEP = 0.03  # initial timestep over sqrt(mass/stiffness); FIRE makes it up to ten times longer
-# energies stored by springs: number in compute gran/hysteretic/energy, and in the fix of a wall
-_TANGENTIAL = (6, 8)
-_ROLLING = (9, 17)
-_TWISTING = (11, 19)
+# energies stored by springs, of pairs and of a wall
+_TANGENTIAL = (EnergyColumn.ELASTIC_TANGENTIAL, WallColumn.ELASTIC_TANGENTIAL)
+_ROLLING = (EnergyColumn.ELASTIC_ROLLING, WallColumn.ELASTIC_ROLLING)
+_TWISTING = (EnergyColumn.ELASTIC_TWISTING, WallColumn.ELASTIC_TWISTING)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
 _MOST_ITERATIONS = 200_000
 _QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
@@ -110,10 +116,14 @@ _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
 
+_ENERGY = "c_static"  # of all contacts of pairs
+_SPHERE = "c_static_sphere"
+_DISPLACEMENT = DisplacementColumn.MAGNITUDE.of("c_displacement")
+_WATCH_MOVES = f"compute         static_moved {_SPHERES} reduce max {_DISPLACEMENT}"
+# largest contact force
 _FORCES = (
     "compute         static_sphere all gran/hysteretic/atom",
-    "compute         static_largest all reduce max c_static_sphere[1]",
-    "thermo          1000",
+    f"compute         static_largest all reduce max {SphereColumn.FORCE.of(_SPHERE)}",
 )
 
 # residual: largest net force on a sphere over the largest contact force, or over the load if only
@@ -214,10 +224,11 @@ def first_half(assembly: Assembly) -> list[str]:
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_relief(case),
         *_waiting(assembly),
-        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
+        _WATCH_MOVES,
         *_halt(assembly),
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
         *_FORCES,
+        "thermo          1000",
         "thermo_style    custom step c_static_largest",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
@@ -239,9 +250,8 @@ def _as_found(assembly: Assembly) -> list[str]:
         "# The grains start as they were found.",
         f"group           {_SPHERES} id 1:{assembly.lattice.n_spheres}",
         *_waiting(assembly),
-        f"compute         static_moved {_SPHERES} reduce max c_displacement[4]",
-        "compute         static_sphere all gran/hysteretic/atom",
-        "compute         static_largest all reduce max c_static_sphere[1]",
+        _WATCH_MOVES,
+        *_FORCES,
         _STAGE_END,
     ]
 
@@ -289,8 +299,8 @@ def _springs(assembly: Assembly) -> list[str]:
     parts += [_ROLLING, _TWISTING] if case.has_resistance else []
     words = []
     for of_pairs, of_wall in parts:
-        words.append(f"c_static[{of_pairs}]")
-        words += [f"f_{name}[{of_wall}]" for name in plane_fixes(assembly)]
+        words.append(of_pairs.of(_ENERGY))
+        words += [of_wall.of(f"f_{name}") for name in plane_fixes(assembly)]
     return words
 
 
@@ -299,8 +309,8 @@ def second_half(assembly: Assembly) -> list[str]:
     case = assembly.case
     step = support_timestep(assembly, static_stiffness(assembly))
     columns = [
-        "c_static",
-        "c_static[2]",
+        _ENERGY,
+        EnergyColumn.YIELDED.of(_ENERGY),
         "c_static_largest",
         "c_static_borne",
         "c_static_net",
@@ -312,10 +322,11 @@ def second_half(assembly: Assembly) -> list[str]:
         mean = "+".join(f"({outward_force(wall)})" for wall in pressed)
         record[f"moved_{name}"] = f"$(v_{moved_wall(name)}:%.17g)"
         record[f"force_{name}"] = f"$(({mean})/{len(pressed)}:%.17g)"
-    stored = ["c_static", *(f"f_{name}[4]" for name in plane_fixes(assembly))]
+    stored = [_ENERGY, *(WallColumn.ELASTIC.of(f"f_{name}") for name in plane_fixes(assembly))]
     if case.settles_damped or not case.seeks_balance:
         stored += _springs(assembly)
-    stored += [f"f_{support}[12]"] if support else []
+    if support:
+        stored.append(WallColumn.SUPPORT_ENERGY.of(f"f_{support}"))
     values = "\n".join([f"# {joined(record)}", joined(record.values())])
     halted = case.seeks_balance and not case.may_rearrange
     still = "velocity        all set 0.0 0.0 0.0 units box"
@@ -324,14 +335,14 @@ def second_half(assembly: Assembly) -> list[str]:
         "# Once more, with the law of the case; then the state is recorded, and the run begins at time 0.",
         *_relief(case, again=True),
         "compute         static all gran/hysteretic/energy",
-        "compute         static_borne all reduce sum c_static_sphere[6]",
+        f"compute         static_borne all reduce sum {SphereColumn.COORDINATION.of(_SPHERE)}",
         "variable        static_net atom sqrt(fx^2+fy^2+fz^2)",
         f"compute         static_net {_SPHERES} reduce max v_static_net",
         f"thermo_style    custom step {joined(columns)} {POTENTIAL}",
         "thermo_modify   norm no",
         *_balance(assembly),
         f"variable        static_iterations equal {'$(step)' if case.seeks_balance else 0}",
-        "variable        static_yielded equal $(c_static[2]:%.0f)",
+        f"variable        static_yielded equal $({EnergyColumn.YIELDED.of(_ENERGY)}:%.0f)",
         "gran/dents      begin",
         *(["unfix           static_halt"] if halted else []),
         *([still] if case.seeks_balance else []),

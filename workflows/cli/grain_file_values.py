@@ -10,6 +10,7 @@ import numpy as np
 
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.places import Places
+from granwave.lammps_inputs.packing.touching import rounding_of
 
 _MOST_SHOWN = 6  # materials or types in a row
 _SAME = 1e-9  # relative difference of equal sizes
@@ -41,7 +42,7 @@ def grain_file_values(assembly: Assembly) -> dict[str, Any] | None:
         "periodic": "".join(
             axis for axis, is_periodic in zip("xyz", reading.periodic, strict=True) if is_periodic
         ),
-        "last_place_m": 2 * float(grains.half_unit.max()) if len(grains.half_unit) else None,
+        "last_place_m": rounding_of(grains) if len(grains.half_unit) else None,
         "density_kg_m3": reading.density,
         "largest_speed_m_s": float(speed.max()),
         "n_touching": lattice.n_contacts,

@@ -119,6 +119,14 @@ def test_a_case_of_an_extension_that_is_left_out(command, tmp_path):
     assert os.listdir(tmp_path) == ["block.toml"]
 
 
+@NEEDS_ALL
+@pytest.mark.parametrize("words", [("run", "half-space"), ("scan", "sphere-contacts", "--plan")])
+def test_a_built_in_study_of_an_extension_that_is_left_out(words):
+    done = bare(*words)
+    assert done.returncode == 2
+    assert f"{words[1]}: it belongs to the extension continuum" in done.stderr
+
+
 def test_a_file_of_an_extension_that_is_left_out(tmp_path):
     (tmp_path / "design.toml").write_text('base = "fcc-small"\n[variables]\n', encoding="utf-8")
     done = bare("check", "design.toml", folder=tmp_path)
