@@ -54,6 +54,11 @@ with gw.style():
     right.loglog(speeds, forces[0] * (np.array(speeds) / speeds[0]) ** 1.2, ":", label="power 6/5")
     right.set(xlabel="impact speed (m/s)", ylabel="largest force on the sphere (N)")
     right.legend()
+    for axes, values in ((left, [2, 5, 10, 20, 40]), (right, [3, 10, 30])):
+        axes.set_xticks(speeds, [f"{speed:g}" for speed in speeds])
+        axes.set_yticks(values, [f"{value}" for value in values])
+        axes.xaxis.set_minor_formatter("")
+        axes.yaxis.set_minor_formatter("")
     figure.savefig("picture.png", dpi=150)
 
 for speed, depth, published, force in zip(speeds, depths, formula, forces, strict=True):
