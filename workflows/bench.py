@@ -136,8 +136,6 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         ``n_spheres``, and under ``struck`` and ``rattling``: ``loaded_contacts_per_sphere``, and
         ``table`` with rates, ratios and memory of each style.
     """
-    from mpi4py import MPI
-
     assembly = load_assembly(library.find(STUDY))
     case = assembly.case
     n = assembly.lattice.n_spheres
@@ -151,7 +149,7 @@ def compare_styles(repeats: int) -> dict[str, Any]:
         logs = {style: scratch / f"log.{k}" for k, style in enumerate(STYLES)}
         write_data(assembly, data)
         for style, log in logs.items():
-            engines[style] = opened.enter_context(open_engine(MPI.COMM_SELF, log=str(log)))
+            engines[style] = opened.enter_context(open_engine(mpi.this_process(), log=str(log)))
             engines[style].commands(_script(assembly, data, style))
         ours = engines[OURS]
         print(f"{n} spheres, FCC, brass, {repeats} x {STEPS} steps of each style")

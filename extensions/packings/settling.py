@@ -19,8 +19,8 @@ from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.errors import RunError
+from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
-from granwave.workflows.run.launchers import starting
 
 Floats = NDArray[np.float64]
 Report = Callable[[float, str], None]  # fraction that is done, and a note
@@ -174,9 +174,7 @@ def settle(
     with tempfile.TemporaryDirectory(prefix="granwave-bed-") as folder:
         place = Path(folder)
         (place / _DATA).write_text(_data(position, diameter, container, law), encoding="ascii")
-        with starting():
-            from mpi4py import MPI
-        with open_engine(MPI.COMM_SELF, log="none") as engine:
+        with open_engine(mpi.this_process(), log="none") as engine:
             engine.commands(_script(place / _DATA, position, diameter, container, law))
             return _Settling(engine, position, diameter, law, report).run()
 

@@ -5,6 +5,7 @@ mpi4py is imported only where a communicator is needed.
 
 from __future__ import annotations
 
+import atexit
 import contextlib
 import ctypes
 import logging
@@ -19,7 +20,7 @@ import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Sequence
 from pathlib import Path
-from types import TracebackType
+from types import ModuleType, TracebackType
 from typing import IO, TYPE_CHECKING, Any, NoReturn, TypeVar
 
 from granwave.lammps_inputs.errors import InputError, RunError
@@ -95,14 +96,13 @@ def world() -> Intracomm:
         The ranks of the launcher are not connected, so that each would run alone.
     """
     clear()
-    with starting(first=is_first()):
-        from mpi4py import MPI
+    library = _started(first=is_first())
     note_segments()
 
     if STARTED_FILE in os.environ:
         with contextlib.suppress(OSError):
             Path(os.environ[STARTED_FILE]).touch()
-    comm = MPI.COMM_WORLD
+    comm = library.COMM_WORLD
     expected = int(os.environ.get(EXPECTED_RANKS, comm.size))
     if comm.size != expected:
         raise RunError(
@@ -123,6 +123,28 @@ def world() -> Intracomm:
     return comm
 
 
+def this_process() -> Intracomm:
+    """Return the communicator of this process alone."""
+    return _started().COMM_SELF
+
+
+def _started(*, first: bool = True) -> ModuleType:
+    with starting(first=first):
+        from mpi4py import MPI
+
+        if not MPI.Is_initialized():  # imported by `forks.load`, for copies of this process
+            MPI.Init()
+            atexit.register(_finalise)
+    return MPI
+
+
+def _finalise() -> None:
+    from mpi4py import MPI
+
+    if not MPI.Is_finalized():
+        MPI.Finalize()
+
+
 def nodes(comm: Intracomm) -> list[str]:
     """Return the names of the nodes of all ranks, each once; collective."""
     mine = os.environ.get("SLURMD_NODENAME") or os.uname().nodename
@@ -135,9 +157,7 @@ def leave(status: int) -> NoReturn:
     Python ends as usual: MPICH's launcher now and then takes ranks that leave by ``os._exit`` for
     killed ones.
     """
-    from mpi4py import MPI
-
-    MPI.Finalize()
+    _finalise()
     sys.exit(status)
 
 

@@ -148,3 +148,25 @@ def test_what_a_process_that_is_no_rank_keeps(monkeypatch):
         os, "environ", {"OMPI_COMM_WORLD_RANK": "1", "PMI_RANK": "1", "OMPI_ALLOW_RUN_AS_ROOT": "1"}
     )
     assert mpi.alone() == {"OMPI_ALLOW_RUN_AS_ROOT": "1"}
+
+
+def test_runs_in_a_process_that_has_forked_others(tmp_path):
+    """A search of designs loads the MPI library without starting it; a run after it starts it."""
+    script = tmp_path / "both.py"
+    script.write_text(
+        textwrap.dedent(
+            """
+            import granwave as gw
+            from granwave.workflows.run import forks, mpi
+
+            forks.load()
+            assert mpi.this_process().size == 1
+            gw.run("two-spheres", directory="out", figures=False)
+            """
+        )
+    )
+    done = subprocess.run(
+        [sys.executable, str(script)], cwd=tmp_path, env=PLAIN, capture_output=True, text=True
+    )
+    assert done.returncode == 0, done.stderr
+    assert (tmp_path / "out" / "summary.json").is_file()
