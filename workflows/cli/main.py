@@ -49,7 +49,7 @@ def main(arguments: Sequence[str] | None = None) -> int:
     words = list(sys.argv[1:] if arguments is None else arguments)
     _set_up_output()
     try:
-        parser = make_parser()
+        parser = make_parser(words)
     except InputError as error:  # of extensions
         return _report([line_of(item) for item in error.items], WRONG_INPUT)
     options = parser.parse_args(words)

@@ -5,6 +5,7 @@ from __future__ import annotations
 import argparse
 import re
 import sys
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Any, NoReturn
 
@@ -48,6 +49,7 @@ from granwave.workflows.file_kinds import file_kinds
 
 WRONG_INPUT = 2  # exit status
 _COMMAND = "COMMAND"  # stands for the name of a command in the help
+_HELP = "help"
 
 
 def _law_parameter(parameter: LawParameter) -> Option:
@@ -163,7 +165,7 @@ def _core() -> tuple[Command, ...]:
         Command("completion", PACKAGE, "code that switches on tab completion in a shell", "granwave.workflows.cli.completion:completion", (
             option("shell", choices=SHELLS, help="the shell: bash, zsh or fish"),
         )),
-        Command("help", PACKAGE, "this list, or the options of a command", "granwave.workflows.cli.package:show_help"),
+        Command(_HELP, PACKAGE, "this list, or the options of a command", "granwave.workflows.cli.package:show_help"),
     )  # fmt: skip
 
 
@@ -174,8 +176,15 @@ def commands() -> tuple[Command, ...]:
     return tuple(sorted(listed, key=lambda command: groups.index(command.group)))
 
 
-def make_parser() -> argparse.ArgumentParser:
-    """Make the parser of all commands."""
+def make_parser(words: Sequence[str] = ()) -> argparse.ArgumentParser:
+    """Make the parser of all commands.
+
+    Parameters
+    ----------
+    words
+        Words of the command line, if it is for these alone: then only the command that they name
+        has its options.
+    """
     parser = _Parser(
         prog="granwave", description="Impact and waves in ordered granular packings, on LAMMPS."
     )
@@ -183,15 +192,19 @@ def make_parser() -> argparse.ArgumentParser:
     verbs = parser.add_subparsers(required=True, metavar=_COMMAND)
     parser._positionals._group_actions.clear()  # the groups list them
     listed = commands()
+    used = {command.name for command in listed}
+    if words and words[0] in used - {_HELP}:
+        used = {words[0]}
     for title in dict.fromkeys(command.group for command in listed):
         group = parser.add_argument_group(title)
         first = len(verbs._choices_actions)
         for command in (command for command in listed if command.group == title):
             verb = verbs.add_parser(command.name, help=command.what, description=command.what)
             verb.set_defaults(command=command)
-            _add_options(verb, command)
+            if command.name in used:
+                _add_options(verb, command)
         group._group_actions.extend(verbs._choices_actions[first:])
-    shown = verbs.choices["help"]
+    shown = verbs.choices[_HELP]
     shown.add_argument(
         "name", nargs="?", choices=[*verbs.choices], metavar=_COMMAND, help="name of a command"
     )

@@ -201,7 +201,7 @@ def wait(_):
 main._set_up_logging = lambda: None
 class Options:
     class command: run = staticmethod(wait)
-main.make_parser = lambda: type("P", (), {"parse_args": lambda self, words: Options()})()
+main.make_parser = lambda *_: type("P", (), {"parse_args": lambda self, words: Options()})()
 sys.exit(main.main([]))
 """
 
