@@ -55,6 +55,9 @@ COMMANDS = (
                 help="also write pair.toml: the law of these two materials in a case",
             ),
             flag("--fit-yield", "fit the yield strength too"),
+            flag(
+                "--fit-zero", "fit the zero of the overlap too: the reading at the first touch, m"
+            ),
             directory("where everything goes (default: ./fit)"),
             flag("--force", "move the fit that is there to DIR.old (DIR.old2, ...)"),
         ),

@@ -65,11 +65,12 @@ def fit(options: argparse.Namespace) -> int:
     results.refuse_foreign(WRITTEN)
     materials = [material_of(text) for text in options.material]
     found = fit_law(
-        read_curve(options.curve),
+        read_curve(options.curve, any_zero=options.fit_zero),
         materials,
         options.radius,
         options.free,
         fit_yield=options.fit_yield,
+        fit_zero=options.fit_zero,
     )
     with held(results):
         results.make_room(force=options.force, names=WRITTEN)

@@ -305,7 +305,7 @@ def test_a_fitted_curve_becomes_a_pair(tmp_path: Path, capsys: pytest.CaptureFix
     write_csv({"overlap_m": overlap, "force_N": force}, tmp_path / "curve.csv")
     asked = Namespace(
         curve=tmp_path / "curve.csv", directory=tmp_path / "fit", material=["steel", "brass"], radius=[R], free=None,
-        fit_yield=False, force=False, pair=["steel", "brass"],
+        fit_yield=False, fit_zero=False, force=False, pair=["steel", "brass"],
     )  # fmt: skip
     assert fit(asked) == 0
     table = (tmp_path / "fit" / "pair.toml").read_text()

@@ -34,6 +34,7 @@ from granwave.extensions.continuum.files import (
     FIT_TOML,
 )
 from granwave.extensions.continuum.law_fit.fit import YIELD, Fit, bearing, deviation
+from granwave.extensions.continuum.law_fit.zero import ZERO
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.own_files import AnyPath, figure_files
@@ -87,11 +88,11 @@ def write_fit(fit: Fit, directory: AnyPath, pair: Sequence[str] | None = None) -
 
 
 def constants_table(fit: Fit) -> Columns:
-    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) if it
-    was fitted.
+    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) and
+    the zero of the overlap (m) if they were fitted.
     """
-    names = [*LAW_CONSTANTS, *([YIELD] if YIELD in fit.uncertainty else [])]
-    published = fit.published.constants | {YIELD: fit.published.yield_strength}
+    names = [*LAW_CONSTANTS, *(name for name in (YIELD, ZERO) if name in fit.uncertainty)]
+    published = fit.published.constants | {YIELD: fit.published.yield_strength, ZERO: 0.0}
     return {
         "constant": names,
         "value": np.array([fit.value(name) for name in names]),
@@ -132,6 +133,12 @@ def fit_toml(fit: Fit) -> str:
             if not part.part.startswith(" ")
         ),
     ]
+    if ZERO in fit.uncertainty:
+        spread = fit.uncertainty[ZERO]
+        lines.append(
+            f"# Readings of the overlap less {fit.zero * _MICRO:.6g} +- {spread * _MICRO:.2g} um: "
+            "the zero was fitted, too."
+        )
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
         lines.append(
             "# The curve is of two materials: [material] below is the softer; --pair A B writes "
@@ -174,7 +181,7 @@ def _law_lines(fit: Fit) -> list[str]:
     """Return the keys of the law, each constant with its uncertainty."""
     lines = ['law = "elastoplastic"', 'variant = "continuous"']
     for name, value, spread, published, how in zip(*constants_table(fit).values(), strict=True):
-        if name != YIELD:
+        if name not in (YIELD, ZERO):
             note = f"+- {spread:.2g}, " if math.isfinite(spread) else ""
             lines.append(f"{name} = {toml_number(value)}  # {note}{how}; published {published:g}")
     return lines

@@ -74,7 +74,8 @@ def measured(
 
 
 def options(curve: Path, directory: Path, **more) -> argparse.Namespace:
-    usual = {"material": ["brass"], "radius": [R], "free": None, "fit_yield": False, "force": False}
+    usual = {"material": ["brass"], "radius": [R], "free": None, "force": False}
+    usual |= {"fit_yield": False, "fit_zero": False}
     return argparse.Namespace(pair=None, curve=curve, directory=directory, **(usual | more))
 
 
