@@ -31,6 +31,7 @@ from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import Curve
 from granwave.analysis.errors import did_you_mean
 from granwave.extensions.continuum.law_fit.fit_search import Search, uncertainties
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw
 from granwave.extensions.continuum.law_fit.zero import (
     ZERO,
     estimated_zero,
@@ -42,8 +43,6 @@ from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
-
-YIELD = "yield_strength"
 
 #: Bounds of the search for each constant.
 BOUNDS = {
@@ -93,58 +92,42 @@ Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Fit:
-    """Result of a fit.
+class Fit(FittedLaw):
+    """Law fitted to a force-overlap curve.
 
     Attributes
     ----------
-    law, published
-        Law with the fitted constants, and with the published ones.
-    constants
-        All constants of the law, by name.
-    uncertainty
-        Standard uncertainty of each fitted constant, in its own unit; infinite if the curve does
-        not determine it.
-    at_bound
-        Names of the constants that ended at a bound of the search.
-    materials, radii
-        Materials of the two bodies, with the fitted yield strength, and radii, m.
-    correlation
-        Correlation of the residuals of neighbouring rows.
-    misfit
-        Deviations by part of the curve, in columns ``part``, ``rows``, number of rows, and
-        ``rms_percent``, ``largest_percent``, ``published_rms_percent``,
-        ``published_largest_percent``, of both laws.
+    curve
+        The curve, with the readings of the overlap less the zero.
     zero
-        Reading of the overlap at which the bodies touch, m; ``curve`` holds the readings less it.
+        Reading of the overlap at which the bodies touch, m.
     """
 
     curve: Curve
-    law: ContactLaw
-    published: ContactLaw
-    constants: dict[str, float]
-    uncertainty: dict[str, float]
-    at_bound: tuple[str, ...]
-    materials: tuple[Material, ...]
-    radii: tuple[float, ...]
-    correlation: float
-    misfit: DataFrame
     zero: float = 0.0
 
     def value(self, name: str) -> float:
         """Return the value of a constant, of the yield strength, Pa, or of the zero, m."""
-        if name == YIELD:
-            return self.law.yield_strength
-        if name == ZERO:
-            return self.zero
-        return self.constants[name]
+        return self.zero if name == ZERO else super().value(name)
+
+    def published_value(self, name: str) -> float:
+        """Return the published value of a constant; that of the zero is 0."""
+        return 0.0 if name == ZERO else super().published_value(name)
 
     def undetermined(self, name: str) -> bool:
-        """Return True if the uncertainty of a constant exceeds its value, that of the zero the
-        largest overlap, or if it ended at a bound.
-        """
-        scale = float(self.curve.peak.max()) if name == ZERO else abs(self.value(name))
-        return name in self.at_bound or not self.uncertainty[name] <= scale
+        """Return True as `FittedLaw` says; the zero is compared with the largest overlap."""
+        if name != ZERO:
+            return super().undetermined(name)
+        return name in self.at_bound or not self.uncertainty[name] <= float(self.curve.peak.max())
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentence on the zero, if it was fitted."""
+        if ZERO not in self.uncertainty:
+            return []
+        spread = self.uncertainty[ZERO] * _MICRO
+        readings = f"Readings of the overlap less {self.zero * _MICRO:.6g} +- {spread:.2g} um"
+        return [f"{readings}: the zero was fitted, too."]
 
 
 def fit_law(
@@ -217,14 +200,14 @@ def _fit(
     least_peak = 1.0  # of fitted rows, relative to first yield
     if fit_yield:
         yield_strength = _yield_alone(curve, materials, radii)
-        first = contact_of(_with_yield(materials, yield_strength), radii)
+        first = contact_of(with_yield(materials, yield_strength), radii)
         least_peak = BOUNDS[YIELD][0]
     rows = bearing(curve) & (curve.peak > least_peak * first.yield_overlap)
     if fit_zero:
         rows = bearing(curve) & touching(curve)
     further = [YIELD] * fit_yield + [ZERO] * fit_zero
     most = max(1, int(np.count_nonzero(rows)) - _FEWEST - len(further))
-    names = _known(free) if free is not None else _tellable(curve, first, most)
+    names = known_constants(free) if free is not None else _tellable(curve, first, most)
     names += further
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
@@ -244,12 +227,14 @@ def _fit(
             f"{curve.source}: the constants that fit best make {error}; hold some with --free"
         ) from None
     at_bound = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
-    rho = _neighbours(problem.residuals(x)[:-1], curve.branch[rows])
+    rho = neighbour_correlation(problem.residuals(x)[:-1], curve.branch[rows])
     spread = uncertainties(search, x, at_bound) * math.sqrt((1 + rho) / (1 - rho))
     zero += problem.shift(x)
     fitted = shifted(reading, zero)
     of_published = _misfit(fitted, published).set_index("part").drop(columns="rows")
     return Fit(
+        source=curve.source,
+        n_rows=curve.force.size,
         curve=fitted,
         law=law,
         published=published,
@@ -258,7 +243,7 @@ def _fit(
             name: float(s * abs(problem.unit(name))) for name, s in zip(names, spread, strict=True)
         },
         at_bound=tuple(name for name, at in zip(names, at_bound, strict=True) if at),
-        materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
+        materials=tuple(with_yield(materials, law.yield_strength if fit_yield else None)),
         radii=tuple(radii),
         correlation=rho,
         misfit=_misfit(fitted, law).join(of_published.add_prefix("published_"), on="part"),
@@ -373,7 +358,7 @@ class _Problem:
             for name, factor in zip(self.names, x, strict=True)
             if name != ZERO
         }
-        materials = _with_yield(self.materials, constants.pop(YIELD, None))
+        materials = with_yield(self.materials, constants.pop(YIELD, None))
         return contact_of(materials, self.radii, constants=constants, checked=checked)
 
     def residuals(self, x: Array) -> Array:
@@ -420,7 +405,7 @@ def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[fl
     scale = residual_scale(curve)
 
     def off(logarithm: float) -> float:
-        law = contact_of(_with_yield(materials, yield_strength * math.exp(logarithm)), radii)
+        law = contact_of(with_yield(materials, yield_strength * math.exp(logarithm)), radii)
         return float(
             np.sum(np.abs((law.force(curve.overlap, curve.peak) - curve.force) / scale)[rows])
         )
@@ -459,7 +444,7 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
         )
 
 
-def _known(free: Sequence[str]) -> list[str]:
+def known_constants(free: Sequence[str]) -> list[str]:
     for name in free:
         if name not in LAW_CONSTANTS:
             hint = did_you_mean(name, LAW_CONSTANTS) or "expected some of " + ", ".join(
@@ -505,7 +490,7 @@ def _warn_of_fixed(curve: Curve, names: Sequence[str], reason: str) -> None:
         _LOG.warning("%s: %s %s as published, since %s", curve.source, listed, verb, reason)
 
 
-def _with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
+def with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
     if strength is None:
         return list(materials)
     return [dataclasses.replace(m, yield_strength=strength, source=None) for m in materials]
@@ -519,7 +504,7 @@ def _healing(law: ContactLaw) -> float:
     return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
 
 
-def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
+def neighbour_correlation(residuals: Array, branch: NDArray[np.str_]) -> float:
     """Return the correlation of residuals of neighbouring rows of a branch; 0 if it is not
     significant.
     """

@@ -19,7 +19,8 @@ from scipy.optimize import brentq
 
 from granwave.analysis.contact_law.curves import Curve, curve_of, read_curve, write_law
 from granwave.analysis.figures.style import write_csv
-from granwave.extensions.continuum.law_fit.fit import YIELD, fit_law
+from granwave.extensions.continuum.law_fit.fit import fit_law
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD
 from granwave.extensions.continuum.law_fit.fit_output import fit_toml
 from granwave.extensions.continuum.terminal import fit
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS

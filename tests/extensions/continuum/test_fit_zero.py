@@ -22,7 +22,8 @@ from tests.extensions.continuum.test_fit import BRASS, R, options, sampled
 from tests.helpers.twins.twin import OTHER
 
 PUBLISHED = contact_of([BRASS], [R])
-FEW = ["pressure_limit", "pressure_rate", "area_slope"]
+FEW = ["pressure_limit", "pressure_rate", "area_slope"]  # without the joint of the areas: quick
+SOME = [*FEW, "unloading_exponent"]
 NAMED = re.compile(r"zero of the overlap at (\S+) \+- (\S+) um")
 
 
@@ -34,9 +35,9 @@ def named_zero(text: str) -> tuple[float, float]:
 
 
 def test_a_curve_that_is_shifted_by_3_um_names_the_shift(caplog):
-    curve = shifted(sampled(0.01, 1, turns=(1.0,)), -3e-6)
+    curve = shifted(sampled(0.01, 1, turns=(1.0,), law=PUBLISHED), -3e-6)
     with caplog.at_level(logging.WARNING, "granwave"):
-        plain = fit_law(curve, [BRASS], [R])
+        plain = fit_law(curve, [BRASS], [R], SOME)
     assert plain.misfit.rms_percent.max() > 50  # near the touch
     said = [one.getMessage() for one in caplog.records if "zero" in one.getMessage()]
     assert len(said) == 1
@@ -45,6 +46,15 @@ def test_a_curve_that_is_shifted_by_3_um_names_the_shift(caplog):
     assert "--fit-zero" in said[0]
 
 
+def test_zero_and_some_constants_of_an_exact_curve():
+    changed = LAW_CONSTANTS | {name: OTHER[name] for name in SOME}
+    curve = sampled(turns=(0.5, 1.0), law=contact_of([BRASS], [R], constants=changed))
+    found = fit_law(shifted(curve, -3e-6), [BRASS], [R], SOME, fit_zero=True)
+    assert found.zero == pytest.approx(3e-6, rel=1e-6)
+    assert found.constants == pytest.approx(changed, rel=1e-5)
+
+
+@pytest.mark.validation
 def test_zero_and_constants_of_an_exact_curve():
     found = fit_law(shifted(sampled(turns=(0.5, 0.75, 1.0)), -3e-6), [BRASS], [R], fit_zero=True)
     assert found.zero == pytest.approx(3e-6, rel=1e-6)
@@ -66,11 +76,11 @@ def test_error_bars_of_the_zero():
 
 def test_a_good_curve_keeps_its_zero(caplog):
     """Without a shift the zero is 0 within its uncertainty, and no message speaks of it."""
-    curve = sampled(0.01, 2, turns=())
+    curve = sampled(0.01, 2, turns=(), law=PUBLISHED)
     with caplog.at_level(logging.WARNING, "granwave"):
-        fit_law(curve, [BRASS], [R])
+        fit_law(curve, [BRASS], [R], FEW)
     assert "zero" not in caplog.text
-    found = fit_law(curve, [BRASS], [R], fit_zero=True)
+    found = fit_law(curve, [BRASS], [R], FEW, fit_zero=True)
     assert abs(found.zero) < 4 * found.uncertainty[ZERO]
 
 
@@ -83,9 +93,9 @@ def test_a_curve_that_is_bad_for_another_reason_names_no_zero(caplog):
 
 
 def test_a_curve_that_cannot_be_fitted_names_the_shift():
-    curve = shifted(sampled(0.005, 1, turns=()), -50e-6)
+    curve = shifted(sampled(0.005, 1, turns=(), law=PUBLISHED), -50e-6)
     with pytest.raises(InputError, match="no passive law") as refused:
-        fit_law(curve, [BRASS], [R])
+        fit_law(curve, [BRASS], [R], FEW)
     assert named_zero(str(refused.value))[0] == pytest.approx(50, abs=0.2)
 
 
