@@ -140,7 +140,7 @@ def fit_summary(found: FittedLaw) -> str:
     for part, n_rows, *numbers in found.misfit.itertuples(index=False):
         fits.append([part, str(n_rows), *(f"{number:.3g}" for number in numbers)])
     text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
-    text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
+    text += f"({found.scale})"
     if found.correlation:
         text += (
             f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): "

@@ -81,3 +81,8 @@ class FittedLaw:
     def notes(self) -> list[str]:
         """Sentences on the measurements for the head of fit.toml."""
         return []
+
+    @property
+    def scale(self) -> str:
+        """Sentence on first yield, by which parts of the measurements are told apart."""
+        return f"overlaps in units of that at first yield, {self.law.yield_overlap:.4g} m"

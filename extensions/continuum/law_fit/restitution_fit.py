@@ -39,7 +39,8 @@ from granwave.lammps_inputs.errors import InputError
 
 _LOG = logging.getLogger("granwave")
 _STRENGTHS = (1e-5, 0.1)  # range of the search for the yield strength over Young's modulus
-_TRIALS = 40  # of the search
+_TRIALS = 120  # of the search
+_OF_VELOCITY = 2.5  # power of the yield strength that velocities go with
 _YIELD_RANGE = (0.03, 30.0)  # bounds of the yield strength over that of the search
 _POINTS = 400  # overlaps from first yield to R* between which velocities are interpolated
 _END_OF_FIT = 0.2  # overlap / R* up to which the law was fitted
@@ -79,11 +80,18 @@ class RestitutionFit(FittedLaw):
         if name in self.uncertainty:
             return super().state(name)
         spread = self.told[name]
+        if not math.isfinite(spread):
+            return "held: not determined by restitution"
+        percent = f"{float(f'{100 * spread:.2g}'):g} %"
         if spread <= _TOLD:
-            return f"held: --free {name} would tell it to {100 * spread:.2g} %"
-        if math.isfinite(spread):
-            return f"held: not determined by restitution (+- {100 * spread:.2g} %)"
-        return "held: not determined by restitution"
+            return f"held: --free {name} would determine it to {percent}"
+        return f"held: not determined by restitution (+- {percent})"
+
+    @property
+    def scale(self) -> str:
+        """Sentence on the velocity at first yield."""
+        work = float(self.law.loading_work(np.array([self.law.yield_overlap]))[0])
+        return f"impacts yield from {math.sqrt(2 * work / self.mass):.4g} m/s on"
 
 
 def fit_restitution(
@@ -127,7 +135,9 @@ def fit_restitution(
     rho = neighbour_correlation(residuals, np.full(residuals.size, "", dtype=np.str_))
     wider = math.sqrt((1 + rho) / (1 - rho))
     at_bound = tuple(np.array(names)[problem.is_at_bound(x)])
-    spread = problem.spread(x, names) * wider
+    slopes = problem.slopes(x)
+    fitted = [slopes[name] for name in names]
+    spread = wider * _spread(residuals, fitted)
     published = problem.published(law)
     fit = RestitutionFit(
         source=rebounds.source,
@@ -146,7 +156,7 @@ def fit_restitution(
         correlation=rho,
         misfit=_misfit(rebounds, problem.mass, law, published),
         told={
-            name: float(wider * problem.spread(x, [*names, name])[-1])
+            name: float(wider * _spread(residuals, [*fitted, slopes[name]])[-1])
             for name in LAW_CONSTANTS
             if name not in names
         },
@@ -156,7 +166,7 @@ def fit_restitution(
 
 
 def restitution_at(law: ContactLaw, mass: float, velocity: Array) -> Array:
-    """Return the coefficients of restitution at impact velocities, m/s: (n,).
+    """Return the coefficients of restitution at impact velocities, m/s, of any shape.
 
     Parameters
     ----------
@@ -211,10 +221,11 @@ class _Problem:
         """Values at the start by name: the yield strength that fits best, published constants."""
         modulus = min(solid.youngs_modulus for solid in self.materials)
         strengths = modulus * np.geomspace(*_STRENGTHS, _TRIALS)
-        off = [
-            float(np.sum(np.abs(self._of_law(self._law_of({YIELD: one})) - self._measured)))
-            for one in strengths
-        ]
+        law = self._law_of({YIELD: strengths[0]})
+        # the weakest material at velocities that make up for its strength
+        factors = (strengths[0] / strengths) ** _OF_VELOCITY
+        tried = restitution_at(law, self.mass, np.outer(factors, self.rebounds.velocity))
+        off = np.sum(np.abs(tried - self._measured), axis=1)
         return {**LAW_CONSTANTS, YIELD: float(strengths[int(np.argmin(off))])}
 
     @cached_property
@@ -279,27 +290,13 @@ class _Problem:
         near = 1e-6 * np.ptp(self.bounds, axis=1)
         return np.any(np.abs(x[:, None] - self.bounds) < near[:, None], axis=1)
 
-    def spread(self, x: Array, names: Sequence[str]) -> Array:
-        """Return the standard uncertainties of the fitted values and of further constants, relative
-        to their start; infinite if undetermined: (n_names,).
+    def slopes(self, x: Array) -> dict[str, Array]:
+        """Return the derivatives of e by each fitted value and each other constant relative to its
+        start, by name: (n_rows,) each.
         """
-        values = {
-            name: float(factor * self.start[name])
-            for name, factor in zip(self.names, x, strict=True)
-        }
-        here = {name: values.get(name, self.start[name]) for name in names}
-        jacobian = np.column_stack([self._slope(here, name) for name in names])
-        residuals = self.residuals(x)
-        scatter = max(1.4826 * float(np.median(np.abs(residuals))), _NARROWEST)
-        weight = np.minimum(1.0, _OUTLIER * scatter / np.maximum(np.abs(residuals), _NARROWEST))
-        freedom = max(residuals.size - len(names), 1)
-        variance = float(np.sum(weight * residuals**2)) / freedom
-        _, singular, rows = np.linalg.svd(np.sqrt(weight)[:, None] * jacobian, full_matrices=False)
-        told = singular > _SINGULAR * max(singular.max(initial=0.0), _SINGULAR)
-        covariance = (rows[told].T / singular[told] ** 2) @ rows[told]
-        spread = np.sqrt(variance * np.diag(covariance))
-        lost = np.any(np.abs(rows[~told]) > 1e-3, axis=0)
-        return np.where(lost, np.inf, spread)
+        fitted = zip(self.names, x, strict=True)
+        values = self.start | {name: float(factor * self.start[name]) for name, factor in fitted}
+        return {name: self._slope(values, name) for name in values}
 
     def _slope(self, values: dict[str, float], name: str) -> Array:
         """Return the derivative of e by a value relative to its start: (n_rows,)."""
@@ -307,6 +304,23 @@ class _Problem:
         high = self._of_law(self._law_of({**values, name: values[name] + step}))
         low = self._of_law(self._law_of({**values, name: values[name] - step}))
         return (high - low) / (2 * step) * self.start[name]
+
+
+def _spread(residuals: Array, slopes: Sequence[Array]) -> Array:
+    """Return the standard uncertainties of values with these derivatives; infinite if undetermined:
+    (n_values,).
+    """
+    jacobian = np.column_stack(slopes)
+    scatter = max(1.4826 * float(np.median(np.abs(residuals))), _NARROWEST)
+    weight = np.minimum(1.0, _OUTLIER * scatter / np.maximum(np.abs(residuals), _NARROWEST))
+    freedom = max(residuals.size - len(slopes), 1)
+    variance = float(np.sum(weight * residuals**2)) / freedom
+    weighted = np.sqrt(weight)[:, None] * jacobian
+    _, singular, rows = np.linalg.svd(weighted, full_matrices=False)
+    told = singular > _SINGULAR * max(singular.max(initial=0.0), _SINGULAR)
+    covariance = (rows[told].T / singular[told] ** 2) @ rows[told]
+    lost = np.any(np.abs(rows[~told]) > 1e-3, axis=0)
+    return np.where(lost, np.inf, np.sqrt(variance * np.diag(covariance)))
 
 
 def _refuse_rates(materials: Sequence[Material]) -> None:
