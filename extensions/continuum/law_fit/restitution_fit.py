@@ -76,7 +76,7 @@ class RestitutionFit(FittedLaw):
     told: dict[str, float]
 
     def state(self, name: str) -> str:
-        """Describe how a value was obtained, and what the measurements tell of one that was held."""
+        """Describe how a value was obtained, and what impacts tell of one that was held."""
         if name in self.uncertainty:
             return super().state(name)
         spread = self.told[name]
@@ -194,7 +194,7 @@ def _overlaps(law: ContactLaw) -> Array:
 
 
 def effective_mass(materials: Sequence[Material], radii: Sequence[float]) -> float:
-    """Return the effective mass of two spheres, or of one on a plane (second radius infinite), kg."""
+    """Return the effective mass of two spheres, or of one on a plane (its radius infinite), kg."""
     first = sphere_mass(materials[0], radii[0])
     if math.isinf(radii[-1]):
         return first

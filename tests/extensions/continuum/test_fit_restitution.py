@@ -158,7 +158,7 @@ def test_velocities_go_with_the_strength_to_the_power_five_halves():
 
 
 def test_files(tmp_path: Path, capsys: pytest.CaptureFixture[str]):
-    """Rows of one contact of `granwave law --restitution`, in cm/s, and the case that is written."""
+    """Rows of one contact of `granwave law --restitution`, in cm/s, and the case of the fit."""
     write_restitution({"two spheres": (LAW, MASS)}, tmp_path / "law.csv")
     rows = list(csv.DictReader((tmp_path / "law.csv").open()))[::20]
     table = {
@@ -190,13 +190,13 @@ HEAD = "velocity_m_s,restitution\n"
     ("text", "message"),
     [
         ("v,restitution\n1,0.5\n", "found v, restitution, expected one column velocity_m_s or"),
-        ("velocity_m_s,velocity_mm_s,restitution\n1,1,1\n", "found velocity_m_s and velocity_mm_s"),
-        (HEAD + "1,0.9\n2,87\n", r'line 3: restitution: found "87", expected a ratio from 0 to 1, not per'),
+        ("velocity_mm_s," + HEAD + "1,1,1\n", "found velocity_m_s and velocity_mm_s"),
+        (HEAD + "1,0.9\n2,87\n", r'3: restitution: found "87", expected a ratio from 0 to 1, not'),
         (HEAD + "0,0.9\n", r'line 2: velocity_m_s: found "0", expected a velocity above 0'),
         (HEAD + "1,\n", r'line 2: restitution: found "", expected a number'),
         (HEAD, "found 0 impacts, expected at least 3 to fit 1 value"),
         (HEAD + "1,0.8\n2,0.7\n", "found 2 impacts, expected at least 3 to fit 1 value"),
-        ("contact,velocity_m_s,restitution\na,1,0.8\nb,1,0.7\n", r"contact: found 2 contacts \(a, b\), expected one"),
+        ("contact," + HEAD + "a,1,0.8\nb,1,0.7\n", r"contact: found 2 contacts \(a, b\), expected"),
     ],
 )  # fmt: skip
 def test_wrong_tables(tmp_path: Path, text: str, message: str):

@@ -35,9 +35,10 @@ with open("/proc/self/maps") as maps:
 
 def test_lammps_is_imported_first(tmp_path: Path) -> None:
     """The entry point that LAMMPS calls loads libmpi; mpi4py takes the same library afterwards."""
+    command = [sys.executable, "-c", SCRIPT]
     done = subprocess.run(
-        [sys.executable, "-c", SCRIPT], capture_output=True, text=True, timeout=60, env=BARE, cwd=tmp_path
-    )  # fmt: skip
+        command, capture_output=True, text=True, timeout=60, env=BARE, cwd=tmp_path
+    )
     assert done.returncode == 0, done.stderr
     assert done.stdout.split("\n")[:4] == ["[] True", "1", "1", "1"]
 
