@@ -378,11 +378,16 @@ class Curve:
         return np.unique(self.peak[~self.loading])
 
 
-def read_curve(path: str | Path) -> Curve:
+def read_curve(path: str | Path, *, any_zero: bool = False) -> Curve:
     """Read a curve from a CSV file with columns of overlaps and forces, and optionally branch;
     others are ignored.
 
     The names of the columns hold the units, such as overlap_um, displacement_mm and force_kN.
+
+    Parameters
+    ----------
+    any_zero
+        True to take overlaps below 0: readings of a gauge whose zero is not at the touch.
 
     Raises
     ------
@@ -407,9 +412,10 @@ def read_curve(path: str | Path) -> Curve:
                 f"{path}: line {n}: branch: found {show(row.get(BRANCH) or '')}, "
                 "expected loading, unloading_N or reloading_N"
             )
-        if found < 0:
+        if found < 0 and not any_zero:
             errors.append(
-                f"{path}: line {n}: {names['overlap']}: found {found:g}, expected none below 0 (compression > 0)"
+                f"{path}: line {n}: {names['overlap']}: found {found:g}, expected none below 0 "
+                "(compression > 0); a zero that is off can be fitted, too"
             )
     if errors:
         raise InputError(
@@ -432,7 +438,9 @@ def curve_of(
     overlap = np.asarray(overlap, float)
     force = np.asarray(force, float)
     if branch is None:
-        names, peak = _branches(overlap)
+        start = min(0.0, float(overlap.min(initial=0.0)))
+        names, peak = _branches(overlap - start)
+        peak += start
     else:
         names = np.array(branch, dtype=np.str_)
         turn = np.array([re.sub("^(un|re)loading_?", "", name) for name in names])

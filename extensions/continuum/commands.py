@@ -31,14 +31,15 @@ COMMANDS = (
     Command(
         "fit",
         CONTACTS,
-        "fit the contact law's constants to a measured or computed curve",
+        "fit the contact law to a curve of force against overlap, or to measured restitution",
         "granwave.extensions.continuum.terminal:fit",
         (
             option(
                 "curve",
                 type=read.input_name,
                 metavar="CURVE.csv",
-                help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch",
+                help="columns overlap_m and force_N (or overlap_um, force_kN, ...), perhaps branch; "
+                "or velocity_m_s and restitution",
             ),
             materials("one or two: a name, or FILE.toml:NAME"),
             radii("one radius or two, m; the second may be inf, a plane (default: 0.005)"),
@@ -55,6 +56,9 @@ COMMANDS = (
                 help="also write pair.toml: the law of these two materials in a case",
             ),
             flag("--fit-yield", "fit the yield strength too"),
+            flag(
+                "--fit-zero", "fit the zero of the overlap too: the reading at the first touch, m"
+            ),
             directory("where everything goes (default: ./fit)"),
             flag("--force", "move the fit that is there to DIR.old (DIR.old2, ...)"),
         ),

@@ -3,6 +3,8 @@
 from __future__ import annotations
 
 import argparse
+from collections.abc import Callable, Sequence
+from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -20,7 +22,9 @@ from granwave.workflows.run.directory import held
 from granwave.workflows.solvers import solver_of
 
 if TYPE_CHECKING:
-    from granwave.extensions.continuum.law_fit.fit import Fit
+    from granwave.analysis.figures.style import Drawing
+    from granwave.extensions.continuum.law_fit.fitted_law import FittedLaw
+    from granwave.lammps_inputs.case.material import Material
 
 
 def continuum(options: argparse.Namespace) -> int:
@@ -46,8 +50,6 @@ def continuum(options: argparse.Namespace) -> int:
 
 def fit(options: argparse.Namespace) -> int:
     """Execute ``granwave fit``."""
-    from granwave.analysis.contact_law.curves import read_curve
-    from granwave.extensions.continuum.law_fit.fit import fit_law
     from granwave.extensions.continuum.law_fit.fit_output import WRITTEN, pair_toml, write_fit
 
     at_most_two(options)
@@ -64,16 +66,10 @@ def fit(options: argparse.Namespace) -> int:
         results.refuse_immovable()
     results.refuse_foreign(WRITTEN)
     materials = [material_of(text) for text in options.material]
-    found = fit_law(
-        read_curve(options.curve),
-        materials,
-        options.radius,
-        options.free,
-        fit_yield=options.fit_yield,
-    )
+    found, drawing = _fitted(options, materials)
     with held(results):
         results.make_room(force=options.force, names=WRITTEN)
-        written = write_fit(found, results, pair)
+        written = write_fit(found, results, drawing, pair)
     print(fit_summary(found))
     if pair:
         print(f"\n{pair_toml(found, pair)}")
@@ -84,7 +80,48 @@ def fit(options: argparse.Namespace) -> int:
     return 0
 
 
-def fit_summary(found: Fit) -> str:
+def _fitted(
+    options: argparse.Namespace, materials: Sequence[Material]
+) -> tuple[FittedLaw, Callable[[], Drawing]]:
+    """Fit the law to the measurements of a file, and return the function that draws the figure."""
+    from granwave.extensions.continuum.law_fit.rebounds import holds_rebounds
+
+    if holds_rebounds(options.curve):
+        return _fitted_to_rebounds(options, materials)
+    from granwave.analysis.contact_law.curves import read_curve
+    from granwave.extensions.continuum.law_fit.fit import fit_law
+    from granwave.extensions.continuum.law_fit.fit_output import fit_drawing
+
+    found = fit_law(
+        read_curve(options.curve, any_zero=options.fit_zero),
+        materials,
+        options.radius,
+        options.free,
+        fit_yield=options.fit_yield,
+        fit_zero=options.fit_zero,
+    )
+    return found, partial(fit_drawing, found)
+
+
+def _fitted_to_rebounds(
+    options: argparse.Namespace, materials: Sequence[Material]
+) -> tuple[FittedLaw, Callable[[], Drawing]]:
+    from granwave.extensions.continuum.law_fit.rebound_drawing import rebound_drawing
+    from granwave.extensions.continuum.law_fit.rebounds import read_rebounds
+    from granwave.extensions.continuum.law_fit.restitution_fit import fit_restitution
+
+    if options.fit_zero:
+        raise InputError(
+            f"--fit-zero: found with {options.curve}, a table of restitution, expected with a "
+            "curve of force against overlap; leave it out"
+        )
+    found = fit_restitution(
+        read_rebounds(options.curve), materials, options.radius, options.free or ()
+    )
+    return found, partial(rebound_drawing, found)
+
+
+def fit_summary(found: FittedLaw) -> str:
     """Format the constants with their uncertainties, and the misfits, for the terminal."""
     from granwave.extensions.continuum.law_fit.fit_output import constants_table
 
@@ -103,7 +140,7 @@ def fit_summary(found: Fit) -> str:
     for part, n_rows, *numbers in found.misfit.itertuples(index=False):
         fits.append([part, str(n_rows), *(f"{number:.3g}" for number in numbers)])
     text = f"{columns(rows, left=(0, 4))}\n\n{columns(fits, left=(0,))}\n"
-    text += f"(overlaps in units of that at first yield, {found.law.yield_overlap:.4g} m)"
+    text += f"({found.scale})"
     if found.correlation:
         text += (
             f"\nneighbouring rows err alike (correlation {found.correlation:.2f}): "

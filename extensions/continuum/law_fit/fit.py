@@ -14,10 +14,11 @@ rho)), with the correlation rho of neighbours.
 
 from __future__ import annotations
 
+import contextlib
 import dataclasses
 import logging
 import math
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from functools import cached_property
 from itertools import pairwise
 
@@ -30,12 +31,18 @@ from granwave._contact_laws import ContactLaw
 from granwave.analysis.contact_law.curves import Curve
 from granwave.analysis.errors import did_you_mean
 from granwave.extensions.continuum.law_fit.fit_search import Search, uncertainties
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw
+from granwave.extensions.continuum.law_fit.zero import (
+    ZERO,
+    estimated_zero,
+    shifted,
+    touching,
+    zero_range,
+)
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import contact_of
 from granwave.lammps_inputs.errors import InputError
-
-YIELD = "yield_strength"
 
 #: Bounds of the search for each constant.
 BOUNDS = {
@@ -73,6 +80,11 @@ _UNIT_ERROR = 30.0  # ratio to the law's force that no material reaches: the uni
 _YIELD_SPAN = math.log(10.0)  # range of the search around a yield strength, logarithmic
 _HUGE = 1e3  # residual of an invalid law
 
+_BAD = 3.0  # deviation of a fit, rms, per cent, above which another zero of the overlap is tried
+_BETTER = 1 / 3  # deviation with that zero / without it, from which on it is named
+_PART = 3  # smallest number of rows of a part of the curve that counts for this
+_MICRO = 1e6  # micrometres in a metre
+
 _LEAST_RISE = 0.01  # smallest slope of a_R at first yield
 _STIFF = 100.0  # weight of this condition
 
@@ -80,50 +92,42 @@ Array = NDArray[np.float64]
 
 
 @dataclasses.dataclass(frozen=True, eq=False, kw_only=True)
-class Fit:
-    """Result of a fit.
+class Fit(FittedLaw):
+    """Law fitted to a force-overlap curve.
 
     Attributes
     ----------
-    law, published
-        Law with the fitted constants, and with the published ones.
-    constants
-        All constants of the law, by name.
-    uncertainty
-        Standard uncertainty of each fitted constant, in its own unit; infinite if the curve does
-        not determine it.
-    at_bound
-        Names of the constants that ended at a bound of the search.
-    materials, radii
-        Materials of the two bodies, with the fitted yield strength, and radii, m.
-    correlation
-        Correlation of the residuals of neighbouring rows.
-    misfit
-        Deviations by part of the curve, in columns ``part``, ``rows``, number of rows, and
-        ``rms_percent``, ``largest_percent``, ``published_rms_percent``,
-        ``published_largest_percent``, of both laws.
+    curve
+        The curve, with the readings of the overlap less the zero.
+    zero
+        Reading of the overlap at which the bodies touch, m.
     """
 
     curve: Curve
-    law: ContactLaw
-    published: ContactLaw
-    constants: dict[str, float]
-    uncertainty: dict[str, float]
-    at_bound: tuple[str, ...]
-    materials: tuple[Material, ...]
-    radii: tuple[float, ...]
-    correlation: float
-    misfit: DataFrame
+    zero: float = 0.0
 
     def value(self, name: str) -> float:
-        """Return the value of a constant, or of the yield strength, Pa."""
-        return self.law.yield_strength if name == YIELD else self.constants[name]
+        """Return the value of a constant, of the yield strength, Pa, or of the zero, m."""
+        return self.zero if name == ZERO else super().value(name)
+
+    def published_value(self, name: str) -> float:
+        """Return the published value of a constant; that of the zero is 0."""
+        return 0.0 if name == ZERO else super().published_value(name)
 
     def undetermined(self, name: str) -> bool:
-        """Return True if the uncertainty of a constant exceeds its value, or if it ended at a
-        bound.
-        """
-        return name in self.at_bound or not self.uncertainty[name] <= abs(self.value(name))
+        """Return True as `FittedLaw` says; the zero is compared with the largest overlap."""
+        if name != ZERO:
+            return super().undetermined(name)
+        return name in self.at_bound or not self.uncertainty[name] <= float(self.curve.peak.max())
+
+    @property
+    def notes(self) -> list[str]:
+        """Sentence on the zero, if it was fitted."""
+        if ZERO not in self.uncertainty:
+            return []
+        spread = self.uncertainty[ZERO] * _MICRO
+        readings = f"Readings of the overlap less {self.zero * _MICRO:.6g} +- {spread:.2g} um"
+        return [f"{readings}: the zero was fitted, too."]
 
 
 def fit_law(
@@ -133,8 +137,11 @@ def fit_law(
     free: Sequence[str] | None = None,
     *,
     fit_yield: bool = False,
+    fit_zero: bool = False,
 ) -> Fit:
     """Fit the law to a curve.
+
+    If the fit is bad and would be good with another zero of the overlap, a warning says which.
 
     Parameters
     ----------
@@ -145,6 +152,8 @@ def fit_law(
         rest.
     fit_yield
         True to fit the yield strength too, starting from the value of the softer material.
+    fit_zero
+        True to fit the reading of the overlap at the touch, too; else it is 0.
 
     Raises
     ------
@@ -152,19 +161,54 @@ def fit_law(
         The curve does not suit the contact or is too short, or the law with the fitted constants
         is not passive.
     """
+    if fit_zero:
+        return _fit(curve, materials, radii, free, fit_yield=fit_yield, fit_zero=True)
+    try:
+        fit = _fit(curve, materials, radii, free, fit_yield=fit_yield, fit_zero=False)
+    except InputError as error:
+        other = _with_zero(curve, materials, radii, free, fit_yield=fit_yield)
+        if other is None or _worst(other) > _BAD:
+            raise
+        raise InputError(f"{error}; {_zero_said(other)}") from None
+    if _worst(fit) > _BAD:
+        other = _with_zero(curve, materials, radii, free, fit_yield=fit_yield)
+        if other is not None and _worst(other) < _BETTER * _worst(fit):
+            _LOG.warning(
+                "%s: the fit is off by %.3g %% rms in its worst part; %s",
+                curve.source,
+                _worst(fit),
+                _zero_said(other),
+            )
+    return fit
+
+
+def _fit(
+    curve: Curve,
+    materials: Sequence[Material],
+    radii: Sequence[float],
+    free: Sequence[str] | None,
+    *,
+    fit_yield: bool,
+    fit_zero: bool,
+) -> Fit:
     published = contact_of(materials, radii)
+    zero = estimated_zero(curve, published) if fit_zero else 0.0
+    reading = curve
+    curve = shifted(reading, zero)
     _refuse(curve, published, radii)
     first = published
     least_peak = 1.0  # of fitted rows, relative to first yield
     if fit_yield:
         yield_strength = _yield_alone(curve, materials, radii)
-        first = contact_of(_with_yield(materials, yield_strength), radii)
+        first = contact_of(with_yield(materials, yield_strength), radii)
         least_peak = BOUNDS[YIELD][0]
     rows = bearing(curve) & (curve.peak > least_peak * first.yield_overlap)
-    most = max(1, int(np.count_nonzero(rows)) - _FEWEST - fit_yield)
-    names = _known(free) if free is not None else _tellable(curve, first, most)
-    if fit_yield:
-        names.append(YIELD)
+    if fit_zero:
+        rows = bearing(curve) & touching(curve)
+    further = [YIELD] * fit_yield + [ZERO] * fit_zero
+    most = max(1, int(np.count_nonzero(rows)) - _FEWEST - len(further))
+    names = known_constants(free) if free is not None else _tellable(curve, first, most)
+    names += further
     if np.count_nonzero(rows) < len(names) + _FEWEST:
         raise InputError(
             f"{curve.source}: {np.count_nonzero(rows)} rows lie beyond first yield, expected at "
@@ -183,24 +227,74 @@ def fit_law(
             f"{curve.source}: the constants that fit best make {error}; hold some with --free"
         ) from None
     at_bound = np.any(np.abs(x[:, None] - bounds) < 1e-6 * np.ptp(bounds, axis=1)[:, None], axis=1)
-    rho = _neighbours(problem.residuals(x)[:-1], curve.branch[rows])
+    rho = neighbour_correlation(problem.residuals(x)[:-1], curve.branch[rows])
     spread = uncertainties(search, x, at_bound) * math.sqrt((1 + rho) / (1 - rho))
-    start = problem.start
-    of_published = _misfit(curve, published).set_index("part").drop(columns="rows")
+    zero += problem.shift(x)
+    fitted = shifted(reading, zero)
+    of_published = _misfit(fitted, published).set_index("part").drop(columns="rows")
     return Fit(
-        curve=curve,
+        source=curve.source,
+        n_rows=curve.force.size,
+        curve=fitted,
         law=law,
         published=published,
         constants=law.constants,
         uncertainty={
-            name: float(s * abs(start[name])) for name, s in zip(names, spread, strict=True)
+            name: float(s * abs(problem.unit(name))) for name, s in zip(names, spread, strict=True)
         },
         at_bound=tuple(name for name, at in zip(names, at_bound, strict=True) if at),
-        materials=tuple(_with_yield(materials, law.yield_strength if fit_yield else None)),
+        materials=tuple(with_yield(materials, law.yield_strength if fit_yield else None)),
         radii=tuple(radii),
         correlation=rho,
-        misfit=_misfit(curve, law).join(of_published.add_prefix("published_"), on="part"),
+        misfit=_misfit(fitted, law).join(of_published.add_prefix("published_"), on="part"),
+        zero=zero,
     )
+
+
+def _with_zero(
+    curve: Curve,
+    materials: Sequence[Material],
+    radii: Sequence[float],
+    free: Sequence[str] | None,
+    *,
+    fit_yield: bool,
+) -> Fit | None:
+    """Return the fit with the zero of the overlap fitted, too; None if there is none."""
+    with _silent():
+        try:
+            return _fit(curve, materials, radii, free, fit_yield=fit_yield, fit_zero=True)
+        except InputError:
+            return None
+
+
+def _zero_said(fit: Fit) -> str:
+    """Return the sentence on a zero that a curve has been fitted with."""
+    zero = fit.zero * _MICRO
+    spread = fit.uncertainty[ZERO] * _MICRO
+    return (
+        f"with the zero of the overlap at {zero:.4g} +- {spread:.2g} um it is off by "
+        f"{_worst(fit):.3g} %: fit the zero, too (--fit-zero)"
+    )
+
+
+def _worst(fit: Fit) -> float:
+    """Return the largest rms deviation of a part of the curve, per cent."""
+    parts = fit.misfit[fit.misfit.rows >= _PART]
+    return float(parts.rms_percent.max())
+
+
+@contextlib.contextmanager
+def _silent() -> Iterator[None]:
+    """Let a trial fit give no warnings."""
+    _LOG.addFilter(_drop)
+    try:
+        yield
+    finally:
+        _LOG.removeFilter(_drop)
+
+
+def _drop(record: logging.LogRecord) -> bool:
+    return False
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -214,7 +308,7 @@ class _Problem:
     first
         Law at the start.
     names
-        Names of the fitted values: constants of the law, and `YIELD`.
+        Names of the fitted values: constants of the law, `YIELD` and `ZERO`.
     """
 
     curve: Curve
@@ -229,11 +323,28 @@ class _Problem:
         """Values at the start by name."""
         return self.first.constants | {YIELD: self.first.yield_strength}
 
+    def unit(self, name: str) -> float:
+        """Return the change of a value for a variable that grows by 1; m for the zero."""
+        return float(self.curve.peak.max()) if name == ZERO else self.start[name]
+
     @cached_property
     def bounds(self) -> Array:
         """Bounds of the variables: (n_values, 2)."""
         units = {**self.start, YIELD: 1.0}  # bounds of the yield strength are relative
-        return np.sort([np.array(BOUNDS[name]) / units[name] for name in self.names], axis=1)
+        zeros = 1 + np.array(zero_range(self.curve)) / self.unit(ZERO)
+        return np.sort(
+            [
+                zeros if name == ZERO else np.array(BOUNDS[name]) / units[name]
+                for name in self.names
+            ],
+            axis=1,
+        )
+
+    def shift(self, x: Array) -> float:
+        """Return the reading at the touch less that of the start, m."""
+        if ZERO not in self.names:
+            return 0.0
+        return float(x[self.names.index(ZERO)] - 1) * self.unit(ZERO)
 
     @cached_property
     def scale(self) -> Array:
@@ -245,14 +356,15 @@ class _Problem:
         constants = {
             name: float(factor * self.start[name])
             for name, factor in zip(self.names, x, strict=True)
+            if name != ZERO
         }
-        materials = _with_yield(self.materials, constants.pop(YIELD, None))
+        materials = with_yield(self.materials, constants.pop(YIELD, None))
         return contact_of(materials, self.radii, constants=constants, checked=checked)
 
     def residuals(self, x: Array) -> Array:
         """Return the scaled residuals of the fitted rows, and the penalty of `_healing`."""
         law = self.law(x)
-        curve = self.curve
+        curve = shifted(self.curve, self.shift(x))
         force = law.force(curve.overlap[self.rows], curve.peak[self.rows])
         residuals = (force - curve.force[self.rows]) / self.scale
         finite = np.nan_to_num(residuals, nan=_HUGE, posinf=_HUGE, neginf=-_HUGE)
@@ -293,7 +405,7 @@ def _yield_alone(curve: Curve, materials: Sequence[Material], radii: Sequence[fl
     scale = residual_scale(curve)
 
     def off(logarithm: float) -> float:
-        law = contact_of(_with_yield(materials, yield_strength * math.exp(logarithm)), radii)
+        law = contact_of(with_yield(materials, yield_strength * math.exp(logarithm)), radii)
         return float(
             np.sum(np.abs((law.force(curve.overlap, curve.peak) - curve.force) / scale)[rows])
         )
@@ -332,7 +444,7 @@ def _refuse(curve: Curve, law: ContactLaw, radii: Sequence[float]) -> None:
         )
 
 
-def _known(free: Sequence[str]) -> list[str]:
+def known_constants(free: Sequence[str]) -> list[str]:
     for name in free:
         if name not in LAW_CONSTANTS:
             hint = did_you_mean(name, LAW_CONSTANTS) or "expected some of " + ", ".join(
@@ -378,7 +490,7 @@ def _warn_of_fixed(curve: Curve, names: Sequence[str], reason: str) -> None:
         _LOG.warning("%s: %s %s as published, since %s", curve.source, listed, verb, reason)
 
 
-def _with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
+def with_yield(materials: Sequence[Material], strength: float | None) -> list[Material]:
     if strength is None:
         return list(materials)
     return [dataclasses.replace(m, yield_strength=strength, source=None) for m in materials]
@@ -392,7 +504,7 @@ def _healing(law: ContactLaw) -> float:
     return _STIFF * max(0.0, _LEAST_RISE - (slope - rate * (offset - slope)))
 
 
-def _neighbours(residuals: Array, branch: NDArray[np.str_]) -> float:
+def neighbour_correlation(residuals: Array, branch: NDArray[np.str_]) -> float:
     """Return the correlation of residuals of neighbouring rows of a branch; 0 if it is not
     significant.
     """

@@ -7,8 +7,7 @@ from __future__ import annotations
 import dataclasses
 import json
 import math
-from collections.abc import Sequence
-from functools import partial
+from collections.abc import Callable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -33,7 +32,9 @@ from granwave.extensions.continuum.files import (
     FIT_TABLE,
     FIT_TOML,
 )
-from granwave.extensions.continuum.law_fit.fit import YIELD, Fit, bearing, deviation
+from granwave.extensions.continuum.law_fit.fit import Fit, bearing, deviation
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD, FittedLaw
+from granwave.extensions.continuum.law_fit.zero import ZERO
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.files import replace_text, replacing
 from granwave.lammps_inputs.own_files import AnyPath, figure_files
@@ -46,7 +47,12 @@ _MICRO = 1e6  # micrometres in a metre
 _POINTS = 300
 
 
-def write_fit(fit: Fit, directory: AnyPath, pair: Sequence[str] | None = None) -> list[Path]:
+def write_fit(
+    fit: FittedLaw,
+    directory: AnyPath,
+    drawing: Callable[[], Drawing],
+    pair: Sequence[str] | None = None,
+) -> list[Path]:
     """Write fit.toml, fit.csv, misfit.csv and figures/fit (.png, .pdf, .csv) into a directory,
     created if necessary.
 
@@ -54,6 +60,8 @@ def write_fit(fit: Fit, directory: AnyPath, pair: Sequence[str] | None = None) -
 
     Parameters
     ----------
+    drawing
+        Function that draws the figure.
     pair
         Names of two materials for pair.toml, see `pair_toml`; None: it is not written.
 
@@ -82,35 +90,25 @@ def write_fit(fit: Fit, directory: AnyPath, pair: Sequence[str] | None = None) -
         replace_text(directory / FIT_PAIR, pair_toml(fit, pair))
     folder = FigureFolder(results)
     with style():
-        folder.draw(partial(fit_drawing, fit), FIGURE)
+        folder.draw(drawing, FIGURE)
     return [directory / name for name in files] + folder.written
 
 
-def constants_table(fit: Fit) -> Columns:
-    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) if it
-    was fitted.
+def constants_table(fit: FittedLaw) -> Columns:
+    """Return the columns of fit.csv: a row for each constant, and for the yield strength (Pa) and
+    the zero of the overlap (m) if they were fitted.
     """
-    names = [*LAW_CONSTANTS, *([YIELD] if YIELD in fit.uncertainty else [])]
-    published = fit.published.constants | {YIELD: fit.published.yield_strength}
+    names = [*LAW_CONSTANTS, *(name for name in (YIELD, ZERO) if name in fit.uncertainty)]
     return {
         "constant": names,
         "value": np.array([fit.value(name) for name in names]),
         "standard_uncertainty": np.array([fit.uncertainty.get(name, math.nan) for name in names]),
-        "published": np.array([published[name] for name in names]),
-        "state": [state(fit, name) for name in names],
+        "published": np.array([fit.published_value(name) for name in names]),
+        "state": [fit.state(name) for name in names],
     }
 
 
-def state(fit: Fit, name: str) -> str:
-    """Describe how a value was obtained: fitted, held, or not determined, with the reason."""
-    if name not in fit.uncertainty:
-        return "held"
-    if name in fit.at_bound:
-        return "not determined: at the bound of the search"
-    return "not determined: uncertainty exceeds it" if fit.undetermined(name) else "fitted"
-
-
-def fit_toml(fit: Fit) -> str:
+def fit_toml(fit: FittedLaw) -> str:
     """Return the text of a case of two such spheres, with the tables [contact] and [material] for
     other cases.
     """
@@ -120,8 +118,7 @@ def fit_toml(fit: Fit) -> str:
     }
     diameter = 2 * min(fit.radii)
     lines = [
-        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name} "
-        f"({fit.curve.force.size} rows).",
+        f"# Elasto-plastic contact law fitted to {Path(fit.source).name} ({fit.n_rows} rows).",
         "# Copy [contact] and [material] into a case of your own and run it: granwave run "
         "case.toml",
         "# This file is a case too, two such spheres: granwave run fit.toml",
@@ -132,6 +129,7 @@ def fit_toml(fit: Fit) -> str:
             if not part.part.startswith(" ")
         ),
     ]
+    lines += [f"# {note}" for note in fit.notes]
     if len(fit.materials) == 2 and fit.materials[0] != fit.materials[1]:
         lines.append(
             "# The curve is of two materials: [material] below is the softer; --pair A B writes "
@@ -148,7 +146,7 @@ def fit_toml(fit: Fit) -> str:
     return "\n".join(lines) + tomli_w.dumps(tables)
 
 
-def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
+def pair_toml(fit: FittedLaw, materials: Sequence[str]) -> str:
     """Return the fitted law as a table ``[[pair]]`` for two materials of a case; "rigid" is a rigid
     wall.
 
@@ -159,8 +157,7 @@ def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
     """
     softer = min(fit.materials, key=lambda material: material.yield_strength or math.inf)
     lines = [
-        f"# Elasto-plastic contact law fitted to {Path(fit.curve.source).name}; for the end of a "
-        "case.",
+        f"# Elasto-plastic contact law fitted to {Path(fit.source).name}; for the end of a case.",
         f"# It goes with a yield strength of {softer.yield_strength:g} Pa of the softer of the "
         "two.",
         "[[pair]]",
@@ -170,11 +167,11 @@ def pair_toml(fit: Fit, materials: Sequence[str]) -> str:
     return "\n".join(lines) + "\n"
 
 
-def _law_lines(fit: Fit) -> list[str]:
+def _law_lines(fit: FittedLaw) -> list[str]:
     """Return the keys of the law, each constant with its uncertainty."""
     lines = ['law = "elastoplastic"', 'variant = "continuous"']
     for name, value, spread, published, how in zip(*constants_table(fit).values(), strict=True):
-        if name != YIELD:
+        if name not in (YIELD, ZERO):
             note = f"+- {spread:.2g}, " if math.isfinite(spread) else ""
             lines.append(f"{name} = {toml_number(value)}  # {note}{how}; published {published:g}")
     return lines

@@ -19,8 +19,9 @@ from scipy.optimize import brentq
 
 from granwave.analysis.contact_law.curves import Curve, curve_of, read_curve, write_law
 from granwave.analysis.figures.style import write_csv
-from granwave.extensions.continuum.law_fit.fit import YIELD, fit_law
+from granwave.extensions.continuum.law_fit.fit import fit_law
 from granwave.extensions.continuum.law_fit.fit_output import fit_toml
+from granwave.extensions.continuum.law_fit.fitted_law import YIELD
 from granwave.extensions.continuum.terminal import fit
 from granwave.lammps_inputs.case.contact import LAW_CONSTANTS
 from granwave.lammps_inputs.case.material import material, sphere_mass
@@ -74,8 +75,9 @@ def measured(
 
 
 def options(curve: Path, directory: Path, **more) -> argparse.Namespace:
-    usual = {"material": ["brass"], "radius": [R], "free": None, "fit_yield": False, "force": False}
-    return argparse.Namespace(pair=None, curve=curve, directory=directory, **(usual | more))
+    usual = {"material": ["brass"], "radius": [R], "free": None, "force": False}
+    usual |= {"fit_yield": False, "fit_zero": False, "pair": None}
+    return argparse.Namespace(curve=curve, directory=directory, **(usual | more))
 
 
 def test_exact_curve():

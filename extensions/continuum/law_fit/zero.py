@@ -1,0 +1,74 @@
+"""Zero of a measured overlap: the reading at which the bodies touch.
+
+A displacement gauge is set to zero somewhere near the first touch. If it reads z there, the overlap
+is the reading less z, and so is the largest overlap before an unloading.
+"""
+
+from __future__ import annotations
+
+import dataclasses
+
+import numpy as np
+from numpy.typing import NDArray
+from scipy.optimize import minimize_scalar
+
+from granwave._contact_laws import ContactLaw
+from granwave.analysis.contact_law.curves import Curve
+
+ZERO = "zero"
+
+_NO_FORCE = 1e-3  # force / largest force below which the bodies do not touch
+_SURE_FORCE = 0.05  # force / largest force at which they touch
+_REACH = 0.5  # of zeros below the first reading with a force / its distance from the largest one
+_TRIALS = 200
+
+Array = NDArray[np.float64]
+
+
+def shifted(curve: Curve, zero: float) -> Curve:
+    """Return a curve with its overlaps reduced by the reading at the touch, m."""
+    return dataclasses.replace(curve, overlap=curve.overlap - zero, peak=curve.peak - zero)
+
+
+def touching(curve: Curve) -> NDArray[np.bool_]:
+    """Return True for rows with a force that shows contact: (n,)."""
+    return np.abs(curve.force) > _NO_FORCE * np.abs(curve.force).max(initial=0.0)
+
+
+def zero_range(curve: Curve) -> tuple[float, float]:
+    """Return the smallest and the largest reading at which the bodies may touch, m."""
+    loading = curve.loading & touching(curve)
+    if not loading.any():
+        return 0.0, 0.0
+    overlap = curve.overlap[loading]
+    sure = curve.force[loading] >= _SURE_FORCE * np.abs(curve.force).max()
+    first = float(overlap.min())
+    largest = float(overlap.max())
+    latest = float(overlap[sure].min()) if sure.any() else largest
+    return first - _REACH * (largest - first), latest
+
+
+def estimated_zero(curve: Curve, law: ContactLaw) -> float:
+    """Return the reading at the touch from the shape of first loading, a start of the fit, m.
+
+    The ratio of the forces to those of the law varies least there; its size is of no account, so
+    that the law need not have the strength of the measured material.
+    """
+    loading = curve.loading & touching(curve)
+    overlap = curve.overlap[loading]
+    force = curve.force[loading]
+    low, high = zero_range(curve)
+    if not low < high:
+        return 0.0
+
+    def spread(zero: float) -> float:
+        ratio = law.loading_force(np.maximum(overlap - zero, 0.0)) / force
+        middle = float(np.median(ratio))
+        if not middle > 0:
+            return np.inf
+        return float(np.mean(np.abs(ratio / middle - 1)))
+
+    trials = np.linspace(low, high, _TRIALS)
+    best = int(np.argmin([spread(zero) for zero in trials]))
+    around = (trials[max(best - 1, 0)], trials[min(best + 1, _TRIALS - 1)])
+    return float(minimize_scalar(spread, bounds=around, method="bounded").x)
