@@ -82,10 +82,11 @@ struct ContactMemory {
     if (!coefficient) return compute_tangential(spring, normal, moved, stiffness, limit, model);
     DampingHistory &history = damping_of(block);
     if (!slips) return compute_damped(spring, history, normal, moved, stiffness, limit, model, *coefficient, dt);
-    double drag[3];
-    history.drag_of_step(normal, moved, *coefficient, dt, drag);
-    slip_of(block).advance(spring, contact, &drag);
-    history.finish_step(drag, moved);
+    SlipDamping damped{};
+    history.drag_of_step(normal, moved, *coefficient, dt, damped.force);
+    std::copy_n(history.force, 3, damped.before);
+    slip_of(block).advance(spring, contact, &damped);
+    history.finish_step(damped.force, damped.lost);
   }
 
  private:

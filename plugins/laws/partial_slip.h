@@ -44,6 +44,13 @@ struct SlipContact {
   double effective_radius;
 };
 
+/* Damping along the surface in a timestep of a contact with partial slip. */
+struct SlipDamping {
+  double force[3];     // -c V, then D within the limits of the cells
+  double before[3];    // D at the last step
+  double lost;         // energy, from the stretch of the cells
+};
+
 /* History of a contact with partial slip; all members are doubles, for communication. Force, compliance and loss of the whole are those
    of the contact's TangentialSpring. */
 template <int N> struct SlipCells {
@@ -62,9 +69,8 @@ template <int N> struct SlipCells {
   /* Stored energy; without cells, that of the single spring. */
   double energy(const TangentialSpring &spring) const { return active() ? stored : tangential_energy(spring); }
 
-  /* Advance by the slip of a timestep, with a positive normal force. `drag`: force -c V of a damping along the surface, which
-     becomes that within the limits of the cells; null without. */
-  void advance(TangentialSpring &spring, const SlipContact &c, double (*drag)[3] = nullptr)
+  /* Advance by the slip of a timestep, with a positive normal force. */
+  void advance(TangentialSpring &spring, const SlipContact &c, SlipDamping *damping = nullptr)
   {
     const double per_length = c.stiffness / c.circle;
     turn(c.normal);
@@ -72,37 +78,52 @@ template <int N> struct SlipCells {
     const double (&n)[3] = c.normal, (&u)[3] = axis;
     const double v[3] = {n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]};
     const double slip[2] = {dot(c.slip, u), dot(c.slip, v)};
-    const double whole[2] = {drag ? dot(*drag, u) : 0.0, drag ? dot(*drag, v) : 0.0};
-    double sum[2] = {}, before[2] = {}, damped[2] = {}, energy = 0.0, first = 0.0;
+    double sum[2] = {}, before[2] = {}, energy = 0.0, first = 0.0;
+    double drag[2] = {}, last_drag[2] = {}, damped[2] = {}, lost_by_damping = 0.0;
+    if (damping)
+      for (int d = 0; d < 2; d++) {
+        drag[d] = dot(damping->force, d == 0 ? u : v);
+        before[d] = last_drag[d] = dot(damping->before, d == 0 ? u : v);
+      }
     for (int m = 0; m < N; m++) {
       double (&f)[2] = force[m];
       const double k_before = per_length * covered(m, circle), k = per_length * covered(m, c.circle);
       const double last = share(edge(m + 1) / c.circle), limit = c.limit * (last - first);
       const double kept = k < k_before ? k / k_before : 1.0;
       first = last;
+      double held[2];
       for (int d = 0; d < 2; d++) {
         before[d] += f[d];
-        f[d] = kept * f[d] - k * slip[d];
+        held[d] = kept * f[d];
+        f[d] = held[d] - k * slip[d];
       }
       double square = 0.0;
-      if (drag) {
-        double part[2] = {whole[0] * k / c.stiffness, whole[1] * k / c.stiffness};
+      if (damping && k > 0.0) {
+        const double weight = k / c.stiffness;
+        double part[2] = {weight * drag[0], weight * drag[1]};
         limit_cell(part, limit);
         square = limit_cell_sum(f, part, limit);
-        for (int d = 0; d < 2; d++) damped[d] += part[d];
+        for (int d = 0; d < 2; d++) {
+          damped[d] += part[d];
+          lost_by_damping -= 0.5 * (weight * last_drag[d] + part[d]) * (held[d] - f[d]) / k;
+        }
       } else {
         square = limit_cell(f, limit);
       }
       for (int d = 0; d < 2; d++) sum[d] += f[d];
       if (k > 0.0) energy += 0.5 * square / k;
     }
-    const double work = -0.5 * ((before[0] + sum[0]) * slip[0] + (before[1] + sum[1]) * slip[1]);
+    const double work =
+        -0.5 * ((before[0] + (sum[0] + damped[0])) * slip[0] + (before[1] + (sum[1] + damped[1])) * slip[1]);
     for (int d = 0; d < 3; d++) spring.force[d] = sum[0] * u[d] + sum[1] * v[d];
     spring.compliance = 1.0 / c.stiffness;
     // without damping it is negative only by rounding, or negligibly if the slip of a step exceeds the elongation of a cell
-    const double lost = work - (energy - stored);
-    spring.loss += drag ? lost : std::max(lost, 0.0);
-    for (int d = 0; drag && d < 3; d++) (*drag)[d] = damped[0] * u[d] + damped[1] * v[d];
+    const double lost = work - (energy - stored) - lost_by_damping;
+    spring.loss += damping ? lost : std::max(lost, 0.0);
+    if (damping) {
+      damping->lost = lost_by_damping;
+      for (int d = 0; d < 3; d++) damping->force[d] = damped[0] * u[d] + damped[1] * v[d];
+    }
     stored = energy;
     circle = c.circle;
   }

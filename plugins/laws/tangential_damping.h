@@ -13,8 +13,9 @@
    limit.
 
    The velocity is that at the end of the step, extrapolated from the last two steps as in viscous_loss.h. The energy stored is that
-   of the spring. Of the work against the slip, (F_before + F)/2 . (-s), the part of D is the loss of the damping; the rest, minus
-   the increase of the stored energy, is that of friction. */
+   of the spring. With e the part of the slip s that stretches the spring, (D_before + D)/2 . (-e) is lost by the damping; the rest of
+   the work against the slip, (F_before + F)/2 . (-s), minus the increase of the stored energy, is lost by friction: sliding at a
+   constant speed loses by friction alone. */
 
 #ifndef GRANWAVE_TANGENTIAL_DAMPING_H
 #define GRANWAVE_TANGENTIAL_DAMPING_H
@@ -73,13 +74,11 @@ struct DampingHistory {
     step = dt;
   }
 
-  /* End it with the force D that was found. */
-  void finish_step(const double (&found)[3], const double (&slip)[3])
+  /* End it with the force D that was found, and the energy lost in it. */
+  void finish_step(const double (&found)[3], double energy)
   {
-    for (int d = 0; d < 3; d++) {
-      lost -= 0.5 * (force[d] + found[d]) * slip[d];
-      force[d] = found[d];
-    }
+    std::copy_n(found, 3, force);
+    lost += energy;
   }
 
   /* Start from a state whose velocities are those of the same instant; the spring is at rest. */
@@ -108,15 +107,21 @@ inline void compute_damped(TangentialSpring &spring, DampingHistory &damping, co
   double drag[3];
   damping.drag_of_step(n, slip, coefficient, dt, drag);
   limit_magnitude(drag, limit);
-  double work = -0.5 * dot(spring.force, slip);
+  double work = -0.5 * (dot(spring.force, slip) + dot(damping.force, slip));
   const double ratio = spring.compliance > 0.0 ? stiffness * spring.compliance : 1.0;
   const double kept = model == TangentialModel::MINDLIN ? 1.0 : std::min(ratio, 1.0);
-  for (int d = 0; d < 3; d++) spring.force[d] = kept * spring.force[d] - stiffness * slip[d];
+  double stretch[3];
+  for (int d = 0; d < 3; d++) {
+    stretch[d] = spring.force[d] *= kept;
+    spring.force[d] -= stiffness * slip[d];
+  }
   spring.compliance = 1.0 / stiffness;
   limit_sum(spring.force, drag, limit);
-  work -= 0.5 * dot(spring.force, slip);
-  spring.loss += work - (tangential_energy(spring) - stored);
-  damping.finish_step(drag, slip);
+  for (int d = 0; d < 3; d++) stretch[d] = (stretch[d] - spring.force[d]) * spring.compliance;
+  work -= 0.5 * (dot(spring.force, slip) + dot(drag, slip));
+  const double damped = -0.5 * (dot(damping.force, stretch) + dot(drag, stretch));
+  spring.loss += work - (tangential_energy(spring) - stored) - damped;
+  damping.finish_step(drag, damped);
 }
 
 }    // namespace granwave

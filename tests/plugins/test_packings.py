@@ -20,6 +20,8 @@ PACKINGS = {
     "dents and friction": (f"{BRASS} {RUBS}", 3, 3, 3, 10000, 1e-6),
     "partial slip": (f"{HERTZ} {SLIPS}", 3, 3, 3, 8000, 1e-6),
     "partial slip, rolling, losses": (f"{BRASS} {SLIPS} {ROLLS} loss time 1e-7", 3, 3, 3, 8000, 1e-4),
+    "damping along surfaces": (f"{BRASS} {RUBS} loss time 1e-7 loss_tangential 0.5", 2, 3, 3, 6000, 1e-4),
+    "partial slip with damping": (f"{HERTZ} {SLIPS} loss time 1e-7 loss_tangential 0.5", 2, 3, 3, 6000, 1e-4),
     "rolling and twisting": (f"{HERTZ} {RUBS} {ROLLS}", 2, 1, 1, 3000, 2e-5),
     "rolling alone": (f"{HERTZ} rolling sds mindlin 0.0 0.1", 2, 1, 1, 3000, 2e-5),
     "dashpots of rolling": (f"{HERTZ} {RUBS} rolling sds 2e6 3.0 0.05 twisting sds 4.0 1e-5 2e-5", 2, 1, 1, 3000, 2e-5),
