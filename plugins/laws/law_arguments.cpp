@@ -122,8 +122,7 @@ std::string usage_of_laws()
          " E nu sigma_y [E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
          "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
          "[loss time A|dashpot alpha [" +
-         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]] [cohesion jkr|dmt w]" +
-         optional_words();
+         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]] [cohesion jkr|dmt w]" + optional_words();
 }
 
 /* A law made of the values of its parameters and the scales of the pair. */
@@ -268,8 +267,9 @@ LawArguments parse_law(const std::vector<std::string> &words)
   if (args.resistance.twisting.marshall && !(args.friction > 0.0))
     refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
   if (args.loss.tangential > 0.0 && !args.loss)
-    refuse(TANGENTIAL_LOSS.keyword + std::string(" is a ratio to the loss along the normal, which is 0: give loss time A or loss "
-                                                 "dashpot alpha"));
+    refuse(TANGENTIAL_LOSS.keyword +
+           std::string(" is a ratio to the loss along the normal, which is 0: give loss time A or loss "
+                       "dashpot alpha"));
   if (args.loss.tangential > 0.0 && !(args.friction > 0.0))
     refuse(TANGENTIAL_LOSS.keyword + std::string(" acts within the limit of friction, which is 0: give friction mu"));
   if (args.options.cohesion && args.law->is_power())

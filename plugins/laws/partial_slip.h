@@ -113,8 +113,7 @@ template <int N> struct SlipCells {
       for (int d = 0; d < 2; d++) sum[d] += f[d];
       if (k > 0.0) energy += 0.5 * square / k;
     }
-    const double work =
-        -0.5 * ((before[0] + (sum[0] + damped[0])) * slip[0] + (before[1] + (sum[1] + damped[1])) * slip[1]);
+    const double work = -0.5 * ((before[0] + (sum[0] + damped[0])) * slip[0] + (before[1] + (sum[1] + damped[1])) * slip[1]);
     for (int d = 0; d < 3; d++) spring.force[d] = sum[0] * u[d] + sum[1] * v[d];
     spring.compliance = 1.0 / c.stiffness;
     // without damping it is negative only by rounding, or negligibly if the slip of a step exceeds the elongation of a cell

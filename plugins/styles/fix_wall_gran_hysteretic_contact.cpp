@@ -218,8 +218,7 @@ void FixWallGranHysteretic::advance_friction(int i, int which, double lever, con
   slip_of_step(velocity, spin, slipping.normal, now.dt, slipping.slip);
   if (starts)
     has.damping_of(block).start(slipping.normal, slipping.slip, spring.force, contact.damping, slipping.limit, now.dt);
-  else
-    has.advance_friction(spring, block, slipping, tangential_model, has.damping ? &contact.damping : nullptr, now.dt);
+  else has.advance_friction(spring, block, slipping, tangential_model, has.damping ? &contact.damping : nullptr, now.dt);
 }
 
 /* Force of one wall along itself on sphere i: of the spring and of the damping. */

@@ -164,7 +164,7 @@ class PairGranHysteretic : public Pair {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
     double pressing[CAPACITY];              // of pairs with cohesion: normal force that limits friction
-    double damping[CAPACITY];    // with damping along the surface: its coefficient; below 0: a run is continued
+    double damping[CAPACITY];               // with damping along the surface: its coefficient; below 0: a run is continued
     void set(int m, const PairParameters &p)
     {
       pair[m] = &p;

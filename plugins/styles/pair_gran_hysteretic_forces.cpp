@@ -268,7 +268,8 @@ void PairGranHysteretic::add_damping(Batch &batch)
     DampingHistory &history = has.damping_of(contacts.block(batch.k[m]));
     if (!step.advances && batch.damping[m] >= 0.0) {
       const SlipContact contact = slip_contact(batch, m);
-      history.start(contact.normal, contact.slip, contacts.spring[batch.k[m]].force, batch.damping[m], contact.limit, step.dt);
+      history.start(contact.normal, contact.slip, contacts.spring[batch.k[m]].force, batch.damping[m], contact.limit,
+                    step.dt);
     }
     for (int d = 0; d < 3; d++) batch.tangential[d][m] += history.force[d];
   }

@@ -113,7 +113,7 @@ def _contacts_found(case: Case) -> dict[str, Any] | None:
 
 
 def _loss_values(contact: Contact, loss: Viscous | None) -> dict[str, float] | None:
-    """Return the size of a loss, and its damping along the surface if there is some; None without."""
+    """Return the size of a loss and its ratio along the surface, if there is any; None without."""
     if loss is None or contact.loss is None:
         return None
     kind, size = loss

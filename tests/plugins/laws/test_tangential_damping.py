@@ -1,5 +1,5 @@
-"""Damping along the surface of a contact: a damped oscillation in closed form, energy, the tangential
-damping of LAMMPS's own pair style granular, and wrong words.
+"""Damping along the surface of a contact: a damped oscillation in closed form, energy, and the
+tangential damping of LAMMPS's own pair style granular.
 """
 
 from __future__ import annotations
@@ -104,7 +104,8 @@ def test_a_sticking_contact_oscillates_as_the_closed_form(lammps, tangential, lo
     lever = R - OVERLAP / 2
     turned = mass / (1 + 2.5 * (lever / R) ** 2)
     assert 0.05 < damping / (2 * np.sqrt(stiffness * turned)) < 0.7
-    words = f"friction {STICKING} tangential {tangential} loss {loss} {LOSSES[loss]} loss_tangential {ratio}"
+    words = f"friction {STICKING} tangential {tangential} loss {loss} {LOSSES[loss]}"
+    words += f" loss_tangential {ratio}"
     period = 2 * np.pi / np.sqrt(stiffness / turned)
     errors = []
     for steps in (200, 400):
@@ -160,7 +161,9 @@ def test_steady_sliding_is_lost_by_friction(lammps):
     lmp.command("run 1000 post no")
     before = [value(lmp, f"c_en[{n}]") for n in (7, 8)]
     lmp.command("run 100 post no")
-    friction, viscous = (value(lmp, f"c_en[{n}]") - old for n, old in zip((7, 8), before, strict=True))
+    friction, viscous = (
+        value(lmp, f"c_en[{n}]") - old for n, old in zip((7, 8), before, strict=True)
+    )
     assert friction == pytest.approx(MU * hertz().loading_force(OVERLAP) * 0.1 * 1e-6, rel=5e-3)
     assert abs(viscous) < 1e-3 * friction
 
@@ -189,8 +192,8 @@ def test_against_the_damping_of_lammps(lammps, across, model):
     the spins differ by more than 5 %.
     """
     own = (
-        f"pair_style granular\npair_coeff * * hertz/material {E} 0.7 {NU} tangential {model}/force NULL 1.0 {MU} "
-        "damping tsuji limit_damping"
+        f"pair_style granular\npair_coeff * * hertz/material {E} 0.7 {NU} tangential {model}/force "
+        f"NULL 1.0 {MU} damping tsuji limit_damping"
     )
     law = f"{HERTZ} friction {MU} tangential {model} loss dashpot {tsuji(0.7):.17g}"
     theirs = oblique(lammps, across, own=own, steps=0)
