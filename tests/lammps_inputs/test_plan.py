@@ -321,7 +321,7 @@ TINY = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
         ),
         ({"contact": {"loss": {"dashpot": 3e4}}}, "contact.loss", "a smaller loss"),
         (
-            {"contact": {"friction": 0.3, "loss": {"dashpot": 100.0, "tangential": 1e3}}},
+            {"contact": {"friction": 0.3, "loss": {"dashpot": 100.0, "tangential": 100.0}}},
             "contact.loss.tangential", "less damping",
         ),
         ({"replace": [{"index": [5], "diameter": 1e-6}]}, "a contact of R* = 5e-07 m", "larger grains"),
