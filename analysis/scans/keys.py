@@ -61,6 +61,7 @@ _NAMES: Mapping[str, Naming] = {
     "contact.loss.time": Naming("Loss time", "$A$", "µs", 1e-6),
     "contact.loss.restitution": Naming("Restitution", "$e$"),
     "contact.loss.dashpot": Naming("Factor of the dashpot", r"$\alpha$"),
+    "contact.loss.tangential": Naming("Ratio of damping along the surface", "$x$"),
     "contact.loss.dashpot.restitution": Naming("Restitution of the dashpot", "$e$"),
     "contact.initial_overlap": Naming("Dent before the run", unit="µm", scale=1e-6),
     "contact.variant": Naming("Variant"),

@@ -3,10 +3,11 @@
 from __future__ import annotations
 
 import dataclasses
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 from granwave.lammps_inputs.case import schema
 from granwave.lammps_inputs.case.hints import POSSIBLE, VELOCITY
+from granwave.lammps_inputs.case.law_parameters import OF_LOSS, with_parameters
 from granwave.lammps_inputs.case.schema import (
     NumberType,
     TableType,
@@ -60,9 +61,16 @@ _DASHPOT = schema.EitherType(
 )
 
 
+_LOSS_KINDS = ("time", "restitution", "dashpot")
+
+
 @dataclasses.dataclass(frozen=True, kw_only=True)
+@with_parameters(OF_LOSS, first=("time", "restitution", "velocity", "dashpot"))
 class Loss:
-    """Viscous loss of contacts: a time, a restitution at a velocity, or a dashpot."""
+    """Viscous loss of contacts: a time, a restitution at a velocity, or a dashpot.
+
+    The parameters of the loss along the surface are fields as well, with the names of the plugin.
+    """
 
     time: float | None = schema.typed(
         "loss time: the stress is that of the strain plus this time its rate",
@@ -88,11 +96,20 @@ class Loss:
         default=None,
     )
 
+    if TYPE_CHECKING:
+
+        def __getattr__(self, name: str) -> Any: ...
+
+    @property
+    def damps_surface(self) -> bool:
+        """True if the contact is damped along its surface, where it has friction."""
+        return bool(self.tangential)
+
     def checked(self) -> Loss:
         """Return the loss; raise `ValidationError` for anything but one of the three kinds."""
-        kinds = [
-            name for name in ("time", "restitution", "dashpot") if getattr(self, name) is not None
-        ]
+        kinds = [name for name in _LOSS_KINDS if getattr(self, name) is not None]
+        alone = self.damps_surface and not kinds
+        refuse_if(alone, f"{LOSS_FORM}; tangential is a ratio to the damping that one of these has")
         both = " and ".join(kinds[:2])
         refuse_if(len(kinds) > 1, f"one of {LOSS_FORM}; {both} exclude each other")
         if kinds != ["restitution"]:

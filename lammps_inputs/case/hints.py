@@ -176,12 +176,14 @@ _NOTES = {
     "restitution": "take contact.loss = {restitution = 0.9, velocity = 1.0}; without it the contact law decides",
     "gravity": 'take [precompression] with kind = "gravity" and, perhaps, acceleration',
     "damping": "contacts dissipate by yielding (contact.law), contact.friction and contact.loss = {dashpot = 0.1}",
+    "gamma_t": "take contact.loss = {dashpot = 0.1, tangential = 1.0}, with contact.friction",
     "ranks": "the number of MPI ranks is given on the command line: --np",
 }
 _OTHER_WORDS = {
     "restitution": "cor e_n coefficient_of_restitution",
     "gravity": "g gravitation gravity_acceleration",
     "damping": "viscosity dashpot gamma gamma_n",
+    "gamma_t": "x_gamma_t xt tangential_damping tangential_loss loss_tangential shear_damping",
     "ranks": "np threads cores processors",
 }
 _NOTES |= {word: _NOTES[known] for known, words in _OTHER_WORDS.items() for word in words.split()}

@@ -407,10 +407,13 @@ def check_cohesion(assembly: Assembly, errors: ErrorList) -> None:
 
 
 def check_losses(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that some loss time gives the restitution that is asked for, of each pair of materials."""
+    """Check that some loss time gives the restitution that is asked for, of each pair of materials,
+    and that contacts that are damped along their surfaces have friction.
+    """
     case = assembly.case
     if not case.has_loss:
         return
+    _check_damping(case, errors)
     wrong: dict[str, Mismatch] = {}
     for first, second, shapes in _material_pairs(assembly):
         contact = case.contact_between(first, second)
@@ -430,6 +433,19 @@ def check_losses(assembly: Assembly, errors: ErrorList) -> None:
                 Mismatch(found, f"of {names} a restitution of {error}"),
             )
     errors.check(*((True, key, message) for key, message in wrong.items()))
+
+
+def _check_damping(case: Case, errors: ErrorList) -> None:
+    """Check that there is friction where contacts are damped along their surfaces."""
+    ratios = [one.loss.tangential or 0.0 for one in case.contact_laws if one.loss is not None]
+    largest = max(ratios)
+    slides = case.boundary.friction or any(one.friction for one in case.contact_laws)
+    without_friction = Mismatch(
+        f"{largest:g} with friction = 0",
+        "friction above 0, whose limit bounds the force along the surface",
+        "set contact.friction",
+    )
+    errors.check((largest and not slides, "contact.loss.tangential", without_friction))
 
 
 def check_rates(assembly: Assembly, errors: ErrorList) -> None:

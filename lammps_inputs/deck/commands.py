@@ -11,7 +11,7 @@ import numpy as np
 
 from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.case.contact_tables import MARSHALL, Resistance
-from granwave.lammps_inputs.case.law_parameters import is_set, keywords, value_of
+from granwave.lammps_inputs.case.law_parameters import OF_LOSS, is_set, keywords, value_of
 from granwave.lammps_inputs.case.material import Material
 from granwave.lammps_inputs.contact.law import (
     HERTZ,
@@ -168,6 +168,7 @@ def law_coefficients(
         words += [] if marshall and not friction else _slider("twisting", contact.twisting)
     if loss is not None:
         words += ["loss", loss[0], num(loss[1])]
+        words += _loss_parameters(contact) if friction else []
     if contact.cohesion is not None and contact.coheres:
         words += ["cohesion", contact.cohesion.kind, num(contact.cohesion.energy)]
     return joined(words)
@@ -188,6 +189,15 @@ def _law_parameters(contact: Contact, materials: Sequence[Material]) -> list[str
             words.append(keyword)
             for holder in holders:
                 words += [_word(value_of(holder, parameter)) for parameter in parameters]
+    return words
+
+
+def _loss_parameters(contact: Contact) -> list[str]:
+    """Return the words of the damping along the surface, which friction limits."""
+    words: list[str] = []
+    for parameter in OF_LOSS:
+        if is_set(contact.loss, parameter):
+            words += [parameter.keyword, _word(value_of(contact.loss, parameter))]
     return words
 
 

@@ -30,8 +30,10 @@ from __future__ import annotations
 import dataclasses
 import logging
 import math
+from collections.abc import Sequence
 
 from granwave.lammps_inputs.case.boundary import BAR_COURANT_NUMBER, PLATE_OSCILLATION
+from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact import Resistance
 from granwave.lammps_inputs.case.loads.driven import DrivenLoad
 from granwave.lammps_inputs.case.run import ENERGY_TOLERANCE
@@ -41,6 +43,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import support_timestep
 from granwave.lammps_inputs.planning.encounters import (
     BOTTOM,
+    Encounter,
     encounters,
     some_encounters,
 )
@@ -51,6 +54,8 @@ _OF_ROLLING = 0.2  # timestep over 1/angular frequency of a given stiffness; sta
 _OF_COHESION = 0.5  # surfaces that jump together move fast at first
 # timestep over effective mass/viscous coefficient; unstable from 0.25 on in fcc packings
 _OF_VISCOUS_DECAY = 0.1
+# mass that moves along the surface over the effective mass: spheres of 2/5 m R^2 turn as well
+_OF_MASS_ALONG = 2 / 7
 
 # of bodies behind walls, by their keys
 _REMEDIES = {
@@ -175,6 +180,7 @@ def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
         TimestepLimit(_OF_VISCOUS_DECAY * one.decay_time, "contact.loss", "a smaller loss")
         for one in lossy
     ]
+    limits += _limits_along_surfaces(case, lossy)
     for contact in (case.contact, *(pair.contact for pair in case.pair)):
         for key, arm in (("rolling", 1.0), ("twisting", radius)):
             one = getattr(contact, key)
@@ -195,6 +201,19 @@ def _limits_at_any_time(assembly: Assembly) -> list[TimestepLimit]:
         step = PLATE_OSCILLATION * math.sqrt(plate.mass / on_plate)
         limits.append(TimestepLimit(step, plate.key, "a heavier plate"))
     return limits
+
+
+def _limits_along_surfaces(case: Case, lossy: Sequence[Encounter]) -> list[TimestepLimit]:
+    """Return the bounds by the damping along surfaces of collisions with a loss."""
+    ratios = [one.loss.tangential or 0.0 for one in case.contact_laws if one.loss is not None]
+    largest = max(ratios, default=0.0)
+    if not largest or not case.has_friction:
+        return []
+    part = _OF_VISCOUS_DECAY * _OF_MASS_ALONG / largest
+    return [
+        TimestepLimit(part * one.decay_time, "contact.loss.tangential", "less damping")
+        for one in lossy
+    ]
 
 
 _LOG = logging.getLogger("granwave")

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-2.0-only
 #include "bound_laws.h"
 
+#include "../laws/viscous_loss.h"
 #include "arguments.h"
 
 #include <pybind11/stl.h>
@@ -76,6 +77,9 @@ void bind_laws(py::module_ &module)
   for (const LawParameter *parameter : law_parameters())
     parameters[parameter->name] = py::cast(parameter, py::return_value_policy::reference);
   module.attr("PARAMETERS") = parameters;
+  py::dict of_loss;
+  of_loss[TANGENTIAL_LOSS.name] = py::cast(&TANGENTIAL_LOSS, py::return_value_policy::reference);
+  module.attr("LOSS_PARAMETERS") = of_loss;
 }
 
 }    // namespace granwave::bindings

@@ -92,6 +92,7 @@ struct BlockView : ExtendedState {
   BlockView() = default;
 
   const double *extra = nullptr, *initial_extra = nullptr;
+  double side = 1.0;    // -1: the spring is seen from the second sphere; vectors in `extra` never are
 };
 
 class ContactHistory {

@@ -11,13 +11,14 @@
 #include "contact_law.h"
 #include "partial_slip.h"
 #include "resistance.h"
+#include "tangential_damping.h"
 #include "viscous_loss.h"
 
 namespace granwave {
 
 struct ContactMemory {
   bool friction = false, dents = false;    // a spring, and what initial dents need: no parts of the block
-  bool slip = false, cohesion = false, resistance = false, loss = false;
+  bool slip = false, cohesion = false, resistance = false, loss = false, damping = false;
   bool loss_first = false;    // of walls: the loss stands before the others, of pairs behind them
   int n = 0;                  // doubles of a block
 
@@ -25,6 +26,8 @@ struct ContactMemory {
   CohesionHistory &cohesion_of(double *block) const { return part<CohesionHistory>(block, to_cohesion()); }
   ResistanceHistory &resistance_of(double *block) const { return part<ResistanceHistory>(block, to_resistance()); }
   ViscousHistory &loss_of(double *block) const { return part<ViscousHistory>(block, to_loss()); }
+
+  DampingHistory &damping_of(double *block) const { return part<DampingHistory>(block, size()); }
 
   /* Copies, which are those of a new contact where there is no such history. */
   CohesionHistory cohesion_of(const double *block) const { return copy<CohesionHistory>(cohesion, block, to_cohesion()); }
@@ -34,8 +37,13 @@ struct ContactMemory {
   }
   ViscousHistory loss_of(const double *block) const { return copy<ViscousHistory>(loss, block, to_loss()); }
 
+  DampingHistory damping_of(const double *block) const { return copy<DampingHistory>(damping, block, size()); }
+
+  /* Energy lost by viscous forces along the normal and along the surface. */
+  double viscous_loss(const double *block) const { return loss_of(block).lost + damping_of(block).lost; }
+
   /* Doubles of all these histories. */
-  int size() const { return to_slip() + (loss_first ? size_of_loss() : 0); }
+  int size() const { return to_loss_or_slip() + (damping ? DampingHistory::SIZE : 0); }
 
   /* Energy stored by friction. */
   double tangential_energy(const TangentialSpring &spring, const double *block) const
@@ -52,13 +60,33 @@ struct ContactMemory {
     if (resistance) resistance_of(block).rolling.loss = resistance_of(block).twisting.loss = 0.0;
     if (cohesion) cohesion_of(block).lost = 0.0;
     if (loss) loss_of(block) = {};
+    if (damping) damping_of(block) = {};
   }
 
   /* End the spring of surfaces that have parted, or that friction does not hold. */
   void release_spring(TangentialSpring &spring, double *block) const
   {
+    if (damping) damping_of(block).release();
     if (slip && slip_of(block).active()) slip_of(block).release(spring);
     else release(spring);
+  }
+
+  /* Advance spring and damping of a contact by the slip of a timestep, with a positive normal force. `coefficient`: of the damping
+     along the surface; null without. */
+  void advance_friction(TangentialSpring &spring, double *block, const SlipContact &contact, TangentialModel model,
+                        const double *coefficient, double dt) const
+  {
+    const bool slips = model == TangentialModel::PARTIAL_SLIP;
+    const auto &[normal, moved, circle, stiffness, limit, radius] = contact;
+    if (!coefficient && slips) return slip_of(block).advance(spring, contact);
+    if (!coefficient) return compute_tangential(spring, normal, moved, stiffness, limit, model);
+    DampingHistory &history = damping_of(block);
+    if (!slips) return compute_damped(spring, history, normal, moved, stiffness, limit, model, *coefficient, dt);
+    SlipDamping damped{};
+    history.drag_of_step(normal, moved, *coefficient, dt, damped.force);
+    std::copy_n(history.force, 3, damped.before);
+    slip_of(block).advance(spring, contact, &damped);
+    history.finish_step(damped.force, damped.lost);
   }
 
  private:
@@ -67,7 +95,8 @@ struct ContactMemory {
   int to_resistance() const { return (loss_first ? 0 : size_of_loss()) + (resistance ? ResistanceHistory::SIZE : 0); }
   int to_cohesion() const { return to_resistance() + (cohesion ? CohesionHistory::SIZE : 0); }
   int to_slip() const { return to_cohesion() + (slip ? SlipHistory::SIZE : 0); }
-  int to_loss() const { return loss_first ? size() : size_of_loss(); }
+  int to_loss_or_slip() const { return to_slip() + (loss_first ? size_of_loss() : 0); }
+  int to_loss() const { return loss_first ? to_loss_or_slip() : size_of_loss(); }
 
   template <class History> History &part(double *block, int to_end) const
   {

@@ -121,8 +121,8 @@ std::string usage_of_laws()
   return "expected: " + elastic + " E nu [E2 nu2], " + powers + "or " + law_names("|", true) +
          " E nu sigma_y [E2 nu2 sigma_y2], then [friction mu] [tangential mindlin_rescale|mindlin|partial_slip] "
          "[rolling sds K|mindlin gamma mu] [twisting sds K|mindlin gamma mu|marshall] "
-         "[loss time A|dashpot alpha] [cohesion jkr|dmt w]" +
-         optional_words();
+         "[loss time A|dashpot alpha [" +
+         TANGENTIAL_LOSS.keyword + " " + TANGENTIAL_LOSS.symbol + "]] [cohesion jkr|dmt w]" + optional_words();
 }
 
 /* A law made of the values of its parameters and the scales of the pair. */
@@ -251,8 +251,13 @@ LawArguments parse_law(const std::vector<std::string> &words)
       if (loss ? bool(args.loss) : bool(args.options.cohesion)) refuse(key + " is given twice");
       if (++k + 1 == words.size()) refuse("'" + key + " " + value + "' has no value; " + usage);
       const double size = number(words[k + 1], key + " " + value, NOT_NEGATIVE);
-      if (size > 0.0 && loss) args.loss = {first ? LossKind::TIME : LossKind::DASHPOT, size};
+      if (size > 0.0 && loss) {
+        args.loss.kind = first ? LossKind::TIME : LossKind::DASHPOT;
+        args.loss.value = size;
+      }
       if (size > 0.0 && !loss) args.options.cohesion = {first ? CohesionKind::JKR : CohesionKind::DMT, size};
+    } else if (key == TANGENTIAL_LOSS.keyword) {
+      args.loss.tangential = number(value, key, TANGENTIAL_LOSS.range);
     } else if (const auto parameters = args.law->with_keyword(key); !parameters.empty()) {
       k += read_values(words, k, parameters, args, usage) - 1;
     } else {
@@ -261,6 +266,12 @@ LawArguments parse_law(const std::vector<std::string> &words)
   }
   if (args.resistance.twisting.marshall && !(args.friction > 0.0))
     refuse("twisting marshall resists by the friction of the contact, which is 0: give friction mu");
+  if (args.loss.tangential > 0.0 && !args.loss)
+    refuse(TANGENTIAL_LOSS.keyword +
+           std::string(" is a ratio to the loss along the normal, which is 0: give loss time A or loss "
+                       "dashpot alpha"));
+  if (args.loss.tangential > 0.0 && !(args.friction > 0.0))
+    refuse(TANGENTIAL_LOSS.keyword + std::string(" acts within the limit of friction, which is 0: give friction mu"));
   if (args.options.cohesion && args.law->is_power())
     refuse("law '" + words[0] + "' has no contact circle, which cohesion needs: take law hertz");
   if (args.options.cohesion && args.has_rate())

@@ -40,6 +40,7 @@ struct LawArguments {
     has.cohesion |= bool(options.cohesion);
     has.resistance |= bool(resistance);
     has.loss |= bool(loss);
+    has.damping |= loss.tangential > 0.0;
   }
 
   ContactLaw contact(const Material &m1, const Material &m2) const { return ContactLaw(*law, m1, m2, options); }

@@ -19,13 +19,16 @@
    The reach is R* 2^(2m/3) with the smallest whole m for which the circle is within: if that rises by 1, two cells each become one, and the
    reverse where the circle is below 2/5 of the reach. So 8 to 16 cells are within a circle that grows.
 
+   With damping along the surface (tangential_damping.h) a cell of stiffness k has that part k/k_t of its force D, at most l, and
+   |f + D k/k_t| <= l.
+
    Stored energy: sum of f^2/(2k). Loss: work against the slip, (F_before + F)/2 . (-s), minus the increase of the stored energy, with F the
    sum of f. It is the slip of the cells, and the part of the stored energy that depends on differences within a cell. */
 
 #ifndef GRANWAVE_PARTIAL_SLIP_H
 #define GRANWAVE_PARTIAL_SLIP_H
 
-#include "tangential.h"
+#include "tangential_damping.h"
 
 #include <array>
 
@@ -39,6 +42,13 @@ struct SlipContact {
   double stiffness;    // k of the circle, 8 G* a
   double limit;        // mu F_n
   double effective_radius;
+};
+
+/* Damping along the surface in a timestep of a contact with partial slip. */
+struct SlipDamping {
+  double force[3];     // -c V, then D within the limits of the cells
+  double before[3];    // D at the last step
+  double lost;         // energy, from the stretch of the cells
 };
 
 /* History of a contact with partial slip; all members are doubles, for communication. Force, compliance and loss of the whole are those
@@ -60,7 +70,7 @@ template <int N> struct SlipCells {
   double energy(const TangentialSpring &spring) const { return active() ? stored : tangential_energy(spring); }
 
   /* Advance by the slip of a timestep, with a positive normal force. */
-  void advance(TangentialSpring &spring, const SlipContact &c)
+  void advance(TangentialSpring &spring, const SlipContact &c, SlipDamping *damping = nullptr)
   {
     const double per_length = c.stiffness / c.circle;
     turn(c.normal);
@@ -69,27 +79,50 @@ template <int N> struct SlipCells {
     const double v[3] = {n[1] * u[2] - n[2] * u[1], n[2] * u[0] - n[0] * u[2], n[0] * u[1] - n[1] * u[0]};
     const double slip[2] = {dot(c.slip, u), dot(c.slip, v)};
     double sum[2] = {}, before[2] = {}, energy = 0.0, first = 0.0;
+    double drag[2] = {}, last_drag[2] = {}, damped[2] = {}, lost_by_damping = 0.0;
+    if (damping)
+      for (int d = 0; d < 2; d++) {
+        drag[d] = dot(damping->force, d == 0 ? u : v);
+        before[d] = last_drag[d] = dot(damping->before, d == 0 ? u : v);
+      }
     for (int m = 0; m < N; m++) {
       double (&f)[2] = force[m];
       const double k_before = per_length * covered(m, circle), k = per_length * covered(m, c.circle);
       const double last = share(edge(m + 1) / c.circle), limit = c.limit * (last - first);
       const double kept = k < k_before ? k / k_before : 1.0;
       first = last;
-      double square = 0.0;
+      double held[2];
       for (int d = 0; d < 2; d++) {
         before[d] += f[d];
-        f[d] = kept * f[d] - k * slip[d];
-        square += f[d] * f[d];
+        held[d] = kept * f[d];
+        f[d] = held[d] - k * slip[d];
       }
-      const double factor = square > limit * limit ? limit / std::sqrt(square) : 1.0;
-      for (int d = 0; d < 2; d++) sum[d] += f[d] *= factor;
-      if (k > 0.0) energy += 0.5 * factor * factor * square / k;
+      double square = 0.0;
+      if (damping && k > 0.0) {
+        const double weight = k / c.stiffness;
+        double part[2] = {weight * drag[0], weight * drag[1]};
+        limit_cell(part, limit);
+        square = limit_cell_sum(f, part, limit);
+        for (int d = 0; d < 2; d++) {
+          damped[d] += part[d];
+          lost_by_damping -= 0.5 * (weight * last_drag[d] + part[d]) * (held[d] - f[d]) / k;
+        }
+      } else {
+        square = limit_cell(f, limit);
+      }
+      for (int d = 0; d < 2; d++) sum[d] += f[d];
+      if (k > 0.0) energy += 0.5 * square / k;
     }
-    const double work = -0.5 * ((before[0] + sum[0]) * slip[0] + (before[1] + sum[1]) * slip[1]);
+    const double work = -0.5 * ((before[0] + (sum[0] + damped[0])) * slip[0] + (before[1] + (sum[1] + damped[1])) * slip[1]);
     for (int d = 0; d < 3; d++) spring.force[d] = sum[0] * u[d] + sum[1] * v[d];
     spring.compliance = 1.0 / c.stiffness;
-    // negative only by rounding, or negligibly if the slip of a step exceeds the elongation of a cell
-    spring.loss += std::max(work - (energy - stored), 0.0);
+    // without damping it is negative only by rounding, or negligibly if the slip of a step exceeds the elongation of a cell
+    const double lost = work - (energy - stored) - lost_by_damping;
+    spring.loss += damping ? lost : std::max(lost, 0.0);
+    if (damping) {
+      damping->lost = lost_by_damping;
+      for (int d = 0; d < 3; d++) damping->force[d] = damped[0] * u[d] + damped[1] * v[d];
+    }
     stored = energy;
     circle = c.circle;
   }
@@ -111,6 +144,26 @@ template <int N> struct SlipCells {
     for (int n = 0; n <= N; n++) edges[n] = std::cbrt(double(n) * n / (double(N) * N));
     return edges;
   }();
+
+  /* Scale the force of a cell to its limit. Returns its square. */
+  static double limit_cell(double (&f)[2], double limit)
+  {
+    const double square = f[0] * f[0] + f[1] * f[1];
+    const double factor = square > limit * limit ? limit / std::sqrt(square) : 1.0;
+    for (double &component : f) component *= factor;
+    return factor * factor * square;
+  }
+
+  /* The same of the sum of the force and a part of the damping, by a change of the force. */
+  static double limit_cell_sum(double (&f)[2], const double (&part)[2], double limit)
+  {
+    double both[2] = {f[0] + part[0], f[1] + part[1]};
+    if (both[0] * both[0] + both[1] * both[1] > limit * limit) {
+      limit_cell(both, limit);
+      for (int d = 0; d < 2; d++) f[d] = both[d] - part[d];
+    }
+    return f[0] * f[0] + f[1] * f[1];
+  }
 
   double edge(int m) const { return reach * EDGES[m]; }
 

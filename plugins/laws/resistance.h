@@ -22,7 +22,7 @@
 #ifndef GRANWAVE_RESISTANCE_H
 #define GRANWAVE_RESISTANCE_H
 
-#include "tangential.h"
+#include "tangential_damping.h"
 
 namespace granwave {
 
@@ -120,7 +120,7 @@ struct ResistanceHistory {
     const double (&n)[3] = c.normal, (&w)[3] = c.spin;
     const SliderModel &roll = model.rolling, &twist = model.twisting;
     if (const double k = roll.stiffness > 0.0 ? roll.stiffness : c.stiffness; roll && k > 0.0) {
-      for (auto *vector : {&rolling.spring, &rolling.dashpot}) turn(*vector, n);
+      for (auto *vector : {&rolling.spring, &rolling.dashpot}) turn_into_plane(*vector, n);
       const double s[3] = {c.arm * (w[1] * n[2] - w[2] * n[1]) * dt, c.arm * (w[2] * n[0] - w[0] * n[2]) * dt,
                            c.arm * (w[0] * n[1] - w[1] * n[0]) * dt};
       rolling.advance(s, k, roll.damping, roll.coefficient * c.force, dt);
@@ -148,15 +148,6 @@ struct ResistanceHistory {
   {
     rolling.release();
     twisting.release();
-  }
-
- private:
-  /* Rotate a vector into the plane normal to n with unchanged magnitude. */
-  static void turn(double (&vector)[3], const double (&n)[3])
-  {
-    TangentialSpring as{{vector[0], vector[1], vector[2]}};
-    rotate(as, dot(vector, vector), n);
-    std::copy_n(as.force, 3, vector);
   }
 };
 

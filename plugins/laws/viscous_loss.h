@@ -19,19 +19,34 @@
 #ifndef GRANWAVE_VISCOUS_LOSS_H
 #define GRANWAVE_VISCOUS_LOSS_H
 
+#include "law_parameters.h"
+
 #include <algorithm>
 #include <cmath>
 
 namespace granwave {
 
+inline constexpr LawParameter TANGENTIAL_LOSS =
+    LawParameter("tangential", "x",
+                 "damping along the surface over that along the normal, within Coulomb's limit: x_gamma_t of LAMMPS's pair "
+                 "style granular, 1 after Tsuji")
+        .in(NOT_NEGATIVE)
+        .in_cases({0.0, 1e3, true, true})
+        .optional(0.0, 1.0)
+        .after("loss_tangential");
+
 enum class LossKind { NONE, TIME, DASHPOT };
 
 struct ViscousLoss {
   LossKind kind = LossKind::NONE;
-  double value = 0.0;    // loss time, or factor of the dashpot
+  double value = 0.0;         // loss time, or factor of the dashpot
+  double tangential = 0.0;    // damping along the surface over that along the normal (tangential_damping.h)
 
   explicit operator bool() const { return kind != LossKind::NONE; }
-  bool operator==(const ViscousLoss &other) const { return kind == other.kind && value == other.value; }
+  bool operator==(const ViscousLoss &other) const
+  {
+    return kind == other.kind && value == other.value && tangential == other.tangential;
+  }
 
   /* Force over the rate of the overlap, from the tangent stiffness and the effective mass. */
   double coefficient(double stiffness, double mass) const

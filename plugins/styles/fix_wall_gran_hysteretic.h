@@ -122,6 +122,7 @@ class FixWallGranHysteretic : public Fix {
     double stiffness;    // largest slope of the force over the overlap, on loading or unloading; with a support only
     double circle_sq;    // squared radius of the contact circle; with friction, resistance or cohesion only
     double pressing;     // normal force that limits friction
+    double damping;      // coefficient of damping along the surface; below 0: a run is continued, or there is none
   };
 
   void list_spheres();
@@ -146,6 +147,8 @@ class FixWallGranHysteretic : public Fix {
   double effective_mass(int i, int side, double stiffness) const;
   void compute_viscous(int i, int side, double overlap, const granwave::ScaledLaw &, Contact &);
   void compute_tangential(int i, int side, double overlap, const Contact &);
+  void advance_friction(int i, int side, double lever, const Contact &);
+  void friction_force(int i, int side, double force[3]);
   void compute_resistance(int i, int side, const Contact &);
   void report_losses(int i);
   double distance_squared(const double from[2], const double to[2]) const;
@@ -171,6 +174,7 @@ class FixWallGranHysteretic : public Fix {
   granwave::CohesionHistory &sticking(int i, int side) { return has.cohesion_of(extra(i, side)); }
   granwave::ResistanceHistory &resisted(int i, int side) { return has.resistance_of(extra(i, side)); }
   granwave::ViscousHistory &viscous(int i, int side) { return has.loss_of(extra(i, side)); }
+  double viscous_loss(int i, int side) { return has.viscous_loss(extra(i, side)); }
   int n_history() const { return 2 * N_SIDE + (friction > 0.0 ? 2 * N_SPRING : 0) + 2 * (has.n + law.n_extra()); }
   int n_state() const { return N_REPORTED + granwave::Front::LEVELS + n_history(); }
 

@@ -95,6 +95,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     place_of(i, side.place);
   }
   Contact contact{};
+  contact.damping = -1.0;
   if (scaled.line()) {
     contact.force = line_force[line];
     if (support) contact.stiffness = line_stiffness[line];
@@ -178,6 +179,7 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
   ViscousHistory &history = viscous(i, which);
   if (update->whichflag != 1) {
     history.forget_state();
+    if (has.damping) has.damping_of(extra(i, which)).release();
     return;
   }
   if (has.cohesion && !(contact.pressing > 0.0)) {
@@ -189,49 +191,68 @@ void FixWallGranHysteretic::compute_viscous(int i, int which, double overlap, co
     const LawHistory h = law_history(i, which);
     const double stiffness = has.cohesion && !scaled.yielded(h.peak) ? 2.0 * law.modulus() * std::sqrt(contact.circle_sq)
                                                                      : scaled.tangent_stiffness(overlap, h);
-    return loss.coefficient(stiffness, has_dashpot() ? effective_mass(i, which, stiffness) : 0.0);
+    const double coefficient = loss.coefficient(stiffness, has_dashpot() ? effective_mass(i, which, stiffness) : 0.0);
+    contact.damping = loss.tangential * coefficient;
+    return coefficient;
   });
 }
 
-/* Compute the tangential force of one wall on sphere i, and its torque. The spring is updated only if a timestep was made. */
+/* Advance spring and damping of one wall at sphere i, with this lever arm, if a timestep was made. Where a run begins, the damping is
+   that of the present velocities. */
+void FixWallGranHysteretic::advance_friction(int i, int which, double lever, const Contact &contact)
+{
+  const Step now = step();
+  const bool starts = has.damping && !now.advances && contact.damping >= 0.0;
+  if (!now.advances && !starts) return;
+  TangentialSpring &spring = springs(i)[which];
+  double *const block = extra(i, which);
+  const double *const v = atom->v[i], *const omega = atom->omega[i];
+  const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
+  SlipContact slipping{{},
+                       {},
+                       std::sqrt(contact.circle_sq),
+                       law.tangential_stiffness(contact.circle_sq),
+                       friction * contact.pressing,
+                       scaled_law(i).effective_radius()};
+  inward(i, which, slipping.normal);
+  slip_of_step(velocity, spin, slipping.normal, now.dt, slipping.slip);
+  if (starts)
+    has.damping_of(block).start(slipping.normal, slipping.slip, spring.force, contact.damping, slipping.limit, now.dt);
+  else has.advance_friction(spring, block, slipping, tangential_model, has.damping ? &contact.damping : nullptr, now.dt);
+}
+
+/* Force of one wall along itself on sphere i: of the spring and of the damping. */
+void FixWallGranHysteretic::friction_force(int i, int which, double force[3])
+{
+  std::copy_n(springs(i)[which].force, 3, force);
+  if (!has.damping) return;
+  const DampingHistory &history = has.damping_of(extra(i, which));
+  for (int d = 0; d < 3; d++) force[d] += history.force[d];
+}
+
+/* Compute the tangential force of one wall on sphere i, and its torque. */
 void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap, const Contact &contact)
 {
-  TangentialSpring &spring = springs(i)[which];
   double *const state = array_atom[i];
-  if (contact.pressing > 0.0) {
-    double normal[3];
-    inward(i, which, normal);
-    const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
-    if (const Step now = step(); now.advances) {
-      const double *const v = atom->v[i], *const omega = atom->omega[i];
-      const double velocity[3] = {v[0], v[1], v[2]}, spin[3] = {lever * omega[0], lever * omega[1], lever * omega[2]};
-      double slip[3];
-      slip_of_step(velocity, spin, normal, now.dt, slip);
-      const double stiffness = law.tangential_stiffness(contact.circle_sq), limit = friction * contact.pressing;
-      if (has.slip)
-        has.slip_of(extra(i, which))
-            .advance(spring, {{normal[0], normal[1], normal[2]},
-                              {slip[0], slip[1], slip[2]},
-                              std::sqrt(contact.circle_sq),
-                              stiffness,
-                              limit,
-                              scaled_law(i).effective_radius()});
-      else granwave::compute_tangential(spring, normal, slip, stiffness, limit, tangential_model);
-    }
-    double torque[3];
-    torque_per_lever(normal, spring.force, torque);
-    for (int d = 0; d < 3; d++) {
-      atom->f[i][d] += spring.force[d];
-      atom->torque[i][d] += lever * torque[d];
-    }
-    // on the wall: along x, y, z, or outward, around and along a tube
-    double on_wall[3] = {-spring.force[0], -spring.force[1], -spring.force[2]};
-    if (tube) tube->cylindrical(atom->x[i], on_wall);
-    for (int d = 0; d < 3; d++) wall_force[d] += on_wall[d];
-    if (contact.force == state[FORCE]) state[TANGENTIAL] = tangential_force(spring);
-  } else {
-    has.release_spring(spring, extra(i, which));
+  if (!(contact.pressing > 0.0)) {
+    has.release_spring(springs(i)[which], extra(i, which));
+    return;
   }
+  const double lever = atom->radius[i] - (cylinders && is_line(i) ? 1.0 : 0.5) * overlap;
+  advance_friction(i, which, lever, contact);
+  double normal[3], force[3], torque[3];
+  inward(i, which, normal);
+  friction_force(i, which, force);
+  torque_per_lever(normal, force, torque);
+  for (int d = 0; d < 3; d++) {
+    atom->f[i][d] += force[d];
+    atom->torque[i][d] += lever * torque[d];
+  }
+  // on the wall: along x, y, z, or outward, around and along a tube
+  double on_wall[3] = {-force[0], -force[1], -force[2]};
+  if (tube) tube->cylindrical(atom->x[i], on_wall);
+  for (int d = 0; d < 3; d++) wall_force[d] += on_wall[d];
+  if (contact.force == state[FORCE]) state[TANGENTIAL] = std::sqrt(dot(force, force));
 }
 
 /* Compute the torque by which one wall resists rolling and twisting of sphere i, as the pair style does. */
@@ -261,7 +282,7 @@ void FixWallGranHysteretic::compute_resistance(int i, int which, const Contact &
 void FixWallGranHysteretic::report_losses(int i)
 {
   double *const state = array_atom[i];
-  if (loss) state[VISCOUS] = viscous(i, 0).lost + viscous(i, 1).lost;
+  if (loss) state[VISCOUS] = viscous_loss(i, 0) + viscous_loss(i, 1);
   if (!has.friction) return;
   state[FRICTION_LOSS] = friction > 0.0 ? springs(i)[0].loss + springs(i)[1].loss : 0.0;
   if (resistance) state[FRICTION_LOSS] += resisted(i, 0).loss() + resisted(i, 1).loss();
@@ -333,7 +354,11 @@ void FixWallGranHysteretic::add_magnitudes(int i, double sums[3])
   inward(i, 1, normal);
   for (int d = 0; d < 3; d++) {
     double along = 0.0;
-    for (int side = 0; side < 2 && friction > 0.0; side++) along += springs(i)[side].force[d];
+    for (int side = 0; side < 2 && friction > 0.0; side++) {
+      double tangential[3];
+      friction_force(i, side, tangential);
+      along += tangential[d];
+    }
     sums[d] += std::fabs(force * normal[d]) + std::fabs(along);
   }
 }

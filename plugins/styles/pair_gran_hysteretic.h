@@ -164,6 +164,7 @@ class PairGranHysteretic : public Pair {
     const PairParameters *pair[CAPACITY];
     PairParameters parameters[CAPACITY];    // of each pair, or only the first if all are equal; unused if known by type
     double pressing[CAPACITY];              // of pairs with cohesion: normal force that limits friction
+    double damping[CAPACITY];               // with damping along the surface: its coefficient; below 0: a run is continued
     void set(int m, const PairParameters &p)
     {
       pair[m] = &p;
@@ -243,7 +244,9 @@ class PairGranHysteretic : public Pair {
   void compute_cohesion(Batch &);
   void compute_viscous(Batch &);
   void compute_tangential(Batch &);
-  void advance_slip(Batch &);
+  granwave::SlipContact slip_contact(const Batch &, int m) const;
+  void advance_friction(Batch &);
+  void add_damping(Batch &);
   void compute_resistance(const Batch &, const double *circle, double (*moment)[3]);
   void tally(const Batch &, Tally);
   void compute_plastic(Batch &, std::uint64_t beyond, std::uint64_t raised);

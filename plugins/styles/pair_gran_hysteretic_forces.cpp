@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Pair style gran/hysteretic: forces, with cohesion (cohesion.h), losses (viscous_loss.h), friction (tangential.h,
-   partial_slip.h), resistance to rolling and twisting (resistance.h). */
+   partial_slip.h, tangential_damping.h), resistance to rolling and twisting (resistance.h). */
 
 #include "pair_gran_hysteretic.h"
 
@@ -155,6 +155,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
   ContactList &c = contacts;
   for (int m = 0; m < batch.size; m++) {
     const PairParameters &p = *batch.pair[m];
+    batch.damping[m] = -1.0;
     if (!p.loss) continue;
     const int k = batch.k[m];
     ViscousHistory &history = has.loss_of(c.block(k));
@@ -162,6 +163,7 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
     const bool sticks = p.contact.cohesive();
     if (update->whichflag != 1) {
       history.forget_state();
+      if (has.damping) has.damping_of(c.block(k)).release();
       continue;
     }
     if (sticks && !(batch.pressing[m] > 0.0)) {
@@ -178,7 +180,9 @@ void PairGranHysteretic::compute_viscous(Batch &batch)
                             ? p.contact.tangent_stiffness(overlap, c.law_history(k))
                             : p.contact.tangent_stiffness(overlap, c.turnings[c.cached_turning(k, p.contact)]);
           const double mass = p.loss.kind == LossKind::DASHPOT ? effective_mass(batch, m) : 0.0;
-          return p.loss.coefficient(stiffness, mass);
+          const double coefficient = p.loss.coefficient(stiffness, mass);
+          batch.damping[m] = p.loss.tangential * coefficient;
+          return coefficient;
         });
   }
 }
@@ -204,37 +208,70 @@ void PairGranHysteretic::compute_tangential(Batch &batch)
     }
   batch.read(triples(atom->v), triples(atom->omega), c.spring.data());
   if (flows) set_relative_velocities(batch);
-  if (!step.advances) {
+  if (step.advances) {
+    batch.advance_forces_and_torques(step.dt);
+    if (has.slip || has.damping) advance_friction(batch);
+    batch.write(c.spring.data());
+  } else {
     batch.compute_forces_and_torques();
-    return;
   }
-  batch.advance_forces_and_torques(step.dt);
-  if (has.slip) advance_slip(batch);
-  batch.write(c.spring.data());
+  if (has.damping) add_damping(batch);
 }
 
-/* Replace the tangential forces of the pairs with partial slip by those of their rows of springs. */
-void PairGranHysteretic::advance_slip(Batch &batch)
+/* A pair with friction as partial slip and damping need it. */
+SlipContact PairGranHysteretic::slip_contact(const Batch &batch, int m) const
+{
+  SlipContact contact{{},
+                      {},
+                      batch.circle[m],
+                      batch.shear_stiffness[m] * batch.circle[m],
+                      batch.limit[m],
+                      batch.pair[m]->contact.effective_radius()};
+  double velocity[3], spin[3];
+  for (int d = 0; d < 3; d++) {
+    contact.normal[d] = batch.normal[d][m];
+    velocity[d] = batch.velocity[d][m];
+    spin[d] = batch.spin[d][m];
+  }
+  slip_of_step(velocity, spin, contact.normal, step.dt, contact.slip);
+  return contact;
+}
+
+/* Replace the tangential forces of the pairs with partial slip by those of their rows of springs, and of the pairs with damping along
+   the surface by those of springs that slide earlier or later. */
+void PairGranHysteretic::advance_friction(Batch &batch)
 {
   bool any = false;
   for (int m = 0; m < batch.size; m++) {
     const PairParameters &p = *batch.pair[m];
-    if (p.tangential_model != TangentialModel::PARTIAL_SLIP || !(batch.limit[m] > 0.0)) continue;
+    const bool damps = p.loss.tangential > 0.0;
+    if (!(damps || p.tangential_model == TangentialModel::PARTIAL_SLIP) || !(batch.limit[m] > 0.0)) continue;
     any = true;
-    SlipContact contact{
-        {}, {}, batch.circle[m], batch.shear_stiffness[m] * batch.circle[m], batch.limit[m], p.contact.effective_radius()};
-    double velocity[3], spin[3];
-    for (int d = 0; d < 3; d++) {
-      contact.normal[d] = batch.normal[d][m];
-      velocity[d] = batch.velocity[d][m];
-      spin[d] = batch.spin[d][m];
-    }
-    slip_of_step(velocity, spin, contact.normal, step.dt, contact.slip);
-    TangentialSpring spring = contacts.spring[batch.k[m]];
-    has.slip_of(contacts.block(batch.k[m])).advance(spring, contact);
+    const int k = batch.k[m];
+    TangentialSpring spring = contacts.spring[k];
+    has.advance_friction(spring, contacts.block(k), slip_contact(batch, m), p.tangential_model,
+                         damps ? &batch.damping[m] : nullptr, step.dt);
     for (int d = 0; d < 3; d++) batch.tangential[d][m] = spring.force[d];
     batch.compliance[m] = spring.compliance;
     batch.loss[m] = spring.loss;
+  }
+  if (any) batch.compute_forces_and_torques();
+}
+
+/* Add the damping along the surface to the tangential forces. Where a run begins it is that of the present velocities. */
+void PairGranHysteretic::add_damping(Batch &batch)
+{
+  bool any = false;
+  for (int m = 0; m < batch.size; m++) {
+    if (!(batch.pair[m]->loss.tangential > 0.0 && batch.limit[m] > 0.0)) continue;
+    any = true;
+    DampingHistory &history = has.damping_of(contacts.block(batch.k[m]));
+    if (!step.advances && batch.damping[m] >= 0.0) {
+      const SlipContact contact = slip_contact(batch, m);
+      history.start(contact.normal, contact.slip, contacts.spring[batch.k[m]].force, batch.damping[m], contact.limit,
+                    step.dt);
+    }
+    for (int d = 0; d < 3; d++) batch.tangential[d][m] += history.force[d];
   }
   if (any) batch.compute_forces_and_torques();
 }

@@ -58,7 +58,7 @@ double PairGranHysteretic::tally_totals()
                          double peak_force, double overlap, double weight) {
     pvector[TANGENTIAL] += weight * has.tangential_energy(view.spring, view.extra);
     pvector[FRICTIONAL] += weight * view.spring.loss;
-    pvector[VISCOUS] += weight * has.loss_of(h.extra).lost;
+    pvector[VISCOUS] += weight * has.viscous_loss(h.extra);
     if (has.resistance) {
       const ResistanceHistory resisted = has.resistance_of(h.extra);
       pvector[ROLLING] += weight * resisted.rolling.stored();
@@ -138,13 +138,14 @@ void PairGranHysteretic::fill_report(Report &report, const ScaledLaw &contact, c
 {
   report.share_i = contact.law().share_of_first();
   report.effective_radius = contact.effective_radius();
-  report.tangential_force = tangential_force(view.spring);
-  std::copy_n(view.spring.force, 3, report.tangential);
+  const DampingHistory damping = has.damping_of(view.extra);
+  for (int d = 0; d < 3; d++) report.tangential[d] = view.spring.force[d] + view.side * damping.force[d];
+  report.tangential_force = std::sqrt(dot(report.tangential, report.tangential));
   report.tangential_elastic = has.tangential_energy(view.spring, view.extra);
   report.frictional_loss = view.spring.loss;
   report.initial = view.initial;
   const ViscousHistory viscous = has.loss_of(view.extra);
-  report.viscous_loss = viscous.lost;
+  report.viscous_loss = has.viscous_loss(view.extra);
   if (has.resistance) {
     const ResistanceHistory resisted = has.resistance_of(view.extra);
     report.rolling_loss = resisted.rolling.loss;
@@ -198,6 +199,7 @@ PairGranHysteretic::Report PairGranHysteretic::report_pair(int i, int j, int k, 
   if (k >= 0) {
     report.dent = contacts.dent(k);
     view = contacts.view(k);
+    view.side = side;
     for (double &force : view.spring.force) force *= side;
   } else {
     fresh.assign(has.n, 0.0);

@@ -141,6 +141,7 @@ MAY_BE_ZERO = MAY_BE_NEGATIVE | MAY_BE_A_NUMBER | {
     "contact.initial_overlap", "material.hardening", "material.rate_sensitivity", "run.velocity", "pair.1.beta", "pair.1.friction", "boundary.friction", "boundary.holder_friction", "load.angle",
     "contact.rolling.coefficient", "contact.rolling.damping", "contact.twisting.coefficient",
     "contact.twisting.damping", "contact.loss.time", "contact.loss.dashpot",
+    "contact.loss.tangential",
     "contact.cohesion.energy",
     "contact.initial_overlap.1.overlap", "contact.initial_overlap.1.force",
     "boundary.side_gap", "line.1.leave_out", "boundary.bottom.plate.damping", "output.history", "punch.taper", "run.unloadings",

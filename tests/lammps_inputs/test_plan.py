@@ -320,6 +320,10 @@ TINY = {"kind": "force", "shape": "half-sine", "amplitude": 100.0}
             "load.last_frequency = 1e+09 Hz", "a lower frequency",
         ),
         ({"contact": {"loss": {"dashpot": 3e4}}}, "contact.loss", "a smaller loss"),
+        (
+            {"contact": {"friction": 0.3, "loss": {"dashpot": 100.0, "tangential": 100.0}}},
+            "contact.loss.tangential", "less damping",
+        ),
         ({"replace": [{"index": [5], "diameter": 1e-6}]}, "a contact of R* = 5e-07 m", "larger grains"),
         ({"load": {"kind": "plate", "mass": 1e-11}}, "load.mass = 1e-11 kg", "a heavier plate"),
         ({"boundary": {"bottom": {"plate": {"mass": 1e-10, "stiffness": 1e6}}}}, "boundary.bottom", "a heavier or softer"),

@@ -306,7 +306,7 @@ def test_pairs_that_exert_no_force(tester, how):
     assert differ(one.atoms("f"), stored(hybrid.config, "run_forces")) > 1e-3
 
 
-WORDS = "friction tangential rolling twisting loss cohesion"
+WORDS = "friction tangential rolling twisting loss loss_tangential cohesion"
 
 
 def test_every_style_law_and_option_has_a_file():

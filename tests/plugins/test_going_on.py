@@ -97,6 +97,16 @@ RUNS = {
         script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} loss time 1e-6", velocities=[*HEADS_ON, (0, 0, 3)], box=BOX,
                   extra=LOSSES), 4500, ["c_en[1]", "c_en[8]", "f_wall[16]"],
     ),
+    "damping along the surface": (
+        rubbed().replace("friction 0.3", "friction 0.3 loss time 1e-7 loss_tangential 1"), 3000,
+        [f"c_en[{n}]" for n in (1, 6, 7, 8)],
+    ),
+    "damping of partial slip on a wall": (
+        alone(f"{SKEW}fix floor all wall/gran/hysteretic zplane NULL {R} {BRASS} friction 0.3 "
+              f"tangential partial_slip {RESISTS} loss dashpot 0.2 loss_tangential 0.7\n"
+              "thermo_style custom step f_floor[*]"), 2400,
+        [f"f_floor[{n}]" for n in (4, 8, 9, 16, 17, 18, 19, 20)],
+    ),
     "rate of yielding": (
         script_of([*PAIR, (0, 0, 4 * R)], style=f"{BRASS} rate 0.02 1", velocities=[*HEADS_ON, (0, 0, -20)], box=BOX,
                   extra=LOSSES.replace(f"{HERTZ} loss dashpot 0.2", f"{BRASS} rate 0.05 10 friction 0.2")), 4500,
@@ -169,6 +179,10 @@ LAWS = {
     "cohesion, then loss": (f"{HERTZ} cohesion dmt 10", f"{HERTZ} loss time 0.3", False),
     "cohesion, then both": (f"{HERTZ} cohesion dmt 10", f"{HERTZ} cohesion dmt 10 loss time 1e-7", False),
     "loss, then rolling": (f"{HERTZ} friction 0.3 loss dashpot 0.1", f"{HERTZ} friction 0.3 rolling sds 1e3 0.1 0.1", False),
+    "loss, then damping": (
+        f"{HERTZ} friction 0.3 loss dashpot 0.1",
+        f"{HERTZ} friction 0.3 loss dashpot 0.1 loss_tangential 1", False,
+    ),
     "the same laws": (f"{HERTZ} friction 0.3 loss time 1e-7", f"{HERTZ} friction 0.3 loss time 1e-7", True),
 }  # fmt: skip
 

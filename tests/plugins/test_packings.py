@@ -14,12 +14,15 @@ LEDGER = TOTAL + "+c_en[8]+c_en[9]+c_en[10]+c_en[11]+c_en[12]+c_en[13]"
 RUBS = f"friction {MU}"
 SLIPS = f"{RUBS} tangential partial_slip"
 ROLLS = "rolling sds mindlin 1.0 0.05 twisting marshall"
+DAMPS = "loss time 1e-7 loss_tangential 0.5"
 TABLES = "compute dents all gran/hysteretic/local\ncompute grains all gran/hysteretic/atom\n"
 # law, cells a side, factors of the random speeds and spins, steps, largest error of the ledger
 PACKINGS = {
     "dents and friction": (f"{BRASS} {RUBS}", 3, 3, 3, 10000, 1e-6),
     "partial slip": (f"{HERTZ} {SLIPS}", 3, 3, 3, 8000, 1e-6),
     "partial slip, rolling, losses": (f"{BRASS} {SLIPS} {ROLLS} loss time 1e-7", 3, 3, 3, 8000, 1e-4),
+    "damping along surfaces": (f"{BRASS} {RUBS} {DAMPS}", 2, 3, 3, 6000, 1e-4),
+    "partial slip with damping": (f"{HERTZ} {SLIPS} {DAMPS}", 2, 3, 3, 6000, 1e-4),
     "rolling and twisting": (f"{HERTZ} {RUBS} {ROLLS}", 2, 1, 1, 3000, 2e-5),
     "rolling alone": (f"{HERTZ} rolling sds mindlin 0.0 0.1", 2, 1, 1, 3000, 2e-5),
     "dashpots of rolling": (f"{HERTZ} {RUBS} rolling sds 2e6 3.0 0.05 twisting sds 4.0 1e-5 2e-5", 2, 1, 1, 3000, 2e-5),

@@ -99,6 +99,9 @@ RUNS = {
     "initial dents": (row_with_dents, 6000, ["c_en[1]"], "f_end[*]"),
     "beads and bar": (lambda _: bar(60, beads=5, load="half-sine 5000 4e-5")[0], 2400, ["f_push", "c_ep[1]", "c_ep[2]", "ebond"], ""),
     "across the border": (lambda _: drifting(ACROSS), 2000, [*ENERGIES[:4], "c_en[8]"], ""),
+    "damping across the border": (
+        lambda _: drifting(f"{ACROSS} loss_tangential 1"), 1000, [*ENERGIES[:4], "c_en[8]"], "",
+    ),
     "slip across the border": (lambda _: drifting(f"{HERTZ} {SLIPS} {ROLLS}"), 2000, ["c_en", "c_en[6]", "c_en[7]"], ""),
     "necks across the border": (lambda _: drifting(f"{HERTZ} friction 0.3 cohesion jkr 100"), 2000, ["c_en", "c_en[6]"], ""),
     "rate across the border": (lambda _: drifting(f"{BRASS} friction 0.3 rate 0.05 1"), 2000, ENERGIES[:4], ""),

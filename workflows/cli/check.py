@@ -31,6 +31,11 @@ from granwave.workflows.file_kinds import file_kinds
 from granwave.workflows.solvers import GRANULAR, CaseKind, case_commands, solver_of
 
 _GIB = 2**30
+_LOSS_ROWS = {
+    "time_s": "time {:.4g} s",
+    "dashpot": "dashpot {:.4g}",
+    "tangential": "along the surface {:.4g} times that along the normal",
+}
 _TIMES = {
     "static stage": "static",
     "steps": "steps",
@@ -240,8 +245,8 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
         last = rate["factor_at_largest_overlap"]
         at = f"at first yield, {last:.4g} at the largest overlap, at {rate['velocity_m_s']:.4g} m/s"
         yield "yield strength", f"times {first:.4g} {at}"
-    for name, loss in (values["loss"] or {}).items():
-        yield "loss", f"time {loss:.4g} s" if name == "time_s" else f"dashpot {loss:.4g}"
+    for name, size in (values["loss"] or {}).items():
+        yield "loss", _LOSS_ROWS[name].format(size)
     yield "outermost yield", _outermost_yield(plan.zone)
     yield from (("no peak reduction", reason) for reason in values["nulls"].values())
 

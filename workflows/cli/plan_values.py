@@ -11,8 +11,9 @@ import numpy as np
 
 from granwave.analysis.measures.target import no_bare_target
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.case.contact import Contact
 from granwave.lammps_inputs.contact.contact_advice import advice_on
-from granwave.lammps_inputs.contact.law import viscous_loss
+from granwave.lammps_inputs.contact.law import Viscous, viscous_loss
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.found_contacts import period_of
@@ -111,6 +112,17 @@ def _contacts_found(case: Case) -> dict[str, Any] | None:
     }
 
 
+def _loss_values(contact: Contact, loss: Viscous | None) -> dict[str, float] | None:
+    """Return the size of a loss and its ratio along the surface, if there is any; None without."""
+    if loss is None or contact.loss is None:
+        return None
+    kind, size = loss
+    values = {"time_s" if kind == "time" else "dashpot": size}
+    if contact.loss.damps_surface and contact.friction:
+        values["tangential"] = contact.loss.tangential
+    return values
+
+
 def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
     """Return the values of the plan of a packing; units are part of the names."""
     case = assembly.case
@@ -194,7 +206,7 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "peak_overlap_over_radius": plan.peak_overlap_radius,
         "peak_overlap_beyond_law": case.contact.entry.fitted
         and plan.peak_overlap_radius > _LARGEST_OF_LAW,
-        "loss": None if loss is None else {"time_s" if loss[0] == "time" else "dashpot": loss[1]},
+        "loss": _loss_values(case.contact, loss),
         "rate": rate,
         "zone": None
         if zone is None

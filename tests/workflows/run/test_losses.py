@@ -94,6 +94,47 @@ def test_the_ledger_is_the_sum_of_contacts_and_walls(directory: Path) -> None:
         assert np.abs(total / result["energy/input"] - 1).max() < 1e-5
 
 
+def test_damping_along_the_surface_is_in_every_account(tmp_path: Path) -> None:
+    """Of contacts, walls, spheres and snapshots; more is lost viscously than without."""
+    small = {"packing.size": [4, 4, 2], "run.end_time": 3e-5, "contact.law": "hertz"}
+    lost = []
+    for name, ratio in (("plain", 0.0), ("damped", 1.0)):
+        loss = {"contact.loss": {"dashpot": 0.3, "tangential": ratio}}
+        case = load_case("fcc-small", PACKING | small | loss)
+        run = run_case(case, tmp_path / name, figures=False)
+        lost.append(run.summary["energy_dissipated_viscous_J"])
+        assert run.summary["energy_balance_error"] < 1e-5
+    assert lost[1] > 1.02 * lost[0]
+    words = (tmp_path / "damped" / "in.granwave").read_text()
+    assert words.count("loss dashpot 0.3 loss_tangential 1") == 2  # of spheres and of the bottom
+    assert "loss_tangential" not in (tmp_path / "plain" / "in.granwave").read_text()
+    with Result(tmp_path / "damped") as result:
+        contacts = result["contacts/viscous_energy"].sum()
+        planes = result["wall_contacts/viscous_energy"].sum()
+        assert contacts + planes == pytest.approx(lost[1], rel=1e-9)
+        assert result["spheres/viscous_energy"].sum() == pytest.approx(lost[1], rel=1e-9)
+        last = result.frame(result.n_frames - 1, "viscous_energy").sum()
+        assert last == pytest.approx(contacts, rel=1e-6)
+
+
+def test_walls_and_pairs_without_friction_are_not_damped_along_them(tmp_path: Path) -> None:
+    data = {
+        "packing": {"kind": "chain", "size": 4, "diameter": 0.01},
+        "material": "steel",
+        "contact": {"law": "hertz", "friction": 0.2, "loss": {"time": 1e-6, "tangential": 0.5}},
+        "boundary": {"friction": 0.0},
+        "replace": [{"index": 2, "material": "brass"}],
+        "pair": [{"materials": ["steel", "brass"], "friction": 0.0}],
+    }
+    write_deck(case_from_dict(data, "case"), tmp_path)
+    script = (tmp_path / "in.granwave").read_text().splitlines()
+    words = {tuple(line.split()[1:3]): line for line in script if line.startswith("pair_coeff")}
+    assert words["1", "1"].endswith("friction 0.2 loss time 1e-06 loss_tangential 0.5")
+    assert words["1", "2"].endswith("loss time 1e-06")
+    (bottom,) = (line for line in script if "wall/gran/hysteretic" in line)
+    assert bottom.endswith("loss time 1e-06")
+
+
 def test_a_pair_has_its_own_loss(tmp_path: Path) -> None:
     """And keeps that of [contact] if it changes something else; a loss of 0 is none."""
     data = {
