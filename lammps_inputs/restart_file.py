@@ -61,6 +61,7 @@ _SPRING = 5  # force, compliance, loss
 _STRETCH = 4  # of these: force and compliance
 _DENTS = 2
 # state of a sphere in a wall: reported values, times of a front, two sides of six values
+_OVERLAP = 0
 _REPORTED = 18
 _SIDE = 6
 _DENT = 0
@@ -103,6 +104,8 @@ class RestartWall:
         Ids of the spheres with a dent there: (n,).
     touching
         True for those that touch it: (n,).
+    overlap
+        Overlaps, of a sphere that touches both walls the larger one: (n,), m.
     peak
         Largest overlaps so far: (n,), m.
     place
@@ -116,6 +119,7 @@ class RestartWall:
     fix: str
     ids: NDArray[np.int64]
     touching: NDArray[np.bool_]
+    overlap: NDArray[np.float64]
     peak: NDArray[np.float64]
     place: NDArray[np.float64]
     side: int
@@ -374,6 +378,7 @@ def _walls(fixes: _Fixes, states: _States) -> Iterator[RestartWall]:
                 fix=name,
                 ids=dented + 1,
                 touching=own[dented, _TOUCHING] != 0,
+                overlap=table[dented, _OVERLAP],
                 peak=own[dented, _DENT],
                 place=own[dented, _PLACE_OF_DENT],
                 side=side,

@@ -17,6 +17,7 @@ from granwave.lammps_inputs.case.contact_ways import (
     KEEP,
     RELAXATION,
     RELAXATIONS,
+    SPRINGS,
     TOLERANCE,
     ContactWay,
     described_ways,
@@ -41,6 +42,7 @@ from granwave.lammps_inputs.case.material import (
     shape_of,
 )
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.case.springs import SpringsType
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
@@ -68,8 +70,8 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = (*FILE_FIELDS, "grains", "period", "enclosure", RESTART)
-_OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, RELAXATION)
+_OF_FILE = (*FILE_FIELDS, "grains", "period", "enclosure", RESTART, SPRINGS)
+_OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, SPRINGS, RELAXATION)
 _OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", "enclosure", *_OF_CONTACTS)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
@@ -282,6 +284,12 @@ class PackingSection:
         above=0,
         default=None,
     )
+    springs: str | None = schema.typed(
+        "table of the tangential springs of a settled bed as text, with which "
+        'relaxation = "damped" starts; a case of a bed that granwave has settled holds them so',
+        SpringsType(),
+        default=None,
+    )
     relaxation: str | None = schema.choice(
         'how contacts = "relax" finds balance: minimiser, without friction; damped: a damped run '
         "with the laws and the friction of the case, whose springs stay; by default the minimiser",
@@ -347,9 +355,9 @@ class PackingSection:
         return CONTACT_WAYS[self.contacts] if self.contacts else None
 
     @property
-    def keeps_state(self) -> bool:
-        """True if the spheres of a restart file go on as they are, with motion and contacts."""
-        return self.restart is not None and self.contacts == KEEP.name
+    def has_history(self) -> bool:
+        """True if contacts go on from a bed that was settled before, whole or with their springs."""
+        return self.restart is not None or self.springs is not None
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
@@ -462,7 +470,9 @@ def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
 def _materials_of(spheres: RestartSpheres, types: Any, errors: ErrorList) -> list[str]:
     """Return the names of the materials of the spheres of a restart file, by their types."""
     none = [""] * len(spheres.kind)
-    section = read_table(GrainFileSection, {} if types is None else {TYPES: types}, "packing", errors)
+    section = read_table(
+        GrainFileSection, {} if types is None else {TYPES: types}, "packing", errors
+    )
     if section is None:
         return none
     there = [str(kind) for kind in np.unique(spheres.kind).tolist()]

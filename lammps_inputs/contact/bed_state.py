@@ -3,9 +3,9 @@
 Contacts between spheres are found by their ids. A restart file does not tell where walls are: each
 wall of the file is the wall of the case that its spheres touch.
 
-A packing that starts as it is (`packing.contacts = "keep"`) takes all that its contacts remember,
-and what the case has no place for is a fault. One that comes to balance first takes the frictional
-springs alone, of the contacts that it still has.
+All that contacts remember is taken over, and what the case has no place for is a fault. A bed that
+comes to balance first starts with the tangential springs alone (`packing.springs`), of the contacts
+that it still has.
 """
 
 from __future__ import annotations
@@ -17,8 +17,10 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.case.springs import ContactSpring, parse_springs
 from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
+from granwave.lammps_inputs.packing.cylinders import nearest_image
 from granwave.lammps_inputs.packing.walls import Wall, wall_friction, walls
 from granwave.lammps_inputs.restart_file import RestartSpheres, RestartWall, read_restart
 from granwave.lammps_inputs.script_words import joined, num
@@ -26,6 +28,7 @@ from granwave.lammps_inputs.script_words import joined, num
 KEY = "packing.restart"
 _ROUNDING = 1e-12  # radii; smaller overlaps with a wall are rounding, as LAMMPS counts them
 _INSIDE = 1 - 1e-6  # largest gap over the one beyond which LAMMPS forgets a contact
+_SAME_OVERLAP = 1e-6  # relative difference of overlaps with the same wall
 _SAME_MASS = 1e-9  # relative difference of masses of the same spheres
 _TITLE = (
     "# Contacts so far: spheres i and j, or the fix of a wall and a sphere; largest overlap, m;\n"
@@ -70,11 +73,7 @@ def bed_state(assembly: Assembly) -> BedState | None:
     except (OSError, ValueError) as error:
         raise InputError(f"{assembly.case.name}: {KEY}: {file}: {error}") from None
     matches, faults = _walls_of(assembly, spheres)
-    if assembly.case.packing.keeps_state:
-        faults = [*_faults_of_file(assembly, spheres), *faults]
-    else:
-        faults = []
-    return BedState(spheres, tuple(matches), tuple(faults))
+    return BedState(spheres, tuple(matches), (*_faults_of_file(assembly, spheres), *faults))
 
 
 def bed_velocities(assembly: Assembly) -> tuple[NDArray[np.float64], NDArray[np.float64]] | None:
@@ -86,7 +85,7 @@ def bed_velocities(assembly: Assembly) -> tuple[NDArray[np.float64], NDArray[np.
         (n, 3), m/s, and (n, 3), rad/s; None where all spheres start at rest.
     """
     state = bed_state(assembly)
-    if state is None or not assembly.case.packing.keeps_state:
+    if state is None:
         return None
     return state.spheres.velocity, state.spheres.spin
 
@@ -100,8 +99,10 @@ def bed_table(assembly: Assembly) -> str:
         The restart file cannot be read.
     """
     state = bed_state(assembly)
-    assert state is not None
-    return _TITLE + "".join([*_pair_lines(assembly, state), *_wall_lines(assembly, state)])
+    lines = list(_spring_lines(assembly))
+    if state is not None:
+        lines += [*_pair_lines(assembly, state), *_wall_lines(assembly, state)]
+    return _TITLE + "".join(lines)
 
 
 def _pair_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
@@ -109,38 +110,32 @@ def _pair_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
     contacts = state.spheres.contacts
     if contacts is None:
         return
-    whole = assembly.case.packing.keeps_state
-    springs = contacts.spring
-    if not (whole or assembly.case.has_friction):
-        springs = np.zeros_like(springs)
     case = assembly.case
     forgotten = case.boundary.forget_gap * case.packing.diameter * _INSIDE
     gaps = _gaps(assembly, contacts.pairs)
-    for row in np.flatnonzero(gaps < (forgotten if whole else 0.0)).tolist():
+    for row in np.flatnonzero(gaps < forgotten).tolist():
         first, second = contacts.pairs[row].tolist()
-        values = [float(contacts.peak[row]), *springs[row].tolist()]
-        values += contacts.block[row].tolist() if whole else []
+        values = [float(contacts.peak[row]), *contacts.spring[row].tolist()]
+        values += contacts.block[row].tolist()
         yield f"{first} {second} {joined(map(num, values))}\n"
 
 
 def _gaps(assembly: Assembly, pairs: NDArray[np.int64]) -> NDArray[np.float64]:
     """Return the gaps between pairs of ids (n, 2) in the case, negative for overlaps: (n,), m."""
     lattice = assembly.lattice
-    period = np.array([*lattice.lengths, np.inf]) if lattice.periodic else np.full(3, np.inf)
+    period = lattice.lengths if lattice.periodic else None
     position = assembly.positions()
-    apart = position[pairs[:, 1] - 1] - position[pairs[:, 0] - 1]
-    apart -= np.where(np.isfinite(period), np.round(apart / period) * period, 0.0)
+    apart = nearest_image(position[pairs[:, 1] - 1] - position[pairs[:, 0] - 1], period)
     radii = assembly.sphere_diameters()[pairs - 1].sum(axis=1) / 2
     return np.asarray(np.linalg.norm(apart, axis=1) - radii)
 
 
 def _wall_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
     """Give the lines of contacts with walls."""
-    whole = assembly.case.packing.keeps_state
     n = len(state.spheres.radius)
     moved = assembly.positions()[:n] - assembly.deck_origin - state.spheres.position
     for of_file, wall in state.walls:
-        along = [axis for axis in range(3) if axis != wall.axis]
+        along = _axes_along(wall)
         place = of_file.place
         if not wall.tube:
             place = place + moved[of_file.ids - 1][:, along]
@@ -148,56 +143,119 @@ def _wall_lines(assembly: Assembly, state: BedState) -> Iterator[str]:
         for row, sphere in enumerate(of_file.ids.tolist()):
             material = assembly.material_of(sphere)
             friction = wall_friction(assembly.case, wall, material) > 0
-            springs = of_file.springs(friction=friction or not whole)[row]
-            if not (whole or friction):
-                springs = np.zeros_like(springs)
-            block = of_file.blocks(friction=friction)[row] if whole else np.zeros(0)
+            springs = of_file.springs(friction=friction)[row]
+            block = of_file.blocks(friction=friction)[row]
             values = [float(of_file.peak[row]), *springs.tolist()]
             values += [*place[row].tolist(), *block.tolist()]
             yield f"{fixes[material]} {sphere} {joined(map(num, values))}\n"
+
+
+def _spring_lines(assembly: Assembly) -> Iterator[str]:
+    """Give the lines of springs of the case, of contacts that overlap and have friction."""
+    case = assembly.case
+    text = case.packing.springs
+    if text is None or not case.has_friction:
+        return
+    springs = parse_springs(text)
+    n = assembly.lattice.n_spheres
+    pairs = [
+        spring for spring in springs if spring.second <= n and not isinstance(spring.first, str)
+    ]
+    ids = np.array([(spring.first, spring.second) for spring in pairs], dtype=np.int64)
+    gaps = _gaps(assembly, ids.reshape(-1, 2))
+    for spring, gap in zip(pairs, gaps.tolist(), strict=True):
+        if gap < 0:
+            yield f"{spring.first} {spring.second} {_values(spring, -gap)}\n"
+    there = {wall.name: wall for wall in walls(assembly) if not wall.held_layer}
+    for spring in springs:
+        wall = there.get(str(spring.first))
+        if wall is not None and spring.second <= n:
+            yield from _line_at_wall(assembly, spring, wall)
+
+
+def _line_at_wall(assembly: Assembly, spring: ContactSpring, wall: Wall) -> Iterator[str]:
+    """Give the line of the spring of a sphere at a wall, if it overlaps it and has friction there."""
+    row = spring.second - 1
+    position = assembly.positions()[row : row + 1]
+    overlap = -float(wall.gaps(position, assembly.sphere_diameters()[row : row + 1] / 2)[0])
+    material = assembly.material_of(spring.second)
+    if overlap <= 0 or not wall_friction(assembly.case, wall, material):
+        return
+    fixes = {own: name for name, _, own in wall.fixes}
+    place = [0.0, 0.0]
+    if not wall.tube:
+        along = _axes_along(wall)
+        place = (position[0] - assembly.deck_origin)[along].tolist()
+    yield f"{fixes[material]} {spring.second} {_values(spring, overlap)} {joined(map(num, place))}\n"
+
+
+def _axes_along(wall: Wall) -> list[int]:
+    """Return the axes along a plane, in the order of the places of dents."""
+    return [(wall.axis + 1) % 3, (wall.axis + 2) % 3]
+
+
+def _values(spring: ContactSpring, overlap: float) -> str:
+    """Return the overlap and the spring of a contact as words."""
+    return joined(map(num, [overlap, *spring.force, spring.compliance]))
 
 
 def _walls_of(
     assembly: Assembly, spheres: RestartSpheres
 ) -> tuple[list[tuple[RestartWall, Wall]], list[tuple[str, Mismatch]]]:
     """Return which walls of the file are which of the case, and the faults of others."""
-    overlapping = _overlapping(assembly, len(spheres.radius))
+    n = len(spheres.radius)
+    position = assembly.positions()[:n]
+    radius = assembly.sphere_diameters()[:n] / 2
+    there = [wall for wall in walls(assembly) if not wall.held_layer]
+    overlaps = {wall.name: -wall.gaps(position, radius) for wall in there}
+    untouched = {name: overlap > _ROUNDING * radius for name, overlap in overlaps.items()}
     matches = []
     faults = []
-    touched: dict[str, set[int]] = {name: set() for name in overlapping}
-    there = {wall.name: wall for wall in walls(assembly) if not wall.held_layer}
     for of_file in spheres.walls:
-        ids = set(of_file.ids[of_file.touching].tolist())
-        able = [name for name, others in overlapping.items() if ids and ids <= others]
-        if not able:
-            faults.append((KEY, _unknown_wall(of_file, len(ids))))
+        rows = of_file.ids[of_file.touching] - 1
+        fits = [wall for wall in there if _is_same(of_file, wall, overlaps[wall.name], radius)]
+        if not fits:
+            faults.append((KEY, _unknown_wall(of_file)))
             continue
-        name = min(able, key=lambda name: len(overlapping[name]))
-        touched[name] |= ids
-        matches.append((of_file, there[name]))
-    for name, ids in overlapping.items():
-        if others := sorted(ids - touched[name]):
-            text = f"sphere {others[0]} in the wall {name}, which it does not touch in the file"
+        untouched[fits[0].name][rows] = False
+        matches.append((of_file, fits[0]))
+    for name, others in untouched.items():
+        if others.any():
+            first = 1 + int(np.argmax(others))
+            text = f"sphere {first} in the wall {name}, which it does not touch in the file"
             remedy = "give the places of the walls in packing.enclosure as the script has them"
             faults.append((KEY, Mismatch(text, "walls of the file", remedy)))
     return matches, faults
 
 
-def _overlapping(assembly: Assembly, n: int) -> dict[str, set[int]]:
-    """Return the ids of the first n spheres that overlap each wall, by the name of the wall."""
-    position = assembly.positions()[:n]
-    radius = assembly.sphere_diameters()[:n] / 2
-    found = {}
-    for wall in walls(assembly):
-        if wall.held_layer:
-            continue
-        overlap = -wall.gaps(position, radius)
-        found[wall.name] = set((1 + np.flatnonzero(overlap > _ROUNDING * radius)).tolist())
-    return found
+def _is_same(
+    of_file: RestartWall,
+    wall: Wall,
+    overlap: NDArray[np.float64],
+    radius: NDArray[np.float64],
+) -> bool:
+    """Return True if the spheres at a wall of the file overlap a wall of the case as much.
+
+    Parameters
+    ----------
+    overlap
+        Overlaps of all spheres of the file with the wall of the case: (n,), m.
+    radius
+        Their radii: (n,), m.
+    """
+    rows = of_file.ids[of_file.touching] - 1
+    sides = {-1: 0, 1: 1}
+    if not len(rows) or sides[wall.outward] != of_file.side:
+        return False
+    slack = _ROUNDING * radius[rows]
+    in_file = of_file.overlap[of_file.touching]  # the larger one, of spheres between two walls
+    as_deep = np.abs(overlap[rows] - in_file) <= _SAME_OVERLAP * in_file + slack
+    return bool(as_deep.any() and (overlap[rows] > -slack).all())
 
 
-def _unknown_wall(of_file: RestartWall, n_touching: int) -> Mismatch:
+def _unknown_wall(of_file: RestartWall) -> Mismatch:
     """Return the fault of a wall of the file that is none of the case."""
+    n_touching = int(of_file.touching.sum())
     if not n_touching:
         text = f"dents in the wall of fix {of_file.fix}, which no sphere touches"
         return Mismatch(text, remedy="let the script end while spheres touch it, or without it")

@@ -292,7 +292,7 @@ def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     names += [run_directory.DEAD_LOAD_FILE.format(axis) for axis in axes]
     started = bool(case.precompression) and balanced_displacements(assembly) is not None
     names += [run_directory.START_FILE.format(axis) for axis in "xyz" if started]
-    names += [run_directory.BED_FILE] if case.packing.restart else []
+    names += [run_directory.BED_FILE] if case.packing.has_history else []
     names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
     names += [run_directory.LOAD_FILE] if case.load.table else []
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
@@ -307,7 +307,7 @@ def _tables(assembly: Assembly) -> dict[str, str]:
     tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
         tables[run_directory.DENTS_FILE] = dents_table(assembly)
-    if case.packing.restart:
+    if case.packing.has_history:
         tables[run_directory.BED_FILE] = bed_table(assembly)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)

@@ -211,7 +211,7 @@ def _start_energies(assembly: Assembly, moving: Sequence[MovingGroup]) -> list[s
         if any(part.spin):
             inertia = sum(_inertia(assembly, sphere) for sphere in part.spheres)
             terms.append(f"{num(_HALF_INERTIA * inertia)}*({_square(part.spin)})")
-    if assembly.case.packing.keeps_state:
+    if assembly.case.packing.restart:
         terms.append(MOVING_BED)
     return terms
 

@@ -99,7 +99,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         wall_commands(assembly),
         cylinder_commands(assembly, again=True),
         dents if case.contact.initial_overlap and not resumed else [],
-        bed if case.packing.restart and not resumed else [],
+        bed if case.packing.has_history and not resumed else [],
         [*([] if resumed else second_half(assembly)), *reference] if static else [],
         motion(assembly, schedule, resumed=resumed),
         ledger(assembly, schedule, resumed=resumed),

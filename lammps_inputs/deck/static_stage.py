@@ -351,7 +351,7 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"timestep        {num(step)}"] if math.isfinite(step) else []),
         "compute         contacts all gran/hysteretic/local",  # taken back by `initial_forces`
         *(count_commands() if written_in_parts(assembly) else []),
-        *(_turning(case) if case.packing.keeps_state else []),
+        *(_turning(case) if case.packing.restart else []),
         "run             0 post no",
         *initial_forces(assembly),
         f"variable        static_stored equal {'+'.join(stored)}",
@@ -361,7 +361,7 @@ def second_half(assembly: Assembly) -> list[str]:
         *([f"unfix           {_STRIKERS}"] if case.striker else []),
         *(["unfix           static_relief"] if _relief(case) else []),
         f'print           "variable static equal $(v_static_all:%.17g)" file {DUMPS}/{STATIC_FILE} screen no',
-        *(_moving_bed(assembly) if case.packing.keeps_state else []),
+        *(_moving_bed(assembly) if case.packing.restart else []),
         *(
             f"uncompute       static{name}"
             for name in ("_moved", "_net", "_borne", "_largest", "_sphere", "")

@@ -9,10 +9,12 @@ from typing import Any
 
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact_ways import (
+    DAMPED,
     KEY,
     OVERLAPS,
     RELAX,
     RELAXATION,
+    SPRINGS,
     TOLERANCE,
     TOUCH,
 )
@@ -63,6 +65,12 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
             packing.relaxation is not None and not relaxes,
             f"packing.{RELAXATION}",
             f'belongs to {KEY} = "{RELAX.name}"; found {show(packing.contacts or "none")}',
+        ),
+        (
+            packing.springs is not None and packing.relaxation != DAMPED,
+            f"packing.{SPRINGS}",
+            f'belongs to packing.relaxation = "{DAMPED}"; '
+            f"found {show(packing.relaxation or 'none')}",
         ),
     )
     if way is None or not _tolerance_fits(packing, errors):

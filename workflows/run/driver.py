@@ -388,7 +388,7 @@ class _Run:
             elif self.case.precompression and self.show:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
             setup = part(script, "setup")
-            from_data = not (saved or self.case.packing.keeps_state)
+            from_data = not (saved or self.case.packing.restart)
             if from_data and not self.assembly.bars:
                 before, _, setup = setup.partition(f"{READ_DATA}\n")
                 engine.commands(before)
