@@ -46,7 +46,7 @@ _DRAG_TIME = 0.02  # of drag, over the time of the fall
 _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
 # kinetic energy of a grain over m g D at which drag begins, and at the end
 _SLOW = 1e-3
-_AT_REST = 1e-6
+_AT_REST = 1e-9
 _BALANCED = 3e-4  # net force on a grain over the largest force, at the end
 
 

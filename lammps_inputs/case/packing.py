@@ -285,8 +285,8 @@ class PackingSection:
         default=None,
     )
     springs: str | None = schema.typed(
-        "table of the tangential springs of a settled bed as text, with which "
-        'relaxation = "damped" starts; a case of a bed that granwave has settled holds them so',
+        'table of the tangential springs of a settled bed as text, for contacts = "keep" or '
+        'relaxation = "damped"; a case of a bed that granwave has settled holds them so',
         SpringsType(),
         default=None,
     )

@@ -10,6 +10,7 @@ from typing import Any
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact_ways import (
     DAMPED,
+    KEEP,
     KEY,
     OVERLAPS,
     RELAX,
@@ -67,10 +68,10 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
             f'belongs to {KEY} = "{RELAX.name}"; found {show(packing.contacts or "none")}',
         ),
         (
-            packing.springs is not None and packing.relaxation != DAMPED,
+            packing.springs is not None and not (way is KEEP or packing.relaxation == DAMPED),
             f"packing.{SPRINGS}",
-            f'belongs to packing.relaxation = "{DAMPED}"; '
-            f"found {show(packing.relaxation or 'none')}",
+            f'belongs to {KEY} = "{KEEP.name}" or packing.relaxation = "{DAMPED}"; '
+            f"found {show(packing.contacts or 'none')}",
         ),
     )
     if way is None or not _tolerance_fits(packing, errors):

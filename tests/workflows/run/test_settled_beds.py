@@ -166,8 +166,8 @@ def test_case_of_a_bed_is_read_again(bed: SettledBed) -> None:
     ("changes", "fault"),
     [
         (
-            {"boundary": {"bottom": "wall", "sides": "periodic"}},
-            "packing.restart: found with walls",
+            {"contact": {"law": "hertz", "initial_overlap": 1e-6}},
+            "packing.restart: found with contact.initial_overlap",
         ),
         ({"material": SOFT | {"density": 8000.0, "yield_strength": 1e6}}, "with a mass of"),
     ],

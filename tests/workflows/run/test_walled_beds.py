@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 import granwave as gw
-from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.restart_file import RestartSpheres, read_restart
 from granwave.workflows.run.lammps_engine import open_engine
@@ -146,3 +146,76 @@ def test_struck_bed_between_walls_does_not_jump(bed: WalledBed, tmp_path: Path) 
     stored = sum(bed.values[name] for name in ("springs", "walls", "normal"))
     assert record["stored"] == pytest.approx(stored, rel=1e-9)
     assert run.summary["energy_balance_error"] < 1e-5
+
+
+def test_case_of_a_walled_bed_is_read_again(bed: WalledBed) -> None:
+    case = case_from_dict(bed.case(), "walled")
+    assert sorted(set(case.packing.grains.material)) == ["soft", "softer"]
+    assert case_from_dict(case.to_dict(), "walled") == case
+
+
+PLACES = {"x": [0.0, WIDTH], "y": [0.0, WIDTH], "bottom": 0.0}
+
+
+@pytest.mark.parametrize(
+    ("keys", "fault"),
+    [
+        ({"enclosure": PLACES | {"bottom": 1e-5}}, "at the wall of fix ground, such as sphere"),
+        (
+            {"enclosure": PLACES | {"x": [-1e-4, WIDTH]}},
+            "expected a wall of the case there; give it",
+        ),
+        ({"types": {"1": "soft"}}, r"packing\.types: found no material of the type 2"),
+        ({"types": None}, r"packing\.types: found no material of the type 1"),
+        ({"types": {"1": "soft", "2": "soft"}}, r"material\.density: found sphere \d+ with a mass"),
+        ({"types": {"1": "soft", "2": "softer", "3": "soft"}}, "found no type 3"),
+        ({"contacts": "relax"}, r"packing\.contacts: found .relax.; take it out"),
+    ],
+)
+def test_faults_of_walled_beds(bed: WalledBed, keys: dict[str, Any], fault: str) -> None:
+    tables = bed.case()
+    packing = tables["packing"] | keys
+    tables["packing"] = {name: value for name, value in packing.items() if value is not None}
+    with pytest.raises(InputError, match=fault):
+        case_from_dict(tables, "walled")
+
+
+def test_walls_that_the_case_lacks_are_named(bed: WalledBed) -> None:
+    boundary = {"bottom": "free", "sides": "wall"}
+    with pytest.raises(InputError, match="at the wall of fix ground"):
+        case_from_dict(bed.case(boundary=boundary), "walled")
+
+
+def test_walls_of_other_styles_are_named(tmp_path: Path) -> None:
+    script = f"""
+    units si
+    atom_style sphere
+    atom_modify map yes
+    newton off
+    comm_modify vel yes
+    boundary f f f
+    region box block -1 1 -1 1 -1 1 units box
+    create_box 1 box
+    create_atoms 1 single 0 0 -0.004999 units box
+    set group all diameter {D} density 8500
+    pair_style gran/hysteretic 1e-3
+    pair_coeff * * hertz 1e9 0.30
+    fix slope all wall/gran hertz/history 1e6 NULL 10 NULL 0.5 1 zplane NULL 0.0
+    fix motion all nve/sphere
+    timestep 1e-7
+    run 1
+    write_restart {tmp_path}/one.restart
+    """
+    with open_engine(None, "none", tmp_path) as engine:
+        engine.commands(script)
+    packing = {"kind": "restart", "file": str(tmp_path / "one.restart")}
+    tables = {"material": SOFT | {"name": "soft"}, "packing": packing, "load": {"index": [1]}}
+    tables |= {"contact": {"law": "hertz"}, "precompression": {"kind": "gravity"}}
+    with pytest.raises(InputError, match=r"found fix slope of style wall/gran, expected walls"):
+        case_from_dict(tables, "one")
+
+
+def test_a_law_with_other_history_is_an_error(bed: WalledBed, tmp_path: Path) -> None:
+    contact = CONTACT | {"rolling": {"coefficient": 0.01}}
+    with pytest.raises(RunError, match="the contact has another law, friction, loss or resistance"):
+        gw.run(bed.case(contact=contact), directory=tmp_path / "out", figures=False)
