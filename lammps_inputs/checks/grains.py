@@ -20,7 +20,7 @@ from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
 from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import sites_of
-from granwave.lammps_inputs.packing.walls import touched, walls
+from granwave.lammps_inputs.packing.walls import touched
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
 # keys of grains that could not be placed
