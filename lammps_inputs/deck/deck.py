@@ -19,7 +19,6 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import density_as_sphere
 from granwave.lammps_inputs.contact.bed_state import bed_table, bed_velocities
 from granwave.lammps_inputs.contact.initial_dents import dents_table
-from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
@@ -41,6 +40,7 @@ from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.script_words import joined, num
+from granwave.lammps_inputs.statics.balance import balanced_displacements
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once

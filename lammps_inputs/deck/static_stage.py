@@ -36,7 +36,6 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import (
     dead_loads,
     directions,
@@ -81,6 +80,7 @@ from granwave.lammps_inputs.run_directory import (
     STATIC_STAGE_FILE,
 )
 from granwave.lammps_inputs.script_words import joined, num
+from granwave.lammps_inputs.statics.balance import balanced_displacements
 
 _STAGE_MARKER = "# --- static stage ---"
 _STAGE_END = "# --- end of the static stage ---"
@@ -90,7 +90,6 @@ LARGEST_MOVE = 0.1
 
 # largest contact force over that expected of the load, below which the grains have lost the load
 LOST_LOAD = 1e-3
-FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them

@@ -9,17 +9,16 @@ state. Contacts are loaded for the first time, without friction.
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
-from granwave.extensions.waves.spectra.bodies import Bodies, NeighbourPairs
-from granwave.extensions.waves.spectra.network import Array, Ints
-from granwave.extensions.waves.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.packing_kind import TOUCHING
+from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints, NeighbourPairs
 
 MARGIN = 0.02  # largest gap of pairs that may close in a step, mean diameters
 DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except slender packings
@@ -178,6 +177,14 @@ class EnergyProblem:
         return sparse.coo_array(
             (-normal[kept], (row, number[kept])), shape=(len(grain), self.n)
         ).tocsr()
+
+
+def factorised(matrix: sparse.sparray) -> Any:
+    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
+    much.
+    """
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
 def newton_step(
