@@ -25,7 +25,7 @@ DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except 
 SOFT = 1e-10  # stiffness added to all unknowns / mean stiffness, for motions without resistance
 _OF_A_ROW = 6  # entries per unknown of a row of grains
 _SLENDER = 120  # bandwidth of a slender packing, of some 6 x 6 grains across
-_ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
+ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -119,7 +119,7 @@ class EnergyProblem:
                 (weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)
             ]
         span = float(np.abs(position).max()) if len(position) else 0.0
-        rounding = _ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
+        rounding = ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
         return Evaluation(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
 
     def largest_approach(self, now: Evaluation, move: Array) -> float:

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.statics.bodies import Array, Bodies
 from granwave.lammps_inputs.statics.energy import (
     DIRECT_UP_TO,
     MARGIN,
+    ROUNDING,
     SOFT,
     EnergyProblem,
     Evaluation,
@@ -206,6 +207,19 @@ class _Progress:
             return True  # rounding, with several contacts
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
+    def is_rounding(self, now: Evaluation, stiffness: float) -> bool:
+        """Return True if no more than rounding is left of the net forces of loaded contacts.
+
+        Parameters
+        ----------
+        stiffness
+            Stiffness of a contact under the load, N/m.
+        """
+        span = float(np.abs(self.problem.bodies.position).max(initial=0.0))
+        rounding = ROUNDING * stiffness * np.finfo(float).eps * span
+        enough = self.balanced * now.largest + rounding
+        return now.largest > 0 and _net(self.problem, now) <= enough
+
 
 def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Array, Evaluation]:
     """Return the unknowns and the state that the method of Levenberg (1944) and Marquardt (1963)
@@ -228,7 +242,8 @@ def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Ar
     stiffness = float(static_stiffness(problem.bodies.assembly))
     holding = _HOLDING * stiffness
     for _ in range(_ROUNDS_OF_FALL):
-        if progress.ends(now):
+        # where only rounding is left, motions that hardly anything resists would grow
+        if progress.ends(now) or progress.is_rounding(now, stiffness):
             break
         while holding < _RIGID * stiffness:
             move = newton_step(now.hessian, now.gradient, holding=holding)
