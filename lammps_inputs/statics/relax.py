@@ -218,7 +218,7 @@ class _Progress:
         span = float(np.abs(self.problem.bodies.position).max(initial=0.0))
         rounding = ROUNDING * stiffness * np.finfo(float).eps * span
         enough = self.balanced * now.largest + rounding
-        return now.largest > 0 and _net(self.problem, now) <= enough
+        return bool(now.largest > 0 and _net(self.problem, now) <= enough)
 
 
 def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Array, Evaluation]:

@@ -30,7 +30,8 @@ bool is_id(const std::string &word)
   return !word.empty() && word.size() < 16 && word.find_first_not_of("0123456789") == std::string::npos;
 }
 
-constexpr const char *OTHER = "the contact has another law, friction, loss or resistance in this file than in the input script";
+constexpr const char *OTHER =
+    "the contact has another law, friction, loss or resistance in this file than in the input script";
 
 /* Fill in a contact from its numbers, the peak first; returns false if there are too few. */
 bool complete(KnownContact &contact, const std::vector<double> &values, bool on_wall)
@@ -103,7 +104,8 @@ std::vector<GranDents::Line> GranDents::read(const std::string &file)
       if (value > MAXTAGINT) wrong("there is no sphere " + word);
       return static_cast<tagint>(value);
     };
-    if (w.size() < N_DENT || !is_id(w[1])) wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
+    if (w.size() < N_DENT || !is_id(w[1]))
+      wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
     Line line{number, nullptr, 0, id(w[1]), {}};
     bool swapped = false;
     if (is_id(w[0])) {
@@ -173,6 +175,7 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
     if (!line.wall || !owned.count(line.j)) continue;
     const int i = owned[line.j];
     if (!line.contact.whole) line.wall->set_dent(i, line.contact.peak);
-    else if (!line.wall->set_contact(i, line.contact)) error->one(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, OTHER);
+    else if (!line.wall->set_contact(i, line.contact))
+      error->one(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, OTHER);
   }
 }
