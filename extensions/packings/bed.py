@@ -6,7 +6,7 @@ make it at once, and its file appears whole.
 
     poured-DIGEST.csv            the grains, as `packing.file` has them, and a record in comments
     poured-DIGEST-contacts.csv   the contacts between them, with their forces
-    poured-DIGEST-springs.csv    their tangential springs, and those at walls, as `packing.springs` has them
+    poured-DIGEST-springs.csv    their tangential springs, as `packing.springs` has them
 """
 
 from __future__ import annotations

@@ -356,7 +356,7 @@ class PackingSection:
 
     @property
     def has_history(self) -> bool:
-        """True if contacts go on from a bed that was settled before, whole or with their springs."""
+        """True if contacts go on from a bed that was settled, whole or with their springs."""
         return self.restart is not None or self.springs is not None
 
     def lattice(self, *, periodic: bool = False) -> Lattice:

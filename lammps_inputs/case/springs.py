@@ -1,9 +1,9 @@
 """``packing.springs``: tangential springs of the contacts of a bed that was settled before.
 
-    first, second                        ids of two spheres, or a wall (bottom, tube, xlo, xhi, ylo, yhi)
-                                         and the id of a sphere
-    fx, fy, fz                           force on the first sphere, or on the sphere at a wall, N
-    compliance                           displacement over force of the spring, m/N
+    first, second       ids of two spheres, or a wall (bottom, tube, xlo, xhi, ylo, yhi) and the
+                        id of a sphere
+    fx, fy, fz          force on the first sphere, or on the sphere at a wall, N
+    compliance          displacement over force of the spring, m/N
 
 A bed that friction bears, and that comes to balance again, starts with them.
 """

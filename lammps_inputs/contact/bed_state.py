@@ -174,7 +174,7 @@ def _spring_lines(assembly: Assembly) -> Iterator[str]:
 
 
 def _line_at_wall(assembly: Assembly, spring: ContactSpring, wall: Wall) -> Iterator[str]:
-    """Give the line of the spring of a sphere at a wall, if it overlaps it and has friction there."""
+    """Give the line of the spring of a sphere at a wall that it overlaps, and that has friction."""
     row = spring.second - 1
     position = assembly.positions()[row : row + 1]
     overlap = -float(wall.gaps(position, assembly.sphere_diameters()[row : row + 1] / 2)[0])
@@ -186,7 +186,8 @@ def _line_at_wall(assembly: Assembly, spring: ContactSpring, wall: Wall) -> Iter
     if not wall.tube:
         along = _axes_along(wall)
         place = (position[0] - assembly.deck_origin)[along].tolist()
-    yield f"{fixes[material]} {spring.second} {_values(spring, overlap)} {joined(map(num, place))}\n"
+    values = f"{_values(spring, overlap)} {joined(map(num, place))}"
+    yield f"{fixes[material]} {spring.second} {values}\n"
 
 
 def _axes_along(wall: Wall) -> list[int]:

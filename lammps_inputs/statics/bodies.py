@@ -151,7 +151,7 @@ class Bodies:
         return dataclasses.replace(self, laws=laws)
 
     def with_walls_in(self, distances: Iterable[float]) -> Bodies:
-        """Return the grains between walls that have moved in, by the distances of ``presses``, m."""
+        """Return the grains between walls that moved in, by the distances of ``presses``, m."""
         moves: dict[str, float] = {}
         for names, distance in zip(self.presses, distances, strict=True):
             moves |= dict.fromkeys(names, distance)
@@ -234,16 +234,23 @@ class Bodies:
             else:
                 normal[:, wall.axis] = wall.outward
             yield NeighbourPairs(
-                rows, np.full(n, -1), np.zeros((n, len(self.periods)), dtype=np.int64), normal, distance,
-                around[:, :, None] * around[:, None, :], np.full(n, wall.name, dtype=object), -gaps[rows],
-                np.stack([self.radius[rows], np.full(n, np.inf)], axis=1), np.zeros((n, 3)),
-            )  # fmt: skip
+                rows,
+                np.full(n, -1),
+                np.zeros((n, len(self.periods)), dtype=np.int64),
+                normal,
+                distance,
+                around[:, :, None] * around[:, None, :],
+                np.full(n, wall.name, dtype=object),
+                -gaps[rows],
+                np.stack([self.radius[rows], np.full(n, np.inf)], axis=1),
+                np.zeros((n, 3)),
+            )
 
     def near(
         self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
     ) -> NeighbourPairs:
-        """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap`` to
-        walls, by default the same.
+        """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap``
+        to walls, by default the same.
         """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 

@@ -47,7 +47,7 @@ def loaded_bodies(assembly: Assembly) -> Bodies:
 
 
 def packing_bodies(assembly: Assembly) -> Bodies:
-    """Return the spheres of a packing in the order of their ids, without strikers and dead loads."""
+    """Return the grains of a packing in the order of their ids, without strikers and loads."""
     case = assembly.case
     sites = assembly.sites
     inside = assembly.ids <= assembly.lattice.n_spheres

@@ -208,7 +208,8 @@ class _Progress:
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
     def is_rounding(self, now: Evaluation, stiffness: float) -> bool:
-        """Return True if no more than rounding is left of the net forces of loaded contacts.
+        """Return True if only rounding is left of net forces, next to contacts that carry much
+        more.
 
         Parameters
         ----------
@@ -217,7 +218,7 @@ class _Progress:
         """
         span = float(np.abs(self.problem.bodies.position).max(initial=0.0))
         rounding = ROUNDING * stiffness * np.finfo(float).eps * span
-        enough = self.balanced * now.largest + rounding
+        enough = min(self.balanced * now.largest + rounding, _TOLERATED * now.largest)
         return bool(now.largest > 0 and _net(self.problem, now) <= enough)
 
 

@@ -1,4 +1,4 @@
-"""Springs of the loaded contacts of a packing, for motions of small amplitude about its static state."""
+"""Springs of the loaded contacts of a packing in its static state, for small motions about it."""
 
 from __future__ import annotations
 

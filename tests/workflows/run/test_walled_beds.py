@@ -1,4 +1,4 @@
-"""Impacts on beds between walls, of two materials, that a LAMMPS script has settled with friction."""
+"""Impacts on beds of two materials between walls, settled by a LAMMPS script with friction."""
 
 from __future__ import annotations
 
