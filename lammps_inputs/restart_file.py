@@ -1,14 +1,22 @@
-"""Spheres in a binary restart file of LAMMPS.
+"""Spheres in a binary restart file of LAMMPS, with the contacts of pair style gran/hysteretic.
 
 The end of such a file is, for each process that wrote it, a flag, the number of its values, and the
 values: records of atoms, one after the other, and then a mark. The record of a sphere (``atom_style
 sphere``) begins with its own length, place, id, type, mask, image, velocity, radius, mass and
-angular velocity; what fixes keep of it follows. Integers have the bits of doubles.
+angular velocity; what fixes keep of it follows, one after the other, each behind its own length.
+Integers have the bits of doubles. The names and styles of these fixes stand before the spheres.
+
+Each state of a fix of ours has a head (plugins/styles/restart_state.h). That of the pair style has
+one record for each contact of the sphere (laws/contact_history.h), that of a wall the reported
+values, and what the contacts with the lower and the upper wall remember
+(styles/fix_wall_gran_hysteretic.h).
 """
 
 from __future__ import annotations
 
 import dataclasses
+import struct
+from collections.abc import Iterator, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -25,7 +33,110 @@ _TYPE = 5
 _VELOCITY = slice(8, 11)
 _RADIUS = 11
 _MASS = 12
+_SPIN = slice(13, 16)
 _SHORTEST = 16  # values of a sphere, the angular velocity last
+
+# fixes with states of atoms: they stand in a list at most so far before the history of contacts
+_HISTORY = ("GRAN_HYSTERETIC_HISTORY", "gran/hysteretic/history")
+_WALL = "wall/gran/hysteretic"
+_OTHER_WALLS = "wall/"
+_MOST_FIXES = 64
+_LONGEST_NAME = 256
+_FARTHEST = _MOST_FIXES * _LONGEST_NAME
+
+# state of a sphere in a fix of ours, after the head
+_HEAD = 7
+_COUNT = 0
+_BLOCK = 3
+_EXTENDED = 4
+_HAS_SUMS = 5
+_RECORDS = 6
+_SUMS = 15
+# record of a contact, and what follows it
+_PARTNER = 0
+_LIVE = 3
+_PEAK = 4
+_RECORD = 10
+_SPRING = 5  # force, compliance, loss
+_STRETCH = 4  # of these: force and compliance
+_DENTS = 2
+# state of a sphere in a wall: reported values, times of a front, two sides of six values
+_OVERLAP = 0
+_REPORTED = 18
+_SIDE = 6
+_DENT = 0
+_PLACE_OF_DENT = slice(1, 3)
+_TOUCHING = 4
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RestartContacts:
+    """Contacts between spheres of a restart file, each once.
+
+    Attributes
+    ----------
+    pairs
+        Ids, the lower one first: (n_contacts, 2).
+    peak
+        Largest overlaps so far: (n_contacts,), m.
+    spring
+        Force of the tangential spring on the first sphere, N, and its compliance, m/N:
+        (n_contacts, 4).
+    block
+        What laws, losses and resistances remember: (n_contacts, n_block).
+    """
+
+    pairs: NDArray[np.int64]
+    peak: NDArray[np.float64]
+    spring: NDArray[np.float64]
+    block: NDArray[np.float64]
+
+
+@dataclasses.dataclass(frozen=True, eq=False)
+class RestartWall:
+    """Contacts of spheres with one of the two walls of a fix.
+
+    Attributes
+    ----------
+    fix
+        ID of the fix.
+    ids
+        Ids of the spheres with a dent there: (n,).
+    touching
+        True for those that touch it: (n,).
+    overlap
+        Overlaps, of a sphere that touches both walls the larger one: (n,), m.
+    peak
+        Largest overlaps so far: (n,), m.
+    place
+        Where they were reached, along the wall: (n, 2), m.
+    side
+        0 for the lower wall, 1 for the upper one.
+    rest
+        What springs, losses and resistances at both walls remember: (n, n_rest).
+    """
+
+    fix: str
+    ids: NDArray[np.int64]
+    touching: NDArray[np.bool_]
+    overlap: NDArray[np.float64]
+    peak: NDArray[np.float64]
+    place: NDArray[np.float64]
+    side: int
+    rest: NDArray[np.float64]
+
+    def springs(self, *, friction: bool) -> NDArray[np.float64]:
+        """Return force and compliance of the tangential springs: (n, 4), N and m/N."""
+        if not friction or self.rest.shape[1] < 2 * _SPRING:
+            return np.zeros((len(self.ids), _STRETCH))
+        first = self.side * _SPRING
+        return self.rest[:, first : first + _STRETCH]
+
+    def blocks(self, *, friction: bool) -> NDArray[np.float64]:
+        """Return what losses and resistances remember: (n, n_block)."""
+        rest = self.rest[:, 2 * _SPRING :] if friction else self.rest
+        size = rest.shape[1] // 2
+        return rest[:, self.side * size : (self.side + 1) * size]
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -40,6 +151,14 @@ class RestartSpheres:
         (n,), m and kg.
     kind
         LAMMPS types, from 1: (n,).
+    spin
+        Angular velocities: (n, 3), rad/s.
+    contacts
+        Contacts between them; None if the file has none of pair style gran/hysteretic.
+    walls
+        Their contacts with walls.
+    other_walls
+        IDs and styles of fixes of walls whose states are not known.
     """
 
     position: NDArray[np.float64]
@@ -47,6 +166,10 @@ class RestartSpheres:
     radius: NDArray[np.float64]
     mass: NDArray[np.float64]
     kind: NDArray[np.int64]
+    spin: NDArray[np.float64]
+    contacts: RestartContacts | None
+    walls: tuple[RestartWall, ...]
+    other_walls: tuple[tuple[str, str], ...]
 
 
 def read_restart(path: Path) -> RestartSpheres:
@@ -62,9 +185,10 @@ def read_restart(path: Path) -> RestartSpheres:
     content = read_regular(path)
     if not content.startswith(_MARK) or not content.endswith(_MARK):
         raise ValueError("found no restart file of LAMMPS, expected one that write_restart wrote")
-    rows = _records(content)
-    if not len(rows):
+    records = _records(content)
+    if not records:
         raise ValueError("found no spheres, expected a restart file of atom_style sphere")
+    rows = np.array([record[:_SHORTEST] for record in records])
     ids = rows[:, _ID].copy().view(np.int64)
     order = np.argsort(ids)
     if not np.array_equal(ids[order], np.arange(1, len(ids) + 1)):
@@ -73,30 +197,40 @@ def read_restart(path: Path) -> RestartSpheres:
             "use reset_atoms id before write_restart"
         )
     rows = rows[order]
+    fixes = _fixes(content)
+    states = [list(_states(records[row], len(fixes))) for row in order.tolist()]
     spheres = RestartSpheres(
         rows[:, _PLACE],
         rows[:, _VELOCITY],
         rows[:, _RADIUS],
         rows[:, _MASS],
         rows[:, _TYPE].copy().view(np.int64),
+        rows[:, _SPIN],
+        _contacts(fixes, states),
+        tuple(_walls(fixes, states)),
+        tuple(
+            (name, style)
+            for name, style in fixes
+            if style.startswith(_OTHER_WALLS) and style != _WALL
+        ),
     )
     if not (spheres.radius > 0).all() or not np.isfinite(rows[:, _PLACE]).all():
         raise ValueError("found atoms without a radius, expected atom_style sphere")
     return spheres
 
 
-def _records(content: bytes) -> NDArray[np.float64]:
-    """Return the first values of the record of each sphere: (n, 16)."""
+def _records(content: bytes) -> list[NDArray[np.float64]]:
+    """Return the record of each sphere."""
     end = len(content) - len(_MARK)
-    found: list[NDArray[np.float64]] = []
+    records: list[NDArray[np.float64]] = []
     while (chunk := _last_chunk(content, end)) is not None:
         start, rows = chunk
-        found.insert(0, rows)
+        records = rows + records
         end = start
-    return np.concatenate(found) if found else np.empty((0, _SHORTEST))
+    return records
 
 
-def _last_chunk(content: bytes, end: int) -> tuple[int, NDArray[np.float64]] | None:
+def _last_chunk(content: bytes, end: int) -> tuple[int, list[NDArray[np.float64]]] | None:
     """Return where the values of a process that end there begin, with its flag, and its records."""
     words = np.frombuffer(content[end % _WORD : end], dtype="<i4")
     back = np.arange(len(words), 0, -1)  # words from each to the end
@@ -111,14 +245,142 @@ def _last_chunk(content: bytes, end: int) -> tuple[int, NDArray[np.float64]] | N
     return None
 
 
-def _split(values: NDArray[np.float64]) -> NDArray[np.float64] | None:
-    """Return the first values of each record, (n, 16); None if the values are no records."""
+def _split(values: NDArray[np.float64]) -> list[NDArray[np.float64]] | None:
+    """Return the records; None if the values are none."""
     rows = []
     place = 0
     while place < len(values):
         length = values[place]
         if not (_SHORTEST <= length <= len(values) - place) or length != int(length):
             return None
-        rows.append(values[place : place + _SHORTEST])
+        rows.append(values[place : place + int(length)])
         place += int(length)
-    return np.array(rows)
+    return rows
+
+
+def _fixes(content: bytes) -> list[tuple[str, str]]:
+    """Return IDs and styles of the fixes with states of spheres, in their order."""
+    name, style = _HISTORY
+    mark = _text(name) + _text(style)
+    place = content.rfind(mark)
+    if place < 0:
+        return []
+    for start in range(max(0, place - _FARTHEST), place):
+        fixes = _list_of_fixes(content, start, place)
+        if fixes:
+            return fixes
+    return []
+
+
+def _text(word: str) -> bytes:
+    """Return a word as it stands in a restart file."""
+    return struct.pack("<i", len(word) + 1) + word.encode() + b"\0"
+
+
+def _list_of_fixes(content: bytes, start: int, history: int) -> list[tuple[str, str]]:
+    """Return the list of fixes that starts at a place, if it has that of contacts at another."""
+    (count,) = struct.unpack_from("<i", content, start)
+    if not 0 < count <= _MOST_FIXES:
+        return []
+    place = start + _WORD
+    fixes = []
+    has_history = False
+    for _ in range(count):
+        has_history = has_history or place == history
+        name, place = _word_at(content, place)
+        style, place = _word_at(content, place)
+        if not name or not style:
+            return []
+        fixes.append((name, style))
+        place += _WORD  # its largest size
+    return fixes if has_history else []
+
+
+def _word_at(content: bytes, place: int) -> tuple[str, int]:
+    """Return the word at a place and where it ends; an empty one if there is none."""
+    if place + _WORD > len(content):
+        return "", place
+    (length,) = struct.unpack_from("<i", content, place)
+    text = content[place + _WORD : place + _WORD + max(length, 0)]
+    if not 1 < length <= _LONGEST_NAME or text[-1:] != b"\0" or not text[:-1].isascii():
+        return "", place
+    word = text[:-1].decode("ascii")
+    return (word if word.isprintable() else ""), place + _WORD + length
+
+
+def _states(record: NDArray[np.float64], n_fixes: int) -> Iterator[NDArray[np.float64]]:
+    """Give the states of a sphere in the fixes."""
+    place = _SHORTEST
+    for _ in range(n_fixes):
+        if place >= len(record):
+            return
+        size = int(record[place])
+        yield record[place : place + size]
+        place += max(size, 1)
+
+
+_Fixes = Sequence[tuple[str, str]]
+_States = Sequence[Sequence[NDArray[np.float64]]]
+
+
+def _contacts(fixes: _Fixes, states: _States) -> RestartContacts | None:
+    """Return the contacts between spheres, from the state of that with the lower ID."""
+    if _HISTORY not in fixes:
+        return None
+    number = fixes.index(_HISTORY)
+    pairs = []
+    rows = []
+    block = 0
+    for sphere, of_sphere in enumerate(states, start=1):
+        block = max(block, int(of_sphere[number][_HEAD + _BLOCK]))
+        for partner, row in _contacts_of(of_sphere[number][_HEAD:]):
+            if sphere < partner:
+                pairs.append((sphere, partner))
+                rows.append(row)
+    table = np.zeros((len(rows), 1 + _STRETCH + block))
+    for place, row in enumerate(rows):
+        table[place, : len(row)] = row
+    ids = np.array(pairs, dtype=np.int64).reshape(-1, 2)
+    return RestartContacts(ids, table[:, 0], table[:, 1 : 1 + _STRETCH], table[:, 1 + _STRETCH :])
+
+
+def _contacts_of(state: NDArray[np.float64]) -> Iterator[tuple[int, NDArray[np.float64]]]:
+    """Give the partners of a sphere, with peak, spring and block of each contact."""
+    n_block = int(state[_BLOCK])
+    extended = bool(state[_EXTENDED])
+    place = _RECORDS + (_SUMS if state[_HAS_SUMS] else 0)
+    further = 2 * n_block + _SPRING + _DENTS if extended else n_block
+    for _ in range(int(state[_COUNT])):
+        record = state[place : place + _RECORD]
+        rest = state[place + _RECORD : place + _RECORD + further]
+        place += _RECORD + further
+        partner = int(record[_PARTNER : _PARTNER + 1].view(np.int64)[0])
+        if not record[_LIVE : _LIVE + 1].view(np.int32)[1]:
+            continue
+        spring = rest[n_block : n_block + _STRETCH] if extended else np.zeros(_STRETCH)
+        yield partner, np.concatenate([record[_PEAK : _PEAK + 1], spring, rest[:n_block]])
+
+
+def _walls(fixes: _Fixes, states: _States) -> Iterator[RestartWall]:
+    """Give the contacts with the walls of each fix."""
+    for number, (name, style) in enumerate(fixes):
+        if style != _WALL:
+            continue
+        table = np.array([of_sphere[number][_HEAD:] for of_sphere in states])
+        rest = table[:, _REPORTED + 2 * _SIDE :]
+        for side in range(2):
+            first = _REPORTED + side * _SIDE
+            own = table[:, first : first + _SIDE]
+            dented = np.flatnonzero((own[:, _DENT] > 0) | (own[:, _TOUCHING] != 0))
+            if not len(dented):
+                continue
+            yield RestartWall(
+                fix=name,
+                ids=dented + 1,
+                touching=own[dented, _TOUCHING] != 0,
+                overlap=table[dented, _OVERLAP],
+                peak=own[dented, _DENT],
+                place=own[dented, _PLACE_OF_DENT],
+                side=side,
+                rest=rest[dented],
+            )

@@ -24,7 +24,7 @@ LOAD_FILE = "load.txt"  # points of a load given as a table
 DEAD_LOAD_FILE = "preload_{}.txt"  # dead loads along x, y or z
 # displacements along x, y or z by which grains start near their balance
 START_FILE = "start_{}.txt"
-BED_FILE = "bed.restart"  # spheres and contacts that a run goes on from
+BED_FILE = "bed.txt"  # contacts of a settled bed that a run goes on from
 LOG_FILE = "log.lammps"
 RECORD_FILE = "run.json"
 RESULT_FILE = "result.h5"

@@ -6,6 +6,7 @@ make it at once, and its file appears whole.
 
     poured-DIGEST.csv            the grains, as `packing.file` has them, and a record in comments
     poured-DIGEST-contacts.csv   the contacts between them, with their forces
+    poured-DIGEST-springs.csv    their tangential springs, as `packing.springs` has them
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import replace_text
 
-_FORMAT = 1  # of the files, and of the way that beds are made; another one makes another digest
+_FORMAT = 2  # of the files, and of the way that beds are made; another one makes another digest
 _DIGITS = 12  # of the digest in names
 _MARK = "# bed: "
 _CONTACT_COLUMNS = ("i", "j", "normal_force", "tangential_force")
@@ -51,6 +52,8 @@ class Bed:
         Depth of the plane that it rests on, m.
     record
         How it was made.
+    springs
+        Tangential springs of all contacts, as `packing.springs` has them.
     """
 
     grains: Grains
@@ -59,6 +62,7 @@ class Bed:
     tangential_force: NDArray[np.float64]
     bottom: float
     record: Mapping[str, Any]
+    springs: str
 
     @cached_property
     def directions(self) -> NDArray[np.float64]:
@@ -94,6 +98,11 @@ class BedFile:
         return self.path.with_name(f"{self.path.stem}-contacts.csv")
 
     @property
+    def springs_path(self) -> Path:
+        """File of the tangential springs."""
+        return self.path.with_name(f"{self.path.stem}-springs.csv")
+
+    @property
     def exists(self) -> bool:
         """True if the bed was made."""
         return self.path.is_file()
@@ -123,7 +132,9 @@ class BedFile:
         values = np.array([row.split(",") for row in rows], dtype=np.float64)
         values = values.reshape(-1, len(_CONTACT_COLUMNS))
         pairs = values[:, :2].astype(np.int64) - 1
-        return Bed(grains, pairs, values[:, 2], values[:, 3], record["bottom"], record)
+        forces = (values[:, 2], values[:, 3])
+        springs = self.springs_path.read_text(encoding="utf-8")
+        return Bed(grains, pairs, *forces, record["bottom"], record, springs)
 
     def write(self, bed: Bed) -> None:
         """Write the bed; the file of the grains comes last, and whole."""
@@ -134,6 +145,7 @@ class BedFile:
             for i, j, normal, tangential in np.hstack(columns).tolist()
         ]
         replace_text(self.contacts_path, "\n".join([head, *lines]) + "\n")
+        replace_text(self.springs_path, bed.springs)
         record = json.dumps({**bed.record, "bottom": bed.bottom})
         replace_text(self.path, f"{_MARK}{record}\n{bed.grains.text}")
 

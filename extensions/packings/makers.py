@@ -141,7 +141,7 @@ class Recipe:
             "period": list(container.box) if container.periodic else None,
         }
         forces = (settled.normal_force, settled.tangential_force)
-        return Bed(grains, settled.contacts, *forces, -top, record)
+        return Bed(grains, settled.contacts, *forces, -top, record, settled.springs)
 
 
 class PouredMaker(PackingMaker):
@@ -317,5 +317,5 @@ def tables_of(tables: Mapping[str, Any], recipe: Recipe, bed: Bed) -> dict[str, 
         friction = bool(_table(tables, "contact").get("friction"))
         implied["precompression"] = {"kind": "gravity", "overlaps": True}
         if friction:
-            packing |= {"contacts": "relax", "relaxation": "damped"}
+            packing |= {"contacts": "relax", "relaxation": "damped", "springs": bed.springs}
     return {**tables, **implied}

@@ -18,7 +18,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.case.springs import springs_table
 from granwave.lammps_inputs.errors import RunError
+from granwave.lammps_inputs.restart_file import read_restart
 from granwave.workflows.run import mpi
 from granwave.workflows.run.lammps_engine import Engine, open_engine
 
@@ -26,6 +28,16 @@ Floats = NDArray[np.float64]
 Report = Callable[[float, str], None]  # fraction that is done, and a note
 
 _DATA = "grains.data"
+_STATE = "grains.restart"
+# walls of a case by fix and side
+WALLS = {
+    ("bottom", 1): "bottom",
+    ("tube", 1): "tube",
+    ("x", 0): "xlo",
+    ("x", 1): "xhi",
+    ("y", 0): "ylo",
+    ("y", 1): "yhi",
+}
 _OF_RAYLEIGH = 0.2  # timestep over the time of a Rayleigh wave across the smallest grain
 _SKIN = 0.1  # of the neighbour lists, diameters
 _GAP = 1e-3  # diameters; contacts have no dents that would have to be kept beyond it
@@ -34,7 +46,7 @@ _DRAG_TIME = 0.02  # of drag, over the time of the fall
 _MOST_TIMES = 40  # longest time of falling, and of drag, in times of the fall
 # kinetic energy of a grain over m g D at which drag begins, and at the end
 _SLOW = 1e-3
-_AT_REST = 1e-6
+_AT_REST = 1e-9
 _BALANCED = 3e-4  # net force on a grain over the largest force, at the end
 
 
@@ -133,6 +145,8 @@ class Settled:
         Largest net force on a grain over the largest contact force.
     steps
         Number of timesteps.
+    springs
+        Tangential springs of the contacts, as `packing.springs` has them.
     """
 
     position: Floats
@@ -141,6 +155,7 @@ class Settled:
     tangential_force: Floats
     residual: float
     steps: int
+    springs: str
 
 
 def fall_time(height: float, acceleration: float) -> float:
@@ -176,7 +191,7 @@ def settle(
         (place / _DATA).write_text(_data(position, diameter, container, law), encoding="ascii")
         with open_engine(mpi.this_process(), log="none") as engine:
             engine.commands(_script(place / _DATA, position, diameter, container, law))
-            return _Settling(engine, position, diameter, law, report).run()
+            return _Settling(engine, position, diameter, law, report, place / _STATE).run()
 
 
 def _data(position: Floats, diameter: Floats, container: Container, law: SettlingLaw) -> str:
@@ -262,9 +277,11 @@ class _Settling:
         diameter: Floats,
         law: SettlingLaw,
         report: Report,
+        state: Path,
     ) -> None:
         self._engine = engine
         self._report = report
+        self._state = state
         self._n = len(diameter)
         masses = law.material.density * math.pi / 6 * diameter**3
         self._mass = float(masses.mean())
@@ -321,6 +338,7 @@ class _Settling:
             table = np.empty((0, _CONTACT_COLUMNS))
         table = table[table[:, _FORCE] > 0]
         table = table[np.lexsort((table[:, _SECOND], table[:, _FIRST]))]
+        self._engine.commands(f'write_restart "{self._state}"')
         pairs = table[:, [_FIRST, _SECOND]].astype(np.int64) - 1
         return Settled(
             position,
@@ -329,6 +347,7 @@ class _Settling:
             table[:, _TANGENTIAL],
             self._residual,
             self._engine.step,
+            springs_table(read_restart(self._state), WALLS),
         )
 
 

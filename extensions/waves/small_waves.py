@@ -22,7 +22,6 @@ from granwave.extensions.waves.spectra.band_structure import band_structure
 from granwave.extensions.waves.spectra.bands import ALL_UP_TO, growing, solve_modes
 from granwave.extensions.waves.spectra.defaults import POINTS
 from granwave.extensions.waves.spectra.files import Table, case_in, write_spectra
-from granwave.extensions.waves.spectra.network import Array
 from granwave.extensions.waves.spectra.states import State, packing_state
 from granwave.extensions.waves.spectra.stiffness import stiffness_of
 from granwave.extensions.waves.spectra.transmission import dampers_of, losses_of, transmission
@@ -33,6 +32,7 @@ from granwave.lammps_inputs.files import plain, replace_text, replacing
 from granwave.lammps_inputs.own_files import figure_files
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.result_directory import ResultDirectory
+from granwave.lammps_inputs.statics.bodies import Array
 from granwave.workflows.run.directory import held
 
 _HIGHEST = 1e12  # Hz, far above all contacts; the squares of much larger numbers overflow

@@ -321,6 +321,7 @@ def with_added_grains(
         enclosure=packing.enclosure,
         contacts=packing.contacts,
         touch_tolerance=packing.touch_tolerance,
+        springs=packing.springs,
         relaxation=packing.relaxation,
     )
 

@@ -9,6 +9,7 @@ import dataclasses
 CONTACTS = "contacts"
 TOLERANCE = "touch_tolerance"
 RELAXATION = "relaxation"
+SPRINGS = "springs"
 DAMPED = "damped"
 RELAXATIONS = ("minimiser", DAMPED)
 KEY = f"packing.{CONTACTS}"

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.tables.units import LENGTH_UNITS
 FORM_OF_FILE = (
     "the path of a table of grains (x, y, z, diameter in m), or of a dump or another packing"
 )
+TYPES = "types"
 _BY_CONTENT = "auto"
 _LARGEST_STEP = 2**63 - 1
 _VELOCITIES = ("keep", "drop")

@@ -17,11 +17,18 @@ from granwave.lammps_inputs.case.contact_ways import (
     KEEP,
     RELAXATION,
     RELAXATIONS,
+    SPRINGS,
     TOLERANCE,
     ContactWay,
     described_ways,
 )
-from granwave.lammps_inputs.case.grain_file import FILE_FIELDS, FORM_OF_FILE, read_grain_file
+from granwave.lammps_inputs.case.grain_file import (
+    FILE_FIELDS,
+    FORM_OF_FILE,
+    TYPES,
+    GrainFileSection,
+    read_grain_file,
+)
 from granwave.lammps_inputs.case.grains import Grains, parse_grains
 from granwave.lammps_inputs.case.hints import DIAMETER, LENGTH, Usual
 from granwave.lammps_inputs.case.made_packing import NOT_MADE
@@ -35,6 +42,7 @@ from granwave.lammps_inputs.case.material import (
     shape_of,
 )
 from granwave.lammps_inputs.case.schema import ErrorList, ValidationError, read_table, show
+from granwave.lammps_inputs.case.springs import SpringsType
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.files import available_memory
 from granwave.lammps_inputs.lattices import (
@@ -62,8 +70,8 @@ _NOT_OF_FILE = (
     "tilt",
     "seed",
 )
-_OF_FILE = (*FILE_FIELDS, "grains", "period", "enclosure", RESTART)
-_OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, RELAXATION)
+_OF_FILE = (*FILE_FIELDS, "grains", "period", "enclosure", RESTART, SPRINGS)
+_OF_CONTACTS = (RESTART, CONTACTS, TOLERANCE, SPRINGS, RELAXATION)
 _OF_GRAINS = ("kind", "diameter", "grains", "period", "cell", "enclosure", *_OF_CONTACTS)
 _OF_SHAPE = ("shape", "length", "axis")
 _WAYS_FORM = (
@@ -276,6 +284,12 @@ class PackingSection:
         above=0,
         default=None,
     )
+    springs: str | None = schema.typed(
+        'table of the tangential springs of a settled bed as text, for contacts = "keep" or '
+        'relaxation = "damped"; a case of a bed that granwave has settled holds them so',
+        SpringsType(),
+        default=None,
+    )
     relaxation: str | None = schema.choice(
         'how contacts = "relax" finds balance: minimiser, without friction; damped: a damped run '
         "with the laws and the friction of the case, whose springs stay; by default the minimiser",
@@ -339,6 +353,11 @@ class PackingSection:
     def contact_way(self) -> ContactWay | None:
         """Way to start contacts of grains that overlap or nearly touch; None: they are refused."""
         return CONTACT_WAYS[self.contacts] if self.contacts else None
+
+    @property
+    def has_history(self) -> bool:
+        """True if contacts go on from a bed that was settled, whole or with their springs."""
+        return self.restart is not None or self.springs is not None
 
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
@@ -429,7 +448,7 @@ def _foreign_keys(kind: Any) -> dict[str, str]:
 def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
     """Return the packing of a restart file as one of grains of a file that start as they are."""
     file = table.get("file")
-    kept = {name: value for name, value in table.items() if name != "file"}
+    kept = {name: value for name, value in table.items() if name not in ("file", TYPES)}
     kept |= {"kind": FILE, "grains": None}
     for name, allowed in ((CONTACTS, KEEP.name), ("diameter", None), ("grains", None)):
         if name in table and table[name] != allowed:
@@ -441,14 +460,33 @@ def _of_restart(table: Mapping[str, Any], errors: ErrorList) -> dict[str, Any]:
     spheres = schema.read_named("packing.file", file, _FORM_OF_RESTART, read_restart, errors)
     if spheres is None:
         return kept
-    return kept | {"grains": _grains_of(spheres), CONTACTS: KEEP.name, RESTART: file}
-
-
-def _grains_of(spheres: RestartSpheres) -> Grains:
-    """Return the spheres of a restart file as grains; their velocities stay in the file."""
+    materials = _materials_of(spheres, table.get(TYPES), errors)
     n = len(spheres.radius)
-    still = np.zeros((n, 3))
-    return Grains(spheres.position, 2 * spheres.radius, [""] * n, [""] * n, still)
+    still = np.zeros((n, 3))  # their velocities stay in the file
+    grains = Grains(spheres.position, 2 * spheres.radius, materials, [""] * n, still)
+    return kept | {"grains": grains, CONTACTS: KEEP.name, RESTART: file}
+
+
+def _materials_of(spheres: RestartSpheres, types: Any, errors: ErrorList) -> list[str]:
+    """Return the names of the materials of the spheres of a restart file, by their types."""
+    none = [""] * len(spheres.kind)
+    section = read_table(
+        GrainFileSection, {} if types is None else {TYPES: types}, "packing", errors
+    )
+    if section is None:
+        return none
+    there = [str(kind) for kind in np.unique(spheres.kind).tolist()]
+    names = section.types or {}
+    if not names and len(there) == 1:
+        return none
+    missing = [name for name in there if name not in names]
+    unused = [name for name in names if name not in there]
+    if missing or unused:
+        what = f"no material of the type {missing[0]}" if missing else f"no type {unused[0]}"
+        expected = f"a material for each of the types {', '.join(there)}"
+        errors.add(f"packing.{TYPES}", Mismatch(what, expected))
+        return none
+    return [names[str(kind)] for kind in spheres.kind.tolist()]
 
 
 def _read_lattice(table: Mapping[str, Any], errors: ErrorList) -> PackingSection | None:

@@ -27,7 +27,7 @@ from granwave.lammps_inputs.case.case import (
     case_sections,
 )
 from granwave.lammps_inputs.case.contact import read_pairs
-from granwave.lammps_inputs.case.contact_ways import CONTACTS, RELAXATION, TOLERANCE
+from granwave.lammps_inputs.case.contact_ways import CONTACTS, RELAXATION, SPRINGS, TOLERANCE
 from granwave.lammps_inputs.case.loads.grains import GrainsLoad
 from granwave.lammps_inputs.case.loads.registry import read_load
 from granwave.lammps_inputs.case.loads.striker import StrikerLoad
@@ -249,7 +249,7 @@ def _check_of_grains(packing: PackingSection, errors: ErrorList) -> None:
     """Check that a lattice is not given what belongs to grains at places of their own."""
     if not packing.rule.is_lattice:
         return
-    for name in ("cell", CONTACTS, TOLERANCE, RELAXATION, RESTART):
+    for name in ("cell", CONTACTS, TOLERANCE, SPRINGS, RELAXATION, RESTART):
         if getattr(packing, name) is not None:
             found = f"found {show(packing.kind)} alone"
             text = f'belongs to packing.kind = "file", or to [[grains]]; {found}'

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from itertools import combinations
-from pathlib import Path
 
 import numpy as np
 
@@ -12,23 +11,22 @@ from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import Grains
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
+from granwave.lammps_inputs.contact.bed_state import bed_state
 from granwave.lammps_inputs.contact.contact_advice import advice_on
 from granwave.lammps_inputs.contact.initial_dents import LARGEST
-from granwave.lammps_inputs.errors import Mismatch
+from granwave.lammps_inputs.errors import InputError, Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair, end_contacts
 from granwave.lammps_inputs.packing.motion import line_ids
 from granwave.lammps_inputs.packing.places import Places, layout_of
 from granwave.lammps_inputs.packing.sites import sites_of
-from granwave.lammps_inputs.packing.walls import touched, walls
+from granwave.lammps_inputs.packing.walls import touched
 from granwave.lammps_inputs.packing_kind import TOUCHING
-from granwave.lammps_inputs.restart_file import read_restart
 
 # keys of grains that could not be placed
 _PLACED = ("packing.grains", "packing.file", "packing.gaps", "grains.")
 # largest diameters; in fewer two grains could touch twice, one of them also as its image
 _LEAST_PERIOD = 2.5
-_SAME_MASS = 1e-9  # relative difference of masses of the same spheres
 _OBLIQUE = 1e-9  # largest component of an axis along a wall's normal, for rounding
 _OF_LATTICES = {
     "replace": "the file gives each grain its diameter and material",
@@ -73,39 +71,14 @@ def check_columns(case: Case, errors: ErrorList) -> None:
 
 
 def check_restart(assembly: Assembly, errors: ErrorList) -> None:
-    """Check that a case has what its restart file has: its spheres alone, of one material."""
-    case = assembly.case
-    if case.packing.restart is None:
-        return
-    key = "packing.restart"
-    remedy = "spheres of the restart file that are held ([[hold]]) can bear the others"
-    errors.check(
-        (
-            walls(assembly),
-            key,
-            Mismatch("with walls, whose places the file does not tell", "no walls", remedy),
-        ),
-        (
-            case.striker or len(assembly.species) > 1,
-            key,
-            Mismatch(
-                "with spheres or materials that the file lacks", "its spheres, of one material"
-            ),
-        ),
-    )
+    """Check that a case has what its restart file has: spheres, masses and walls."""
     try:
-        spheres = read_restart(Path(case.packing.restart))
-    except (OSError, ValueError) as error:
-        errors.add(key, f"{case.packing.restart}: {error}")
+        state = bed_state(assembly)
+    except InputError as error:
+        errors.add("packing.restart", str(error).partition("packing.restart: ")[2])
         return
-    masses = assembly.sphere_masses()
-    if errors.items or len(masses) != len(spheres.mass):
-        return
-    worst = int(np.argmax(np.abs(spheres.mass / masses - 1)))
-    expected = f"{masses[worst]:.9g} kg by the density of the material"
-    found = f"sphere {worst + 1} with a mass of {spheres.mass[worst]:.9g} kg"
-    unlike = abs(spheres.mass[worst] / masses[worst] - 1) > _SAME_MASS
-    errors.check((unlike, "material.density", Mismatch(found, expected)))
+    for key, fault in state.faults if state is not None else ():
+        errors.add(key, fault)
 
 
 def check_places(case: Case, errors: ErrorList) -> None:

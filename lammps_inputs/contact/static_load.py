@@ -44,6 +44,7 @@ from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
+FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 _SHELL = (
     3,
     2,

@@ -6,6 +6,7 @@ from __future__ import annotations
 
 import contextlib
 import dataclasses
+from collections.abc import Iterator
 from functools import partial
 from pathlib import Path
 from typing import Any
@@ -16,8 +17,8 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs import run_directory
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import density_as_sphere
+from granwave.lammps_inputs.contact.bed_state import bed_table, bed_velocities
 from granwave.lammps_inputs.contact.initial_dents import dents_table
-from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import directions
 from granwave.lammps_inputs.deck.output import output_files
 from granwave.lammps_inputs.deck.script import input_script
@@ -26,7 +27,6 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import (
     DISK_IS_FULL,
     naming,
-    read_regular,
     read_toml,
     replacing,
 )
@@ -40,6 +40,7 @@ from granwave.lammps_inputs.planning.schedule import Schedule, make_schedule
 from granwave.lammps_inputs.processes import ALONE, Processes
 from granwave.lammps_inputs.result_directory import ResultDirectory
 from granwave.lammps_inputs.script_words import joined, num
+from granwave.lammps_inputs.statics.balance import balanced_displacements
 
 _STILL = (0.0, 0.0, 0.0)
 _BATCH = 100_000  # spheres formatted at once
@@ -90,12 +91,7 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
                 file.write(
                     f"{number} {face if number == bar.face else node} 0 0 {z:.17g} 0 {mass:.17g} 0\n"
                 )
-        if moving := own_velocities(assembly):
-            file.write("\nVelocities # id, velocity, angular velocity\n\n")
-            file.writelines(
-                f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n"
-                for number in assembly.ids
-            )
+        file.writelines(_velocity_lines(assembly))
         if bars:
             file.write("\nBonds\n\n")
             joints = [
@@ -106,6 +102,24 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
             file.writelines(
                 f"{number} {kind} {a} {a + 1}\n" for number, (kind, a) in enumerate(joints, start=1)
             )
+
+
+def _velocity_lines(assembly: Assembly) -> Iterator[str]:
+    """Give the velocities of the data file, if grains have their own, or go on from a bed."""
+    title = "\nVelocities # id, velocity, angular velocity\n\n"
+    bed = bed_velocities(assembly)
+    moving = own_velocities(assembly)
+    if bed is not None:
+        yield title
+        rows = np.hstack(bed).tolist()
+        none = [0.0] * 6
+        for number in assembly.ids.tolist():
+            row = rows[number - 1] if number <= len(rows) else none
+            yield f"{number} {joined(map(num, row))}\n"
+    elif moving:
+        yield title
+        for number in assembly.ids:
+            yield f"{number} {joined(map(num, moving.get(number, _STILL)))} 0 0 0\n"
 
 
 def _title(assembly: Assembly) -> str:
@@ -230,7 +244,6 @@ def write_deck(
     results = ResultDirectory.at(directory)
     tables = _tables(assembly)
     written = (run_directory.SCRIPT_FILE, run_directory.CASE_FILE, run_directory.DATA_FILE, *tables)
-    bed = _bed_of(case)
     deck = Deck(results.path, case, make_schedule(assembly, timestep), struck_of(assembly), written)
     text = case.to_toml(resolved=resolved(assembly, deck))
     try:
@@ -249,23 +262,19 @@ def write_deck(
         deck.directory / run_directory.CASE_FILE: text,
     }
     texts |= {results / name: table for name, table in tables.items()}
-    copied = {results / run_directory.BED_FILE: bed} if bed else {}
     try:
         with (
             contextlib.ExitStack() as stack
         ):  # left in reverse order: the script is moved into place last
-            paths = dict.fromkeys((deck.script, deck.data, *texts, *copied))
+            paths = dict.fromkeys((deck.script, deck.data, *texts))
             scratch = {path: stack.enter_context(replacing(path)) for path in paths}
             for path, unfinished in scratch.items():
                 with naming(path):
                     if path == deck.data:
                         write_data(assembly, unfinished, processes)
-                    elif path in copied:
-                        unfinished.write_bytes(copied[path])
                     else:
                         unfinished.write_text(texts[path], encoding="utf-8")
-        names = [path.name for path in copied]
-        results.note_deck([run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables, *names])
+        results.note_deck([run_directory.SCRIPT_FILE, run_directory.DATA_FILE, *tables])
     except BaseException:
         if before is None:
             results.clear()
@@ -283,32 +292,23 @@ def deck_files(assembly: Assembly, schedule: Schedule) -> list[str]:
     names += [run_directory.DEAD_LOAD_FILE.format(axis) for axis in axes]
     started = bool(case.precompression) and balanced_displacements(assembly) is not None
     names += [run_directory.START_FILE.format(axis) for axis in "xyz" if started]
-    names += [run_directory.BED_FILE] if case.packing.restart else []
+    names += [run_directory.BED_FILE] if case.packing.has_history else []
     names += [run_directory.DENTS_FILE] if case.contact.initial_overlap else []
     names += [run_directory.LOAD_FILE] if case.load.table else []
     dumps = [f"{run_directory.DUMPS}/{name}" for name in output_files(assembly, schedule)]
     return [*names, run_directory.LOG_FILE, *dumps]
 
 
-def _bed_of(case: Case) -> bytes:
-    """Return the restart file that spheres and contacts go on from; empty if there is none."""
-    restart = case.packing.restart
-    if restart is None:
-        return b""
-    try:
-        return read_regular(Path(restart))
-    except OSError as error:
-        raise InputError(
-            f"{case.name}: packing.restart: {restart}: cannot be read: {error.strerror}"
-        ) from None
-
-
 def _tables(assembly: Assembly) -> dict[str, str]:
-    """Return the tables that the script reads, by file name: points of the load, dents, dead loads."""
+    """Return the tables that the script reads, by file name: points of the load, dents, contacts of
+    a bed, dead loads.
+    """
     case = assembly.case
     tables = load_tables(assembly) if case.precompression else {}
     if case.contact.initial_overlap:
         tables[run_directory.DENTS_FILE] = dents_table(assembly)
+    if case.packing.has_history:
+        tables[run_directory.BED_FILE] = bed_table(assembly)
     if case.load.table:
         rows = "".join(f"{time!r} {value!r}\n" for time, value in case.load.table)
         tables[run_directory.LOAD_FILE] = f"# time (s), {case.load.kind}, SI units\n{rows}"

@@ -87,6 +87,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         "# Dents from before the run, of pairs of spheres and on walls.",
         f"gran/dents      read {DENTS_FILE}",
     ]
+    bed = ["# Dents and springs of the settled bed.", f"gran/dents      read {BED_FILE}"]
     parts = [
         _head(assembly),
         _system(assembly, restart_from),
@@ -98,6 +99,7 @@ def input_script(assembly: Assembly, schedule: Schedule, *, restart_from: str = 
         wall_commands(assembly),
         cylinder_commands(assembly, again=True),
         dents if case.contact.initial_overlap and not resumed else [],
+        bed if case.packing.has_history and not resumed else [],
         [*([] if resumed else second_half(assembly)), *reference] if static else [],
         motion(assembly, schedule, resumed=resumed),
         ledger(assembly, schedule, resumed=resumed),
@@ -155,15 +157,9 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        _spheres_from(assembly, restart_from),
+        f"read_restart    {restart_from}" if restart_from else READ_DATA,
         *lines,
     ]
-
-
-def _spheres_from(assembly: Assembly, restart_from: str) -> str:
-    """Return the command that reads the spheres."""
-    file = restart_from or (BED_FILE if assembly.case.packing.restart else "")
-    return f"read_restart    {file}" if file else READ_DATA
 
 
 def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:

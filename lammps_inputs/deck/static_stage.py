@@ -36,7 +36,6 @@ from numpy.typing import NDArray
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import largest_dent
 from granwave.lammps_inputs.contact.law import sphere_contact
-from granwave.lammps_inputs.contact.static_balance import balanced_displacements
 from granwave.lammps_inputs.contact.static_load import (
     dead_loads,
     directions,
@@ -81,6 +80,7 @@ from granwave.lammps_inputs.run_directory import (
     STATIC_STAGE_FILE,
 )
 from granwave.lammps_inputs.script_words import joined, num
+from granwave.lammps_inputs.statics.balance import balanced_displacements
 
 _STAGE_MARKER = "# --- static stage ---"
 _STAGE_END = "# --- end of the static stage ---"
@@ -90,7 +90,6 @@ LARGEST_MOVE = 0.1
 
 # largest contact force over that expected of the load, below which the grains have lost the load
 LOST_LOAD = 1e-3
-FORCE_TOLERANCE = 1e-4  # of the force of walls that are moved to a force
 
 _SPHERES = "static_spheres"  # group of the moving spheres
 _STRIKERS = "static_strikers"  # group, and fix that holds them
@@ -107,14 +106,18 @@ _TANGENTIAL = (EnergyColumn.ELASTIC_TANGENTIAL, WallColumn.ELASTIC_TANGENTIAL)
 _ROLLING = (EnergyColumn.ELASTIC_ROLLING, WallColumn.ELASTIC_ROLLING)
 _TWISTING = (EnergyColumn.ELASTIC_TWISTING, WallColumn.ELASTIC_TWISTING)
 _LONGEST_MOVE = 0.5  # displacement of a sphere in one iteration over the overlap of a contact
-_MOST_ITERATIONS = 200_000
-_QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
+MOST_ITERATIONS = 200_000
+QUIET = 3e-8  # net force over the largest contact force, drag and losses included, at its end
 _MOST_STEPS = 1_000_000  # of a damped run
 _DRAG = 0.03  # of a damped run over sqrt(stiffness mass)
 _DAMPED_STEP = 0.05  # timestep of a damped run over sqrt(mass/stiffness)
 _ROUNDS = 8  # in which walls move in to a force; a secant doubles the digits in two of them
 # least slope of its power 2/3 over that of the line through the start: bounds the next distance
 _FLATTEST = 0.1
+
+# columns of the log: largest force of a contact, largest net force on a sphere
+LARGEST_FORCE = "c_static_largest"
+NET_FORCE = "c_static_net"
 
 _ENERGY = "c_static"  # of all contacts of pairs
 _SPHERE = "c_static_sphere"
@@ -229,7 +232,7 @@ def first_half(assembly: Assembly) -> list[str]:
         f"timestep        {num(_STEP * math.sqrt(mass / static_stiffness(assembly)))}",
         *_FORCES,
         "thermo          1000",
-        "thermo_style    custom step c_static_largest",
+        f"thermo_style    custom step {LARGEST_FORCE}",
         "min_style       fire",
         f"min_modify      norm inf dmax {num(_LONGEST_MOVE * overlap)}",
         *_near_balance(assembly),
@@ -311,9 +314,9 @@ def second_half(assembly: Assembly) -> list[str]:
     columns = [
         _ENERGY,
         EnergyColumn.YIELDED.of(_ENERGY),
-        "c_static_largest",
+        LARGEST_FORCE,
         "c_static_borne",
-        "c_static_net",
+        NET_FORCE,
         "c_static_moved",
     ]
     record = dict(RECORD)
@@ -390,7 +393,7 @@ def _damped_run(assembly: Assembly) -> list[str]:
     if case.load.prescribes_motion:
         lines.insert(0, f"group           hit id {joined(struck_of(assembly))}")
     fixes = [line.split()[1] for line in lines if line.startswith("fix ")]
-    least = num(_QUIET)
+    least = num(QUIET)
     if case.has_rotation:
         turning = f"fix             static_twist all viscous/sphere {num(0.4 * drag * radius**2)}"
         lines.append(turning)
@@ -537,7 +540,7 @@ def _minimize(assembly: Assembly, *, first: bool = False) -> str:
 
 def _minimize_to(least: str) -> str:
     """Return the command that ends when no net force is larger than ``least``, N."""
-    return f"minimize        0.0 {least} {_MOST_ITERATIONS} {2 * _MOST_ITERATIONS}"
+    return f"minimize        0.0 {least} {MOST_ITERATIONS} {2 * MOST_ITERATIONS}"
 
 
 _TERMS = {

@@ -260,7 +260,7 @@ class Assembly:
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)
-        if not isinstance(self.lattice, Places) or self.case.packing.restart:
+        if not isinstance(self.lattice, Places):
             return origin
         size = max(float((high - low).max()), self.lattice.diameter)
         outside = np.maximum(np.maximum(low, -high), 0.0)

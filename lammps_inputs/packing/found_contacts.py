@@ -9,10 +9,13 @@ from typing import Any
 
 from granwave.lammps_inputs.case.boundary import Boundary
 from granwave.lammps_inputs.case.contact_ways import (
+    DAMPED,
+    KEEP,
     KEY,
     OVERLAPS,
     RELAX,
     RELAXATION,
+    SPRINGS,
     TOLERANCE,
     TOUCH,
 )
@@ -63,6 +66,12 @@ def with_contacts(parts: dict[str, Any], errors: ErrorList) -> None:
             packing.relaxation is not None and not relaxes,
             f"packing.{RELAXATION}",
             f'belongs to {KEY} = "{RELAX.name}"; found {show(packing.contacts or "none")}',
+        ),
+        (
+            packing.springs is not None and not (way is KEEP or packing.relaxation == DAMPED),
+            f"packing.{SPRINGS}",
+            f'belongs to {KEY} = "{KEEP.name}" or packing.relaxation = "{DAMPED}"; '
+            f"found {show(packing.contacts or 'none')}",
         ),
     )
     if way is None or not _tolerance_fits(packing, errors):

@@ -14,7 +14,19 @@
 #include "tangential_damping.h"
 #include "viscous_loss.h"
 
+#include <vector>
+
 namespace granwave {
+
+/* Contact as a file has it: its largest overlap, and if `whole` all that it remembers: the spring, on a wall the place of the dent, and
+   the block, which may be empty where it begins anew. */
+struct KnownContact {
+  double peak = 0.0;
+  bool whole = false;
+  double force[3] = {}, compliance = 0.0;    // of the spring; the force is on the first sphere, or on the sphere at a wall
+  double place[2] = {};
+  std::vector<double> block;
+};
 
 struct ContactMemory {
   bool friction = false, dents = false;    // a spring, and what initial dents need: no parts of the block
@@ -61,6 +73,13 @@ struct ContactMemory {
     if (cohesion) cohesion_of(block).lost = 0.0;
     if (loss) loss_of(block) = {};
     if (damping) damping_of(block) = {};
+  }
+
+  /* True if a contact of this memory can be as the file has it. */
+  bool takes(const KnownContact &contact) const
+  {
+    const bool sprung = contact.compliance != 0.0;
+    return (friction || !sprung) && (contact.block.empty() || static_cast<int>(contact.block.size()) == n);
   }
 
   /* End the spring of surfaces that have parted, or that friction does not hold. */

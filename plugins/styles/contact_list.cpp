@@ -137,6 +137,22 @@ void ContactList::reset(int k, double new_peak, bool dented)
   if (start.kept) keep_start_of(k);
 }
 
+void ContactList::set(int k, const KnownContact &contact, bool yielded)
+{
+  std::fill_n(block(k), has.n, 0.0);
+  std::copy(contact.block.begin(), contact.block.end(), block(k));
+  reset(k, contact.peak, yielded);
+  if (!has.friction) return;
+  spring[k] = TangentialSpring();
+  std::copy_n(contact.force, 3, spring[k].force);
+  spring[k].compliance = contact.compliance;
+}
+
+void ContactList::find_springs()
+{
+  if (has.friction || has.loss) touched = groups.bits([this](int k) { return has_spring(k); });
+}
+
 /* ---------------------------------------------------------------------- minimization */
 
 void ContactList::keep_start()

@@ -159,6 +159,12 @@ class ContactList {
      whose history is kept. */
   void reset(int k, double peak, bool dented);
 
+  /* Set pair k to a contact that a file has whole; `yielded` if its peak is beyond the elastic limit. */
+  void set(int k, const KnownContact &, bool yielded);
+
+  /* Note which springs may end. */
+  void find_springs();
+
   /* Write the block of pair k, as seen from the sphere of the row (side 1) or its partner (-1), into a zero block. */
   void pack(int k, double side, const BlockLayout &, double *block) const;
 

@@ -64,6 +64,8 @@ class FixWallGranHysteretic : public Fix {
 
   /* Set the initial dent of a sphere at its present position, on the nearer of the two walls. */
   void set_dent(int i, double peak);
+  /* Set all that the contact of a sphere with the nearer of the two walls remembers. Returns false if this wall remembers something else. */
+  bool set_contact(int i, const granwave::KnownContact &);
   /* Turn all dents so far into initial dents, and reset the totals. */
   void begin(bool keeps);
   /* The coefficient of friction. */
@@ -162,6 +164,8 @@ class FixWallGranHysteretic : public Fix {
   double *initial_extra(int i, int side) { return at_walls(i) + n_history() - (2 - side) * law.n_extra(); }
   granwave::LawHistory law_history(int i, int side) { return {sides(i)[side].dent, extra(i, side)}; }
   double approach(int i, int side) const;
+  int nearer(int i) const { return depth(i, 0) > depth(i, 1) ? 0 : 1; }
+  void require_dented(int i, double peak);
   void note_largest_force(int i, double force, double now);
   double lost(int i, int side, const granwave::ScaledLaw &);
   void report_dents(int i);

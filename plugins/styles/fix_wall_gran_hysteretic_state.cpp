@@ -139,7 +139,8 @@ void FixWallGranHysteretic::compute_lines(const double at[2])
 
 /* ---------------------------------------------------------------------- initial dents */
 
-void FixWallGranHysteretic::set_dent(int i, double peak)
+/* Stop with an error if a sphere cannot have a dent of this depth. */
+void FixWallGranHysteretic::require_dented(int i, double peak)
 {
   const double radius = atom->radius[i];
   if (!(atom->mask[i] & groupbit) || radius == 0.0)
@@ -148,7 +149,12 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   if (!(peak >= 0.0 && peak <= radius))
     error->one(FLERR, "Fix {} {}: a dent of sphere {} must lie between 0 and its radius {:.4g}, found {:.4g}", STYLE, id,
                atom->tag[i], radius, peak);
-  const int which = depth(i, 0) > depth(i, 1) ? 0 : 1;
+}
+
+void FixWallGranHysteretic::set_dent(int i, double peak)
+{
+  require_dented(i, peak);
+  const int which = nearer(i);
   Side &side = sides(i)[which];
   side.dent = peak;
   place_of(i, side.place);
@@ -157,6 +163,34 @@ void FixWallGranHysteretic::set_dent(int i, double peak)
   std::fill_n(extra(i, which), law.n_extra(), 0.0);
   std::fill_n(initial_extra(i, which), law.n_extra(), 0.0);
   report_dents(i);
+}
+
+bool FixWallGranHysteretic::set_contact(int i, const KnownContact &contact)
+{
+  require_dented(i, contact.peak);
+  if (!has.takes(contact)) return false;
+  const int which = nearer(i);
+  const bool yielded = scaled_law(i).yielded(contact.peak);
+  Side &side = sides(i)[which];
+  side = Side();
+  side.dent = contact.peak;
+  std::copy_n(contact.place, 2, side.place);
+  side.touching = depth(i, which) > ROUNDING * atom->radius[i] ? 1.0 : 0.0;
+  side.initial = yielded ? contact.peak : 0.0;
+  std::fill_n(extra(i, which), has.n, 0.0);
+  std::copy(contact.block.begin(), contact.block.end(), extra(i, which));
+  has.begin(extra(i, which), yielded);
+  std::copy_n(extra(i, which), law.n_extra(), initial_extra(i, which));
+  if (friction > 0.0) {
+    TangentialSpring &spring = springs(i)[which];
+    spring = TangentialSpring();
+    std::copy_n(contact.force, 3, spring.force);
+    spring.compliance = contact.compliance;
+  }
+  near[i] = 1;
+  listed = false;
+  report_dents(i);
+  return true;
 }
 
 void FixWallGranHysteretic::begin(bool keeps)

@@ -21,11 +21,31 @@ using namespace granwave;
 
 namespace {
 
+constexpr std::size_t N_DENT = 3, N_SPRING = 4, N_PLACE = 2;    // words of a line: a dent, and what may follow
+
 enum { FIRST_SEEN = 1, SECOND_SEEN = 2 };    // status of a line together with DentStatus, combined over processors
 
 bool is_id(const std::string &word)
 {
   return !word.empty() && word.size() < 16 && word.find_first_not_of("0123456789") == std::string::npos;
+}
+
+constexpr const char *OTHER =
+    "the contact has another law, friction, loss or resistance in this file than in the input script";
+
+/* Fill in a contact from its numbers, the peak first; returns false if there are too few. */
+bool complete(KnownContact &contact, const std::vector<double> &values, bool on_wall)
+{
+  const std::size_t n_place = on_wall ? N_PLACE : 0;
+  if (values.size() < 1 + N_SPRING + n_place || values[N_SPRING] < 0.0) return false;
+  auto at = values.begin() + 1;
+  contact.whole = true;
+  std::copy_n(at, 3, contact.force);
+  contact.compliance = values[N_SPRING];
+  at += N_SPRING;
+  std::copy_n(at, n_place, contact.place);
+  contact.block.assign(at + n_place, values.end());
+  return true;
 }
 
 }    // namespace
@@ -84,20 +104,32 @@ std::vector<GranDents::Line> GranDents::read(const std::string &file)
       if (value > MAXTAGINT) wrong("there is no sphere " + word);
       return static_cast<tagint>(value);
     };
-    if (w.size() != 3 || !is_id(w[1])) wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
-    Line line{number, nullptr, 0, id(w[1]), 0.0};
+    if (w.size() < N_DENT || !is_id(w[1]))
+      wrong("expected 'i j peak' with the ids of two spheres, or 'FIXID i peak' of a wall");
+    Line line{number, nullptr, 0, id(w[1]), {}};
+    bool swapped = false;
     if (is_id(w[0])) {
       line.i = id(w[0]);
       if (line.i == line.j) wrong("a sphere has no contact with itself");
-      if (line.i > line.j) std::swap(line.i, line.j);
+      swapped = line.i > line.j;
+      if (swapped) std::swap(line.i, line.j);
     } else {
       line.wall = dynamic_cast<FixWallGranHysteretic *>(modify->get_fix_by_id(w[0]));
       if (!line.wall) wrong("there is no fix " + std::string(FixWallGranHysteretic::STYLE) + " with the ID '" + w[0] + "'");
     }
-    char *end = nullptr;
-    line.peak = std::strtod(w[2].c_str(), &end);
-    if (*end != '\0' || !std::isfinite(line.peak)) wrong("the dent must be a number");
-    if (line.peak < 0.0) wrong("the dent must not be negative");
+    std::vector<double> values;
+    for (std::size_t k = N_DENT - 1; k < w.size(); k++) {
+      char *end = nullptr;
+      values.push_back(std::strtod(w[k].c_str(), &end));
+      if (*end != '\0' || !std::isfinite(values.back()))
+        wrong(k < N_DENT ? "the dent must be a number" : "the state of the contact must be numbers");
+    }
+    line.contact.peak = values[0];
+    if (line.contact.peak < 0.0) wrong("the dent must not be negative");
+    if (w.size() > N_DENT && !complete(line.contact, values, line.wall != nullptr))
+      wrong(line.wall ? "expected 'FIXID i peak', or behind it fx fy fz compliance, two coordinates and a block"
+                      : "expected 'i j peak', or behind it fx fy fz compliance and a block");
+    for (double &force : line.contact.force) force *= swapped ? -1.0 : 1.0;
     lines.push_back(line);
   }
   return lines;
@@ -109,7 +141,7 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
     error->all(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, what);
   };
   std::map<PairGranHysteretic::Ids, int> pairs;    // line of each pair
-  std::map<PairGranHysteretic::Ids, double> dents;
+  std::map<PairGranHysteretic::Ids, KnownContact> known;
   std::map<std::pair<FixWallGranHysteretic *, tagint>, int> on_walls;
   std::map<tagint, int> owned;
   for (int i = 0; i < atom->nlocal; i++) owned[atom->tag[i]] = i;
@@ -119,14 +151,14 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
     const bool fresh = line.wall ? on_walls.emplace(std::pair(line.wall, line.j), k).second
                                  : pairs.emplace(std::pair(line.i, line.j), k).second;
     if (!fresh) wrong(line, "this contact was given before");
-    if (!line.wall) dents[{line.i, line.j}] = line.peak;
+    if (!line.wall) known[{line.i, line.j}] = line.contact;
     if (owned.count(line.i)) mine[k] |= FIRST_SEEN;
     const auto found = owned.find(line.j);
     if (found == owned.end()) continue;
     mine[k] |= SECOND_SEEN;
-    if (line.wall && line.peak > atom->radius[found->second]) mine[k] |= PairGranHysteretic::TOO_DEEP;
+    if (line.wall && line.contact.peak > atom->radius[found->second]) mine[k] |= PairGranHysteretic::TOO_DEEP;
   }
-  for (const auto &[ids, status] : pair->set_dents(dents)) mine[pairs[ids]] |= status;
+  for (const auto &[ids, status] : pair->set_contacts(known)) mine[pairs[ids]] |= status;
   MPI_Allreduce(mine.data(), state.data(), static_cast<int>(lines.size()), MPI_INT, MPI_BOR, world);
 
   for (int k = 0; k < static_cast<int>(lines.size()); k++) {
@@ -134,11 +166,16 @@ void GranDents::set(const std::string &file, const std::vector<Line> &lines)
     if (!line.wall && !(state[k] & FIRST_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.i));
     if (!(state[k] & SECOND_SEEN)) wrong(line, fmt::format("there is no sphere {}", line.j));
     if (state[k] & PairGranHysteretic::TOO_DEEP)
-      wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.peak,
+      wrong(line, fmt::format("the dent, {:.6g}, exceeds the radius of the {}", line.contact.peak,
                               line.wall ? "sphere" : "smaller sphere"));
+    if (state[k] & PairGranHysteretic::OTHER_LAW) wrong(line, OTHER);
     if (!line.wall && !(state[k] & PairGranHysteretic::SET))
       wrong(line, fmt::format("spheres {} and {} are further apart than the gap beyond which a dent is forgotten", line.i,
                               line.j));
-    if (line.wall && owned.count(line.j)) line.wall->set_dent(owned[line.j], line.peak);
+    if (!line.wall || !owned.count(line.j)) continue;
+    const int i = owned[line.j];
+    if (!line.contact.whole) line.wall->set_dent(i, line.contact.peak);
+    else if (!line.wall->set_contact(i, line.contact))
+      error->one(FLERR, "{}: line {} of {}: {}", STYLE, line.number, file, OTHER);
   }
 }

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-2.0-only
 /* Command gran/dents: initial dents of pair style gran/hysteretic and of walls.
 
-   gran/dents read FILE     dents by IDs: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments
+   gran/dents read FILE     dents by IDs: lines `i j peak` of two spheres, `FIXID i peak` of a sphere and a wall, # comments; with
+                            further numbers all that a contact remembers
    gran/dents begin         turn all dents so far into initial dents
    gran/dents clear         forget all dents so far */
 
@@ -14,6 +15,7 @@ CommandStyle(gran/dents,GranDents);
 #ifndef LMP_GRAN_DENTS_H
 #define LMP_GRAN_DENTS_H
 
+#include "../laws/contact_memory.h"
 #include "command.h"
 
 #include <string>
@@ -36,7 +38,7 @@ class GranDents : public Command {
     int number;
     FixWallGranHysteretic *wall;    // null for a pair of spheres
     tagint i, j;                    // lower ID first; for a wall only j is used
-    double peak;
+    granwave::KnownContact contact;
   };
 
   void build_lists();

@@ -114,13 +114,13 @@ class PairGranHysteretic : public Pair {
   void visit_pair(tagint, tagint, const std::function<void(const Report &)> &);
 
   /* Initial dents (gran_dents.h). `prepare` must be called first, with LAMMPS's neighbor lists rebuilt: from then on initial
-     dents are stored. `begin` turns all dents so far into initial dents, or forgets them. `set_dents` sets those of pairs of IDs, lower first,
-     and returns how this went for the pairs within reach. All of them are called on all processors. */
+     dents are stored. `begin` turns all dents so far into initial dents, or forgets them. `set_contacts` sets those of pairs of IDs, lower
+     first, and returns how this went for the pairs within reach. All of them are called on all processors. */
   using Ids = std::pair<tagint, tagint>;
-  enum DentStatus { SET = 4, TOO_DEEP = 8, OUT_OF_REACH = 16 };
+  enum DentStatus { SET = 4, TOO_DEEP = 8, OUT_OF_REACH = 16, OTHER_LAW = 32 };
   void prepare_initial_dents();
   void begin_initial_dents(bool keeps);
-  std::map<Ids, DentStatus> set_dents(const std::map<Ids, double> &dents);
+  std::map<Ids, DentStatus> set_contacts(const std::map<Ids, granwave::KnownContact> &);
 
  private:
   // Spheres with no other within reach are checked so rarely that the cost is negligible; near others a NaN is found at once.

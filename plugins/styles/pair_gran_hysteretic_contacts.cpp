@@ -59,7 +59,7 @@ void PairGranHysteretic::build_contacts()
   });
   c.most_pairs = pairs_of.empty() ? 0 : *std::max_element(pairs_of.begin(), pairs_of.end());
   for (int i = 0; i < c.owned; i++) fix_history->expect_records(i, c.most_pairs);
-  if (has.friction || has.loss) c.touched = c.groups.bits([&c](int k) { return c.has_spring(k); });
+  c.find_springs();
   c.valid = true;
   c.published = false;
 }
@@ -215,21 +215,26 @@ void PairGranHysteretic::begin_initial_dents(bool keeps)
 }
 
 std::map<PairGranHysteretic::Ids, PairGranHysteretic::DentStatus>
-PairGranHysteretic::set_dents(const std::map<Ids, double> &dents)
+PairGranHysteretic::set_contacts(const std::map<Ids, KnownContact> &known)
 {
   std::map<Ids, DentStatus> found;
   contacts.each_pair([&](int r, int k, int i, int j) {
-    const auto given = dents.find({contacts.row_sphere[r].tag, contacts.partner_sphere[k].tag});
-    if (given == dents.end()) return;
-    const auto [ids, peak] = *given;
+    const auto given = known.find({contacts.row_sphere[r].tag, contacts.partner_sphere[k].tag});
+    if (given == known.end()) return;
+    const auto &[ids, contact] = *given;
+    const double peak = contact.peak;
     const double ri = atom->radius[i], rj = atom->radius[j];
     found[ids] = peak > largest_overlap(ri, rj)   ? DentStatus::TOO_DEEP
                  : distance(i, j) > ri + rj + gap ? DentStatus::OUT_OF_REACH
+                 : !has.takes(contact)            ? DentStatus::OTHER_LAW
                                                   : DentStatus::SET;
     if (found[ids] != DentStatus::SET) return;
+    const bool yielded = pair_parameters(i, j).contact.yielded(peak);
+    if (contact.whole) return contacts.set(k, contact, yielded);
     contacts.reset(k, 0.0, false);
-    if (pair_parameters(i, j).contact.yielded(peak)) contacts.reset(k, peak, true);    // a smaller peak is no dent
+    if (yielded) contacts.reset(k, peak, true);    // a smaller peak is no dent
   });
+  contacts.find_springs();
   contacts.disturb();
   contacts.published = false;
   return found;

@@ -47,6 +47,7 @@ lammps_inputs/functions_of_case
 lammps_inputs/deck
 lammps_inputs/load_case
 lammps_inputs/planning lammps_inputs/checks
+lammps_inputs/statics
 lammps_inputs/contact
 lammps_inputs/packing
 lammps_inputs/case

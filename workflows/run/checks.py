@@ -10,9 +10,8 @@ from granwave.analysis.result.reader import misfit, work_on_packing
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_ways import KEEP, KEY, RELAX
 from granwave.lammps_inputs.case.run import BALANCE_TOLERANCE
-from granwave.lammps_inputs.contact.static_load import force_of_contact
+from granwave.lammps_inputs.contact.static_load import FORCE_TOLERANCE, force_of_contact
 from granwave.lammps_inputs.deck.static_stage import (
-    FORCE_TOLERANCE,
     LOST_LOAD,
     largest_move,
     may_lose_its_load,

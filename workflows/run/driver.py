@@ -57,6 +57,7 @@ from granwave.workflows.run.lammps_engine import Engine, SingleRankError, open_e
 from granwave.workflows.run.mpi import StopRequest, abort, nodes, on_first, world
 from granwave.workflows.run.progress import Progress, announce
 from granwave.workflows.run.ranks import shared
+from granwave.workflows.run.static_progress import StaticProgress
 from granwave.workflows.run.turns import refuse_threads_of_ranks, turn
 
 if TYPE_CHECKING:
@@ -393,7 +394,8 @@ class _Run:
                 before, _, setup = setup.partition(f"{READ_DATA}\n")
                 engine.commands(before)
                 make_spheres(engine, self.assembly)
-            self._set_up(engine, setup, stop)
+            static = self.case.precompression is not None and not saved
+            self._set_up(engine, setup, stop, static=static)
             self.began = True
             if not saved and self.case.precompression:
                 found = on_first(
@@ -409,7 +411,7 @@ class _Run:
             self._advance(engine, deck.schedule, stop)
             engine.commands(part(script, "end"))
 
-    def _set_up(self, engine: Engine, commands: str, stop: StopRequest) -> None:
+    def _set_up(self, engine: Engine, commands: str, stop: StopRequest, *, static: bool) -> None:
         """Execute the commands before the first step; a request to stop ends them, as a static
         stage can be long.
         """
@@ -429,7 +431,10 @@ class _Run:
 
         try:
             with stop.answered_at_once(end):
-                engine.commands(commands)
+                if static:
+                    StaticProgress(engine, self.case.name, enabled=self.show).commands(commands)
+                else:
+                    engine.commands(commands)
         except RunError as error:
             if isinstance(error, SingleRankError) and self.comm.size > 1:
                 raise

@@ -6,10 +6,10 @@ import contextlib
 import os
 import re
 from collections.abc import Iterator
-from ctypes import c_int, c_void_p
+from ctypes import c_double, c_int, c_int64, c_void_p, string_at
 from importlib import metadata
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
@@ -27,6 +27,7 @@ if TYPE_CHECKING:
 
 # paths that LAMMPS takes as they are; it replaces % and *, and some characters beyond ASCII
 _PLAIN_PATH = re.compile(r"[A-Za-z0-9_./+=@,:~ -]*")
+_DOUBLE = 2  # type of values in the interface of LAMMPS
 _OPEN_DIRECTORY = "/proc/self/fd/{}"  # path of an open directory under Linux
 
 
@@ -55,6 +56,31 @@ class Engine:
     def end_command(self) -> None:
         """End a running command at its next step; called from another thread, on one rank alone."""
         self.lammps.force_timeout()
+
+    def last_thermo(self) -> dict[str, float]:
+        """Return the last line of thermodynamic output by column; may be called from another thread
+        during a run.
+        """
+        # not by lammps.last_thermo(), which takes away errors of the thread that runs LAMMPS
+        read = self.lammps.lib.lammps_last_thermo
+
+        def word(what: bytes, index: int = 0) -> int | None:
+            return cast("int | None", read(self.lammps.lmp, what, index))
+
+        word(b"lock")
+        try:
+            step = word(b"step")
+            count = word(b"num")
+            if not step or not count:
+                return {}
+            values = {"Step": float(c_int64.from_address(step).value)}
+            for column in range(c_int.from_address(count).value):
+                kind, name, data = (word(what, column) for what in (b"type", b"keyword", b"data"))
+                if kind and name and data and c_int.from_address(kind).value == _DOUBLE:
+                    values[string_at(name).decode()] = c_double.from_address(data).value
+            return values
+        finally:
+            word(b"unlock")
 
     def own_box(self) -> tuple[NDArray[np.float64], NDArray[np.float64]]:
         """Return the lowest and highest x, y, z of the part of the box that this rank owns, (3,)

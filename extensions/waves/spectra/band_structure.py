@@ -21,12 +21,12 @@ from granwave.extensions.waves.spectra.bands import (
     solve_bands,
 )
 from granwave.extensions.waves.spectra.defaults import POINTS
-from granwave.extensions.waves.spectra.network import Array
 from granwave.extensions.waves.spectra.states import State, cell_state
 from granwave.extensions.waves.spectra.stiffness import Stiffness, stiffness_of
 from granwave.extensions.waves.spectra.wave_vectors import ComplexBands, complex_bands, make_path
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.statics.bodies import Array
 
 PLANES = {"xy": (0, 1), "xz": (0, 2), "yz": (1, 2)}
 _LONG = 1e-3  # |k| times the largest period of long waves, whose dispersion is 1e-7

@@ -17,9 +17,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from granwave.extensions.waves.spectra.defaults import MOST_BANDS, MOST_MODES
-from granwave.extensions.waves.spectra.network import FREEDOMS, Array, Network
+from granwave.extensions.waves.spectra.network import FREEDOMS, Network
 from granwave.extensions.waves.spectra.stiffness import Complex, Stiffness, lowest
 from granwave.extensions.waves.spectra.wave_vectors import Path
+from granwave.lammps_inputs.statics.bodies import Array
 
 _ZERO = 1e-10  # omega^2 / largest omega^2 without stiffness
 _LONG = 1e-6  # |k| times the period of a uniform displacement

@@ -12,15 +12,11 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import math
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable
 from typing import NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
-from granwave.extensions.waves.spectra.bodies import Bodies
-from granwave.extensions.waves.spectra.network import Array, Ints
-from granwave.extensions.waves.spectra.pair_laws import Body, PairLaws
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.precompression import Precompression
 from granwave.lammps_inputs.case.schema import show
@@ -29,10 +25,11 @@ from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
+from granwave.lammps_inputs.packing.walls import Wall
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
+from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints
+from granwave.lammps_inputs.statics.packing_bodies import moving, packing_bodies, turns_about
 
-_ALONG = 1e-9  # largest deviation of the cosine from 1 for a cylinder along x, y or z
 _ZZ = (2, 2)  # uniaxial strain along z
 _NO_GRAVITY = "gravity, which differs from layer to layer; granwave modes takes such a packing"
 
@@ -215,7 +212,7 @@ def cell_bodies(assembly: Assembly) -> Bodies:
         )
     if stage.rule.grows_with_depth:
         raise InputError(f"{case.name}: precompression.kind: found {_NO_GRAVITY}")
-    base = packing_bodies(assembly).part(cell.rows, cell.periods)
+    base = wave_bodies(assembly).part(cell.rows, cell.periods)
     planes = walls_along(base.walls, cell.periods)
     names = {wall.name for wall in planes}
     for pressed in base.presses:
@@ -269,13 +266,26 @@ def walls_along(around: Iterable[Wall], periods: Array) -> tuple[Wall, ...]:
     return tuple(wall for wall in around if wall.is_side and (wall.tube or not cut[wall.axis]))
 
 
-def packing_bodies(assembly: Assembly) -> Bodies:
-    """Return the spheres of a packing in the order of their ids, without strikers and dead loads.
+def wave_bodies(assembly: Assembly) -> Bodies:
+    """Return the spheres of a packing, without strikers and dead loads.
 
     Raises
     ------
     InputError
-        A holder has friction, or a cylinder with friction has an axis that is not along x, y or z.
+        They are no springs between grains, see `refuse_resistance`.
+    """
+    refuse_resistance(assembly)
+    return packing_bodies(assembly)
+
+
+def refuse_resistance(assembly: Assembly) -> None:
+    """Refuse what small motions cannot be linear with.
+
+    Raises
+    ------
+    InputError
+        A holder has friction, a cylinder with friction has an axis that is not along x, y or z, or
+        dents come from a file, or belong to regions.
     """
     case = assembly.case
     if case.has_holder_friction:
@@ -284,80 +294,20 @@ def packing_bodies(assembly: Assembly) -> Bodies:
             "expected 0: friction of the holder keeps beads in place in small motions"
         )
     sites = assembly.sites
-    inside = assembly.ids <= assembly.lattice.n_spheres
-    ids = assembly.ids[inside]
-    numbers, kind = np.unique(sites.body[sites.present], return_inverse=True)
-    kinds = [sites.bodies[number] for number in numbers.tolist()]
-    kind = kind.astype(np.int64)
-    fixed = _fixed_rotations(case, kinds)[kind]
-    for entry in case.holds.values():
-        chosen = np.searchsorted(ids, np.array(held_ids(case, entry), dtype=np.int64))
-        for axis in entry.axes:
-            fixed[chosen, "xyz".index(axis)] = True
-        if entry.rotation:
-            fixed[chosen, 3:] = True
-    position = assembly.positions()[inside]
-    around = walls(assembly)
-    touched = {}
-    for wall in around:
-        rows = touched_by(assembly, wall)
-        if rows is not None:
-            touched[wall.name] = rows[ids - 1]
-    return Bodies(
-        assembly,
-        PairLaws(case, tuple(kinds)),
-        ids,
-        position,
-        radius=assembly.sphere_diameters()[inside] / 2,
-        mass=assembly.sphere_masses()[inside],
-        kind=kind,
-        moves=~fixed & moving("xyz", case),
-        periods=np.empty((0, 3)),
-        walls=around,
-        dead_load=np.zeros_like(position),
-        touched=touched,
-        presses=_presses(assembly),
-    )
-
-
-def _fixed_rotations(case: Case, kinds: Sequence[Body]) -> NDArray[np.bool_]:
-    """Return the directions in which kinds of grains cannot move: (n_kinds, 6).
-
-    Cylinders turn about their axis only.
-    """
-    fixed = np.zeros((len(kinds), 6), dtype=bool)
-    for row, (_, shape) in enumerate(kinds):
-        if shape is None:
-            continue
-        along = np.abs(shape.vector) > 1 - _ALONG
-        if case.has_friction and not along.any():
+    for number in np.unique(sites.body[sites.present]).tolist():
+        _, shape = sites.bodies[number]
+        if shape is not None and case.has_friction and not turns_about(shape).any():
             raise InputError(
                 f"{case.name}: found cylinders along {show(list(shape.axis))} that turn by "
                 "friction, expected an axis along x, y or z, or contact.friction = 0"
             )
-        fixed[row, 3:] = ~along
-    return fixed
-
-
-def _presses(assembly: Assembly) -> dict[tuple[str, ...], float]:
-    """Return the forces that press walls on a packing, by the names of the walls, N."""
-    stage = assembly.case.precompression
-    if stage is None:
-        return {}
-    presses = {}
-    for key, pressed in pressed_walls(assembly).items():
-        names = tuple(wall.name for wall in pressed)
-        presses[names] = len(pressed) * stage.presses[key]
-    return presses
-
-
-def moving(directions: str, case: Case) -> NDArray[np.bool_]:
-    """Return True for the translations along these directions, and with friction for rotations
-    that contacts along them resist: (1, 6).
-    """
-    translations = [axis in directions for axis in "xyz"]
-    turns = [case.has_friction and sum(translations) - translations[axis] > 1 for axis in range(3)]
-    return np.array([translations + turns])
+    overlap = case.contact.initial_overlap
+    regions = overlap if isinstance(overlap, tuple) else ()
+    if isinstance(overlap, str) or any(limit.low or limit.high for limit in regions):
+        raise InputError(
+            f"{case.name}: contact.initial_overlap: found dents that differ from place to "
+            "place; run the case, and give the directory of the run"
+        )
 
 
 def _stress(assembly: Assembly, cell: UnitCell) -> dict[tuple[int, int], float]:

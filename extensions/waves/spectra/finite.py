@@ -2,20 +2,18 @@
 
 from __future__ import annotations
 
-import dataclasses
-
 import numpy as np
 
-from granwave.extensions.waves.spectra.bodies import Bodies
-from granwave.extensions.waves.spectra.cells import moving, packing_bodies
-from granwave.extensions.waves.spectra.network import Array, Network
-from granwave.lammps_inputs.contact.static_load import dead_loads
+from granwave.extensions.waves.spectra.cells import refuse_resistance
+from granwave.extensions.waves.spectra.network import Network
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import PLATE
+from granwave.lammps_inputs.statics.bodies import Array, Bodies
+from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
 _PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
 
@@ -23,27 +21,14 @@ _PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
 def whole(assembly: Assembly) -> Bodies:
     """Return all grains of a finite packing with their dead loads; grains of a held layer do not
     move.
+
+    Raises
+    ------
+    InputError
+        They are no springs between grains, see `refuse_resistance`.
     """
-    case = assembly.case
-    lattice = assembly.lattice
-    bodies = packing_bodies(assembly)
-    load = np.zeros_like(bodies.dead_load)
-    if case.precompression is not None:
-        ids, force = dead_loads(assembly)
-        load[np.searchsorted(bodies.ids, ids)] = force
-    moves = bodies.moves.copy()
-    if case.boundary.bottom_rule.holds_layer:
-        moves[np.isin(bodies.ids, lattice.last_layer)] = False
-    axes = lattice.rule.axes or "xyz"
-    periods = np.empty((0, 3))
-    if lattice.periodic:
-        across = [axis in axes for axis in "xy"]
-        periods = np.diag([*lattice.lengths, 0.0])[:2][across]
-    settling = [axis in axes or along.any() for axis, along in zip("xyz", load.T, strict=True)]
-    return dataclasses.replace(
-        bodies, dead_load=load, moves=moves & moving(axes, case), periods=periods,
-        settles=moves[:, :3] & settling,
-    )  # fmt: skip
+    refuse_resistance(assembly)
+    return loaded_bodies(assembly)
 
 
 def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:

@@ -13,24 +13,19 @@ a cylinder with the axis a, along which nothing turns (d is then the distance fr
 T = 0 for crossed cylinders. A contact with a plane has no such term; in a tube of radius R the term
 is + F/(2 (R - r)) times the square of the motion around the axis.
 
-The stiffnesses come from a packing (`granwave.extensions.waves.spectra.bodies`), or from anything
-else that acts like springs.
+The stiffnesses come from a packing (`granwave.extensions.waves.spectra.packing_springs`), or from
+anything else that acts like springs.
 """
 
 from __future__ import annotations
 
 import dataclasses
-from collections.abc import Sequence
 from functools import cached_property
-from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-Array = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-_Table = TypeVar("_Table", bound=Any)
+from granwave.lammps_inputs.statics.bodies import Array, Ints, joined
 
 FREEDOMS = ("x", "y", "z", "rx", "ry", "rz")  # displacements and rotations of a grain
 
@@ -81,20 +76,6 @@ class Springs:
 
     def __len__(self) -> int:
         return len(self.first)
-
-
-def across(normal: Array) -> Array:
-    """Return the projections 1 - e e across unit vectors (n, 3): (n, 3, 3)."""
-    return np.asarray(np.eye(3) - normal[:, :, None] * normal[:, None, :])
-
-
-def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(None)) -> _Table:
-    """Put tables of arrays below each other, and return the rows that are kept."""
-    columns: dict[str, Any] = {}
-    for field in dataclasses.fields(tables[0]):
-        parts = [getattr(table, field.name) for table in tables]
-        columns[field.name] = None if parts[0] is None else np.concatenate(parts)[kept]
-    return type(tables[0])(**columns)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)

@@ -12,18 +12,23 @@ import numpy as np
 import pandas as pd
 
 from granwave.analysis.result.reader import Result
-from granwave.extensions.waves.spectra.bodies import Bodies, NeighbourPairs
 from granwave.extensions.waves.spectra.cells import (
     UnitCell,
-    moving,
-    packing_bodies,
     unit_cell,
     walls_along,
+    wave_bodies,
 )
 from granwave.extensions.waves.spectra.finite import refuse_pushed, whole
-from granwave.extensions.waves.spectra.network import Array, Ints, Network, Springs, joined
+from granwave.extensions.waves.spectra.network import Network, Springs
+from granwave.extensions.waves.spectra.packing_springs import (
+    network_of,
+    network_with,
+    springs_of,
+)
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
+from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints, NeighbourPairs, joined
+from granwave.lammps_inputs.statics.packing_bodies import moving
 
 _INSIDE = 0.5  # of half the packing, along axes that end: where a run is like an endless packing
 _ALIKE = 0.02  # by which overlaps of equal contacts may differ inside
@@ -64,7 +69,7 @@ def as_left(result: Result) -> AsLeft:
     bodies = bodies.with_walls_in(float(result[name][-1]) for name in names)
     peaks = _peaks(result, bodies.ids)
     position = bodies.position + result.frame(0, "displacement")[result.rows(bodies.ids)]
-    network = bodies.network(position, bodies.periods, peaks)
+    network = network_of(bodies, position, bodies.periods, peaks)
     refuse_pushed(result.assembly, network, position)
     return AsLeft(bodies, network, peaks)
 
@@ -168,17 +173,17 @@ def mean_cell(result: Result) -> MeanCell:
             f"inside the run, expected the same in every cell ({100 * _ALIKE:g} %); granwave modes "
             "and granwave transmission take such a packing"
         )
-    grains = packing_bodies(assembly).part(cell.rows, cell.periods)
+    grains = wave_bodies(assembly).part(cell.rows, cell.periods)
     moves = grains.moves & moving(assembly.lattice.rule.axes or "xyz", case)
     unit = dataclasses.replace(grains, moves=moves, walls=(), touched={}, presses={})
     i, j = (mean[name].to_numpy() for name in keys[:2])
     # the mean overlap, which the length of the mean vector differs from by rounding
     length = unit.radius[i] + unit.radius[j] - mean["overlap"].to_numpy()
     pairs, _ = unit.pairs(i, j, mean[keys[2:]].to_numpy(), mean[["x", "y", "z"]].to_numpy(), length)
-    between = unit.springs(pairs, mean["peak"].to_numpy())
+    between = springs_of(unit, pairs, mean["peak"].to_numpy())
     names = [wall.name for wall in walls_along(bodies.walls, cell.periods)]
     at_walls = _mean_supports(left, np.where(inside, basis, -1), names, len(cell.periods))
-    return MeanCell(unit.with_springs(joined([between, at_walls])), spread)
+    return MeanCell(network_with(unit, joined([between, at_walls])), spread)
 
 
 def _mean_supports(left: AsLeft, basis: Ints, names: list[str], n_periods: int) -> Springs:

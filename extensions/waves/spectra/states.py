@@ -10,7 +10,6 @@ from pathlib import Path
 import numpy as np
 
 from granwave.analysis.result.reader import Result
-from granwave.extensions.waves.spectra.bodies import Bodies
 from granwave.extensions.waves.spectra.cells import cell_bodies, holds_some, vectors_of_layer
 from granwave.extensions.waves.spectra.finite import (
     refuse_moved,
@@ -18,13 +17,15 @@ from granwave.extensions.waves.spectra.finite import (
     refuse_pushed,
     whole,
 )
-from granwave.extensions.waves.spectra.network import Array, Network
-from granwave.extensions.waves.spectra.relax import relax
+from granwave.extensions.waves.spectra.network import Network
+from granwave.extensions.waves.spectra.packing_springs import network_of
 from granwave.extensions.waves.spectra.runs import as_left, mean_cell
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.statics.bodies import Array, Bodies
+from granwave.lammps_inputs.statics.relax import StaticState, relax
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -82,7 +83,7 @@ def cell_state(source: Assembly | Path, *, slab: bool = False) -> State:
         return _slab_state(source)
     if isinstance(source, Assembly):
         relaxed = relax(cell_bodies(source))
-        return _state(source, relaxed.network, "case", relaxed.residual, relaxed.periods)
+        return _state(source, _network(relaxed), "case", relaxed.residual, relaxed.periods)
     with Result(source) as result:
         mean = mean_cell(result)
         network = mean.network
@@ -110,6 +111,11 @@ def packing_state(source: Assembly | Path, *, damped: bool = False) -> State:
         left = as_left(result)
         periods = left.bodies.periods
         return _state(result.assembly, left.network, "run", np.nan, periods)
+
+
+def _network(relaxed: StaticState) -> Network:
+    """Return the springs of a static state."""
+    return network_of(relaxed.bodies, relaxed.position, relaxed.periods)
 
 
 def _state(
@@ -144,7 +150,7 @@ def _in_own_cell(assembly: Assembly, bodies: Bodies) -> State:
             "give a static load"
         )
     relaxed = relax(bodies)
-    network = relaxed.network
+    network = _network(relaxed)
     refuse_moved(assembly, bodies, network, relaxed.position)
     refuse_pushed(assembly, network, relaxed.position)
     return _state(assembly, network, "case", relaxed.residual, relaxed.periods)

@@ -14,15 +14,16 @@ from __future__ import annotations
 
 import dataclasses
 from functools import cached_property
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
-from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh, splu
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, eigsh
 
-from granwave.extensions.waves.spectra.network import Array, Network, across
+from granwave.extensions.waves.spectra.network import Network
 from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.statics.bodies import Array, across
+from granwave.lammps_inputs.statics.energy import factorised
 
 Complex = NDArray[np.complex128]
 DENSE_UP_TO = 600  # degrees of freedom up to which whole spectra are faster than a few values
@@ -31,14 +32,6 @@ _PRECISION = 1e-9  # relative precision of Lanczos' method, which needs no facto
 _MOST_RESTARTS = 20_000  # largest number of its restarts
 _BATCH = 2**24  # numbers in the matrices that are solved at once
 _BELOW = 1e-7  # shift below zero at which values are sought / largest omega^2
-
-
-def factorised(matrix: sparse.sparray) -> Any:
-    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
-    much.
-    """
-    options = {"SymmetricMode": True}
-    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
 def _cross(vectors: Array) -> Array:

@@ -37,7 +37,7 @@ import numpy as np
 from numpy.typing import NDArray
 from scipy import sparse
 
-from granwave.extensions.waves.spectra.network import Array, Network, Springs, joined
+from granwave.extensions.waves.spectra.network import Network, Springs
 from granwave.extensions.waves.spectra.stiffness import Stiffness, factorised, stiffness_of
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.contact_tables import Resistance
@@ -47,6 +47,7 @@ from granwave.lammps_inputs.contact.static_load import absorbing_ids, impedance_
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.walls import walls
+from granwave.lammps_inputs.statics.bodies import Array, joined
 
 REFLECTING = "reflecting"
 MATCHED = "matched"

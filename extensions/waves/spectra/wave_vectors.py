@@ -39,11 +39,11 @@ from scipy import sparse
 from scipy.linalg import eig
 from scipy.sparse.linalg import splu
 
-from granwave.extensions.waves.spectra.network import Array
 from granwave.extensions.waves.spectra.stiffness import Stiffness
 from granwave.lammps_inputs.case.schema import show
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number
+from granwave.lammps_inputs.statics.bodies import Array
 
 _NAMES = re.compile(r"[A-Z][0-9]*")
 _FORM = '"kx,ky,kz; kx,ky,kz; ..." in rad/m, or names such as "G-X-M-G"'

@@ -23,6 +23,7 @@ from granwave.lammps_inputs.case.made_packing import (
 from granwave.lammps_inputs.case.material import presets
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.errors import InputError
+from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
 from granwave.lammps_inputs.packing.walls import walls
 from granwave.workflows import load_case
@@ -159,6 +160,64 @@ def test_a_struck_bed_closes_its_energy_and_starts_in_balance(folder, tmp_path):
     stored = tomllib.loads((tmp_path / "run" / "case.toml").read_text())
     assert stored["packing"]["kind"] == "file"
     assert stored["packing"]["enclosure"]["x"] == [0.0, 0.04]
+
+
+def static_record(directory):
+    """Return the record of the static stage of a run."""
+    title, values = (directory / "dumps" / "prestage.txt").read_text().splitlines()[:2]
+    return dict(zip(title.lstrip("#").split(), map(float, values.split()), strict=True))
+
+
+def test_springs_of_a_bed_go_on_without_a_jump(folder, tmp_path):
+    """With the springs of the bed all grains are in balance at once; without them they are not."""
+    case = load_case(case_file(folder))
+    _, bed = made(folder)
+    weight = TABLES["material"]["density"] * np.pi / 6 * (bed.grains.diameter**3).sum() * GRAVITY
+    net = {}
+    for has_springs in (True, False):
+        tables = case.to_dict()
+        tables["packing"] |= {"contacts": "keep"}
+        tables["run"]["end_time"] = 1e-4
+        del tables["packing"]["relaxation"]
+        if not has_springs:
+            del tables["packing"]["springs"]
+        directory = tmp_path / str(has_springs)
+        run_case(case_from_dict(tables), directory, figures=False)
+        record = static_record(directory)
+        net[has_springs] = record["residual"] * record["largest_force"]
+    assert net[True] < 1e-4 * weight
+    assert net[False] > 1e-2 * weight
+
+
+def test_a_bed_with_its_resistance_stays_where_it_settled(folder, tmp_path):
+    recipe, _ = made(folder)
+    moved = {}
+    for rolling in (0.0, recipe.keys.rolling):
+        tables = load_case(case_file(folder)).to_dict()
+        tables["run"]["end_time"] = 1e-4
+        if rolling:
+            tables["contact"]["rolling"] = {"coefficient": rolling}
+        directory = tmp_path / str(rolling)
+        run_case(case_from_dict(tables), directory, figures=False)
+        moved[rolling] = static_record(directory)["displacement"]
+    diameter = TABLES["packing"]["diameter"]["normal"][0]
+    assert moved[recipe.keys.rolling] < 1e-3 * diameter < moved[0.0]
+
+
+@pytest.mark.parametrize(
+    ("changes", "message"),
+    [
+        ({"springs": "a,b\n"}, "found the columns a, b"),
+        ({"springs": "first,second,fx,fy,fz,compliance\n2,1,0,0,0,1\n"}, "line 2: found 2,1,0"),
+        ({"springs": 3}, r"packing\.springs: found 3, expected a table of springs as text"),
+        ({"relaxation": "minimiser"}, r"packing\.springs: belongs to packing\.contacts = .keep."),
+    ],
+)
+def test_wrong_springs(folder, changes, message):
+    tables = load_case(case_file(folder)).to_dict()
+    tables["packing"] |= changes
+    with pytest.raises(InputError, match=message):
+        case_from_dict(tables)
 
 
 def test_the_command_prints_and_draws_statistics(folder, tmp_path):

@@ -14,7 +14,7 @@ from granwave.analysis.measures.line_waves import space_time_transform
 from granwave.extensions.waves.spectra import wave_vectors
 from granwave.extensions.waves.spectra.band_structure import band_structure
 from granwave.extensions.waves.spectra.bands import solve_modes
-from granwave.extensions.waves.spectra.network import Network, Springs, across
+from granwave.extensions.waves.spectra.network import Network, Springs
 from granwave.extensions.waves.spectra.states import cell_state, packing_state
 from granwave.extensions.waves.spectra.stiffness import stiffness_of
 from granwave.extensions.waves.spectra.transmission import losses_of, transmission
@@ -22,6 +22,7 @@ from granwave.extensions.waves.spectra.wave_vectors import complex_bands
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.packing.assembly import assemble
+from granwave.lammps_inputs.statics.bodies import across
 from granwave.workflows import load_case
 from tests.helpers.bodies.springs import endless
 

@@ -6,9 +6,10 @@ from typing import Any
 
 import numpy as np
 
-from granwave.extensions.waves.spectra.network import Network, Springs, across, joined
+from granwave.extensions.waves.spectra.network import Network, Springs
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.load_case import case_from_dict
+from granwave.lammps_inputs.statics.bodies import across, joined
 
 
 def endless(kind: str, size: Any, load: dict[str, Any], **tables: Any) -> Case:

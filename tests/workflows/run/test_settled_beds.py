@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import dataclasses
+import re
 import tomllib
 from pathlib import Path
 from typing import Any
@@ -15,6 +16,7 @@ from granwave.analysis.result.reader import Result
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.load_case import case_from_dict
 from granwave.lammps_inputs.restart_file import read_restart
+from granwave.workflows.run import static_progress
 from granwave.workflows.run.lammps_engine import open_engine
 
 PERIOD = 0.033
@@ -108,6 +110,21 @@ class SettledBed:
         } | changes
 
 
+@dataclasses.dataclass
+class RecordedBar:
+    """Progress bar that keeps what it was told: parts that are done, and the note."""
+
+    label: str
+    looks: list[tuple[int, str]]
+
+    def update(self, done: int, note: str, *, last: bool = False) -> None:
+        """Keep what is shown."""
+        self.looks.append((done, note))
+
+    def close(self) -> None:
+        """Close nothing."""
+
+
 @pytest.fixture(scope="module", params=LAWS)
 def bed(request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory) -> SettledBed:
     folder = tmp_path_factory.mktemp(request.param)
@@ -139,8 +156,22 @@ def test_forces_of_a_settled_bed_do_not_jump(bed: SettledBed, tmp_path: Path) ->
 
 
 @pytest.mark.parametrize("relaxation", ["damped", "minimiser"])
-def test_rounded_beds_relax(bed: SettledBed, tmp_path: Path, relaxation: str) -> None:
-    """Damped, the bed hardly moves, for friction bears it; without friction it rearranges."""
+def test_rounded_beds_relax(
+    bed: SettledBed, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, relaxation: str
+) -> None:
+    """Damped, the bed hardly moves, for friction bears it; without friction it rearranges.
+
+    Both show their progress.
+    """
+    bars: list[RecordedBar] = []
+
+    def made(total: int, label: str, *, enabled: bool) -> RecordedBar:
+        assert enabled
+        bars.append(RecordedBar(label, []))
+        return bars[-1]
+
+    monkeypatch.setattr(static_progress, "_LOOK_EVERY", 0.01)
+    monkeypatch.setattr(static_progress, "Progress", made)
     spheres = read_restart(bed.file)
     rows = np.column_stack([spheres.position, 2 * spheres.radius]).tolist()
     lines = [",".join(f"{value:.6g}" for value in row) for row in rows]
@@ -152,6 +183,14 @@ def test_rounded_beds_relax(bed: SettledBed, tmp_path: Path, relaxation: str) ->
     record = dict(zip(lines[0].lstrip("#").split(), map(float, lines[1].split()), strict=True))
     assert record["residual"] < 1e-6
     assert run.summary["energy_balance_error"] < 1e-5
+    (bar,) = bars
+    assert bar.label == "bed: static stage"
+    shares = [share for share, _ in bar.looks]
+    assert shares == sorted(shares)
+    assert shares[-1] == 1000
+    notes = "\n".join(note for _, note in bar.looks)
+    net = ", net force \\S+ of it" if relaxation == "damped" else ""
+    assert re.search(rf"^\d+ steps, largest force \S+ N{net}$", notes, re.MULTILINE)
 
 
 def test_case_of_a_bed_is_read_again(bed: SettledBed) -> None:
@@ -166,8 +205,8 @@ def test_case_of_a_bed_is_read_again(bed: SettledBed) -> None:
     ("changes", "fault"),
     [
         (
-            {"boundary": {"bottom": "wall", "sides": "periodic"}},
-            "packing.restart: found with walls",
+            {"contact": {"law": "hertz", "initial_overlap": 1e-6}},
+            "packing.restart: found with contact.initial_overlap",
         ),
         ({"material": SOFT | {"density": 8000.0, "yield_strength": 1e6}}, "with a mass of"),
     ],

@@ -17,21 +17,18 @@ from typing import TypeAlias
 
 import numpy as np
 
-from granwave.extensions.waves.spectra.bodies import Bodies
-from granwave.extensions.waves.spectra.energy import (
+from granwave.lammps_inputs.contact.static_load import FORCE_TOLERANCE, static_stiffness
+from granwave.lammps_inputs.errors import InputError, RunError
+from granwave.lammps_inputs.statics.bodies import Array, Bodies
+from granwave.lammps_inputs.statics.energy import (
     DIRECT_UP_TO,
     MARGIN,
+    ROUNDING,
     SOFT,
     EnergyProblem,
     Evaluation,
     newton_step,
 )
-from granwave.extensions.waves.spectra.network import Array, Network
-from granwave.extensions.waves.spectra.pair_laws import PairLaws
-from granwave.lammps_inputs.contact.law import elastic_case
-from granwave.lammps_inputs.contact.static_load import static_stiffness
-from granwave.lammps_inputs.deck.static_stage import FORCE_TOLERANCE
-from granwave.lammps_inputs.errors import InputError, RunError
 
 _ROUNDS = 200  # largest number of steps of Newton's method
 _ROUNDS_OF_FALL = 1000  # largest number of steps of grains that fall until they touch others
@@ -76,11 +73,6 @@ class StaticState:
     periods: Array
     residual: float
 
-    @property
-    def network(self) -> Network:
-        """Springs of the loaded contacts."""
-        return self.bodies.network(self.position, self.periods)
-
 
 def relax(bodies: Bodies) -> StaticState:
     """Find the static state of grains under their loads, or, if they buckle, the balance from which
@@ -95,8 +87,7 @@ def relax(bodies: Bodies) -> StaticState:
     """
     if not bodies.presses:
         return _balance(EnergyProblem(bodies))[0]
-    elastic = PairLaws(elastic_case(bodies.case), bodies.laws.bodies)
-    pressed, x = _balance(EnergyProblem(dataclasses.replace(bodies, laws=elastic)))
+    pressed, x = _balance(EnergyProblem(bodies.elastic()))
     n = len(x) - len(bodies.presses)
     confined = dataclasses.replace(pressed.bodies, laws=bodies.laws, presses={})
     state = _balance(EnergyProblem(confined), x[:n])[0]
@@ -119,7 +110,9 @@ def _check_presses(bodies: Bodies, state: StaticState, distances: Array) -> None
     """
     name = bodies.case.name
     contacts = state.bodies.near(state.position, state.periods, 0.0)
-    springs = state.bodies.springs(contacts)
+    forces = np.zeros(len(contacts))
+    for law, rows, scale in state.bodies.laws_of(contacts):
+        forces[rows], _, _ = law.evaluate(contacts.overlap[rows], scale)
     for distance, (walls, applied) in zip(distances, bodies.presses.items(), strict=True):
         key = f"precompression.{walls[0].removesuffix('lo')}_force"
         each = applied / len(walls)
@@ -129,7 +122,7 @@ def _check_presses(bodies: Bodies, state: StaticState, distances: Array) -> None
                 "only touch it under its other loads; give more, or the distance by which they "
                 "move in"
             )
-        force = float(springs.force[np.isin(contacts.wall.astype(str), walls)].sum()) / len(walls)
+        force = float(forces[np.isin(contacts.wall.astype(str), walls)].sum()) / len(walls)
         if not abs(force / each - 1) <= FORCE_TOLERANCE:
             raise InputError(
                 f"{name}: {key}: found walls that bear {force:.6g} N after the static stage, "
@@ -168,7 +161,7 @@ def _other_ways(problem: EnergyProblem) -> Iterator[tuple[EnergyProblem, _Way]]:
     if problem.n <= _BUCKLED_UP_TO:
         yield EnergyProblem(problem.bodies, with_turning=True), _search
     if problem.n <= _FALLEN_UP_TO:
-        yield problem, _fall
+        yield problem, fall
 
 
 def _balanced(problem: EnergyProblem, now: Evaluation) -> bool:
@@ -214,14 +207,33 @@ class _Progress:
             return True  # rounding, with several contacts
         return self.since > _NO_PROGRESS and net <= enough + now.rounding
 
+    def is_rounding(self, now: Evaluation, stiffness: float) -> bool:
+        """Return True if only rounding is left of net forces, next to contacts that carry much
+        more.
 
-def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
-    """Return the result of `_search` by the method of Levenberg and Marquardt, which follows loose
-    grains until they touch others.
+        Parameters
+        ----------
+        stiffness
+            Stiffness of a contact under the load, N/m.
+        """
+        span = float(np.abs(self.problem.bodies.position).max(initial=0.0))
+        rounding = ROUNDING * stiffness * np.finfo(float).eps * span
+        enough = min(self.balanced * now.largest + rounding, _TOLERATED * now.largest)
+        return bool(now.largest > 0 and _net(self.problem, now) <= enough)
+
+
+def fall(problem: EnergyProblem, x: Array, farthest: float = np.inf) -> tuple[Array, Evaluation]:
+    """Return the unknowns and the state that the method of Levenberg (1944) and Marquardt (1963)
+    reaches from a start; it follows loose grains until they touch others.
 
     If the start is far from the unloaded state, the search begins in the unloaded state, since no
     contact resists at the start. Springs hold all grains in place during a step. They soften after
-    each step that lowers the energy, and stiffen if a step would not lower it.
+    each step that lowers the energy or the net force, and stiffen if a step would lower neither.
+
+    Parameters
+    ----------
+    farthest
+        Largest displacement of a grain along an axis, at which the search ends, m.
     """
     reach = MARGIN / 2 * problem.bodies.spacing
     if np.abs(x[: problem.n_motions]).max(initial=0.0) > reach:
@@ -231,7 +243,8 @@ def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
     stiffness = float(static_stiffness(problem.bodies.assembly))
     holding = _HOLDING * stiffness
     for _ in range(_ROUNDS_OF_FALL):
-        if progress.ends(now):
+        # where only rounding is left, motions that hardly anything resists would grow
+        if progress.ends(now) or progress.is_rounding(now, stiffness):
             break
         while holding < _RIGID * stiffness:
             move = newton_step(now.hessian, now.gradient, holding=holding)
@@ -241,6 +254,8 @@ def _fall(problem: EnergyProblem, x: Array) -> tuple[Array, Evaluation]:
                     break
             holding *= _STIFFER
         else:
+            break
+        if np.abs(x[: problem.n_motions] + move[: problem.n_motions]).max(initial=0.0) > farthest:
             break
         x = x + move
         now = trial

@@ -22,7 +22,6 @@ from granwave.lammps_inputs.case.contact_tables import Dents, Resistance
 from granwave.lammps_inputs.case.material import Material, Shape
 from granwave.lammps_inputs.contact.initial_dents import dents_in, regions_of
 from granwave.lammps_inputs.contact.law import law_between
-from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.cylinders import cylinder_pair
 from granwave.lammps_inputs.packing.walls import Wall, wall_friction
 
@@ -162,23 +161,6 @@ class PairLaws:
     case: Case
     bodies: tuple[tuple[Material, Shape], ...]
     _known: dict[Any, Touches] = dataclasses.field(default_factory=dict, init=False)
-
-    def __post_init__(self) -> None:
-        """Refuse dents that differ from place to place.
-
-        Raises
-        ------
-        InputError
-            The dents come from a file, or belong to regions.
-        """
-        overlap = self.case.contact.initial_overlap
-        if isinstance(overlap, str) or (
-            isinstance(overlap, tuple) and any(limit.low or limit.high for limit in overlap)
-        ):
-            raise InputError(
-                f"{self.case.name}: contact.initial_overlap: found dents that differ from place to "
-                "place; run the case, and give the directory of the run"
-            )
 
     @property
     def shapes(self) -> list[Shape]:

@@ -9,24 +9,23 @@ state. Contacts are loaded for the first time, without friction.
 from __future__ import annotations
 
 import dataclasses
+from typing import Any
 
 import numpy as np
 from scipy import sparse
 from scipy.sparse.csgraph import reverse_cuthill_mckee
 from scipy.sparse.linalg import cg, splu
 
-from granwave.extensions.waves.spectra.bodies import Bodies, NeighbourPairs
-from granwave.extensions.waves.spectra.network import Array, Ints
-from granwave.extensions.waves.spectra.stiffness import factorised
 from granwave.lammps_inputs.contact.static_load import static_stiffness
 from granwave.lammps_inputs.packing_kind import TOUCHING
+from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints, NeighbourPairs
 
 MARGIN = 0.02  # largest gap of pairs that may close in a step, mean diameters
 DIRECT_UP_TO = 1500  # unknowns; larger systems use conjugate gradients, except slender packings
 SOFT = 1e-10  # stiffness added to all unknowns / mean stiffness, for motions without resistance
 _OF_A_ROW = 6  # entries per unknown of a row of grains
 _SLENDER = 120  # bandwidth of a slender packing, of some 6 x 6 grains across
-_ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
+ROUNDING = 16  # net force by rounding / (stiffness times the rounding error of a coordinate)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -120,7 +119,7 @@ class EnergyProblem:
                 (weight, self._stretch(contacts, contacts.turns[:, axis])) for axis in range(3)
             ]
         span = float(np.abs(position).max()) if len(position) else 0.0
-        rounding = _ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
+        rounding = ROUNDING * slope.max(initial=0.0) * np.finfo(float).eps * span
         return Evaluation(energy, gradient, contacts, tables, force.max(initial=0.0), rounding)
 
     def largest_approach(self, now: Evaluation, move: Array) -> float:
@@ -178,6 +177,14 @@ class EnergyProblem:
         return sparse.coo_array(
             (-normal[kept], (row, number[kept])), shape=(len(grain), self.n)
         ).tocsr()
+
+
+def factorised(matrix: sparse.sparray) -> Any:
+    """Factorise a matrix with a symmetric pattern; SuperLU's default ordering fills in ten times as
+    much.
+    """
+    options = {"SymmetricMode": True}
+    return splu(matrix.tocsc(), permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options=options)
 
 
 def newton_step(

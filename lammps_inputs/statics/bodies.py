@@ -6,23 +6,27 @@ from __future__ import annotations
 
 import dataclasses
 import itertools
-from collections.abc import Callable, Iterable, Iterator
-from typing import Any
+from collections.abc import Iterable, Iterator, Sequence
+from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import NDArray
 
-from granwave.extensions.waves.spectra.network import Array, Ints, Network, Springs, across, joined
-from granwave.extensions.waves.spectra.pair_laws import PairLaws, Part
 from granwave.lammps_inputs.case.case import Case
+from granwave.lammps_inputs.contact.law import elastic_case
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_vectors, turning_projection
 from granwave.lammps_inputs.packing.walls import Wall
+from granwave.lammps_inputs.statics.pair_laws import PairLaws, Part
+
+Array = NDArray[np.float64]
+Ints = NDArray[np.int64]
+
+_Table = TypeVar("_Table", bound=Any)
 
 _OF_SPHERE = 0.4  # moment of inertia / (m R^2)
 _OF_CYLINDER = 0.5  # moment of inertia about the axis / (m R^2)
 _NEGLIGIBLE = 1e-12  # overlap / mean diameter due to rounding
-_UNLOADED = 1e-7  # force / largest force of contacts that carry only the residual of the balance
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -31,8 +35,20 @@ class NeighbourPairs:
 
     Attributes
     ----------
-    first, second, image, normal, distance, turns, wall
-        As in `Springs`.
+    first, second
+        Rows of the grains; -1 for a wall: (n,).
+    image
+        Whole numbers of periods between the cells of the first and the second: (n, n_periods).
+    normal
+        Unit vectors from the first to the second: (n, 3).
+    distance
+        Distances of the centres, infinite at a plane; in a tube minus the distance from its axis:
+        (n,), m.
+    turns
+        Projections of motions that turn the contact; for spheres as from `across`, in a tube on
+        the direction around it: (n, 3, 3).
+    wall
+        Names of the walls, empty for pairs: (n,).
     overlap
         (n,), m.
     radii
@@ -73,9 +89,9 @@ class Bodies:
     kind
         Places of their materials and shapes in ``laws.bodies``: (n,).
     moves
-        As in `Network`.
+        True for the directions x, y, z, rx, ry, rz in which a grain moves: (n, 6).
     periods
-        As in `Network`.
+        Periods of the packing before the load: (n_periods, 3), m; a finite packing has none.
     walls
         Walls, in their final places.
     dead_load
@@ -129,8 +145,13 @@ class Bodies:
         touched = {name: values[rows] for name, values in self.touched.items()}
         return dataclasses.replace(self, **own, periods=periods, touched=touched)
 
+    def elastic(self) -> Bodies:
+        """Return the grains with the elastic contacts of the first half of a static stage."""
+        laws = PairLaws(elastic_case(self.case), self.laws.bodies)
+        return dataclasses.replace(self, laws=laws)
+
     def with_walls_in(self, distances: Iterable[float]) -> Bodies:
-        """Return the grains between walls that have moved in, by the distances of ``presses``, m."""
+        """Return the grains between walls that moved in, by the distances of ``presses``, m."""
         moves: dict[str, float] = {}
         for names, distance in zip(self.presses, distances, strict=True):
             moves |= dict.fromkeys(names, distance)
@@ -213,16 +234,23 @@ class Bodies:
             else:
                 normal[:, wall.axis] = wall.outward
             yield NeighbourPairs(
-                rows, np.full(n, -1), np.zeros((n, len(self.periods)), dtype=np.int64), normal, distance,
-                around[:, :, None] * around[:, None, :], np.full(n, wall.name, dtype=object), -gaps[rows],
-                np.stack([self.radius[rows], np.full(n, np.inf)], axis=1), np.zeros((n, 3)),
-            )  # fmt: skip
+                rows,
+                np.full(n, -1),
+                np.zeros((n, len(self.periods)), dtype=np.int64),
+                normal,
+                distance,
+                around[:, :, None] * around[:, None, :],
+                np.full(n, wall.name, dtype=object),
+                -gaps[rows],
+                np.stack([self.radius[rows], np.full(n, np.inf)], axis=1),
+                np.zeros((n, 3)),
+            )
 
     def near(
         self, position: Array, periods: Array, gap: float, wall_gap: float | None = None
     ) -> NeighbourPairs:
-        """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap`` to
-        walls, by default the same.
+        """Find pairs of grains with gaps up to ``gap``, m, and grains with gaps below ``wall_gap``
+        to walls, by default the same.
         """
         from scipy.spatial import KDTree  # takes longer to load than most commands need
 
@@ -263,52 +291,6 @@ class Bodies:
         at_walls = self._at_walls(position, gap if wall_gap is None else wall_gap)
         return joined([joined([near], (-near.overlap <= gap) & ~beyond), *at_walls])
 
-    def network(
-        self, position: Array, periods: Array, peak: Callable[[NeighbourPairs], Array] | None = None
-    ) -> Network:
-        """Return the springs of the loaded contacts in a state.
-
-        Parameters
-        ----------
-        position
-            Centres in the static state: (n, 3), m.
-        periods
-            Periods in the static state: (n_periods, 3), m.
-        peak
-            Function that gives the largest overlaps of contacts so far, m; by default those of the
-            state.
-        """
-        near = self.near(position, periods, -_NEGLIGIBLE * self.spacing)
-        springs = self.springs(near, None if peak is None else peak(near))
-        least = _UNLOADED * springs.force.max(initial=0.0)
-        return self.with_springs(
-            joined([springs], (springs.force > least) & (springs.stiffness > 0))
-        )
-
-    def with_springs(self, springs: Springs) -> Network:
-        """Return the network of these contacts, without grains that nothing touches."""
-        arrays = self.ids, self.position, self.mass, self.inertia, self.moves, self.periods
-        return Network(*arrays, springs).without_idle()
-
-    def springs(self, contacts: NeighbourPairs, peak: Array | None = None) -> Springs:
-        """Return the springs of contacts; ``peak`` are the largest overlaps so far, (n,), m, by
-        default those now.
-        """
-        most = contacts.overlap if peak is None else np.maximum(contacts.overlap, peak)
-        force, stiffness, tangential, rolling, twisting = np.zeros((5, len(most)))
-        for law, rows, scale in self.laws_of(contacts):
-            overlap = contacts.overlap[rows]
-            force[rows], stiffness[rows], tangential[rows] = law.small(overlap, most[rows], scale)
-            if self.case.has_resistance:
-                rolling[rows], twisting[rows] = law.resisting(overlap, most[rows], scale)
-        lever = np.where(
-            np.isfinite(contacts.radii), contacts.radii - contacts.overlap[:, None] / 2, 0.0
-        )
-        return Springs(
-            contacts.first, contacts.second, contacts.image, contacts.normal, contacts.distance, force, stiffness,
-            tangential, lever, contacts.turns, contacts.wall, rolling, twisting,
-        )  # fmt: skip
-
     def laws_of(self, contacts: NeighbourPairs) -> Iterator[Part]:
         """Give the laws of contacts, each with its rows and their scales."""
         pairs = np.flatnonzero(contacts.second >= 0)
@@ -322,6 +304,20 @@ class Bodies:
             own = np.flatnonzero(contacts.wall == wall.name)
             for law, rows, scale in self.laws.wall(wall, kind[own], radii[own, 0]):
                 yield law, own[rows], scale
+
+
+def across(normal: Array) -> Array:
+    """Return the projections 1 - e e across unit vectors (n, 3): (n, 3, 3)."""
+    return np.asarray(np.eye(3) - normal[:, :, None] * normal[:, None, :])
+
+
+def joined(tables: Sequence[_Table], kept: NDArray[np.bool_] | slice = slice(None)) -> _Table:
+    """Put tables of arrays below each other, and return the rows that are kept."""
+    columns: dict[str, Any] = {}
+    for field in dataclasses.fields(tables[0]):
+        parts = [getattr(table, field.name) for table in tables]
+        columns[field.name] = None if parts[0] is None else np.concatenate(parts)[kept]
+    return type(tables[0])(**columns)
 
 
 def _images(position: Array, periods: Array, reach: float) -> list[tuple[int, ...]]:
