@@ -254,9 +254,12 @@ class Case:
 
     @property
     def has_rotation(self) -> bool:
-        """True if spheres rotate: with friction, or with an initial spin of a sphere or striker."""
+        """True if spheres rotate: with friction, in clumps, or with an initial spin of a sphere or
+        striker.
+        """
         return (
             self.has_friction
+            or self.packing.has_clumps
             or any(self.load.spin)
             or any(any(striker.spin) for striker in self.striker)
         )

@@ -340,6 +340,11 @@ class PackingSection:
         """Way to start contacts of grains that overlap or nearly touch; None: they are refused."""
         return CONTACT_WAYS[self.contacts] if self.contacts else None
 
+    @property
+    def has_clumps(self) -> bool:
+        """True if grains of a file move as clumps."""
+        return self.grains is not None and bool(self.grains.clumps)
+
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
         top_row = self.top_row if self.rule.is_plane_crystal else "equal"

@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, wraps
@@ -179,6 +180,17 @@ class Assembly:
     def shape_of(self, sphere: int) -> Shape:
         """Return the shape of the grain or striker with this id."""
         return self.species[self.body[sphere - 1]].shape
+
+    @property
+    def clumps(self) -> dict[int, tuple[int, ...]]:
+        """Ids of the grains of each clump, by its number; empty without clumps."""
+        grains = self.case.packing.grains
+        return {} if grains is None else grains.clumps
+
+    @property
+    def in_clumps(self) -> NDArray[np.int64]:
+        """Ids of the grains of all clumps, in rising order."""
+        return np.sort(np.array([*itertools.chain(*self.clumps.values())], dtype=np.int64))
 
     @property
     def shapes(self) -> tuple[Shape, ...]:
