@@ -9,6 +9,7 @@ from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_siz
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks import (
     boundary,
+    clumps,
     grains,
     ids,
     loads,
@@ -45,6 +46,7 @@ def check_together(case: Case, errors: ErrorList) -> None:
         grains.check_places,
         grains.check_loaded,
         grains.check_held,
+        clumps.check_clumps,
         ids.check_ids,
         strikers.check_strikers,
         times.check_history,
@@ -107,6 +109,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         loads.check_struck,
         precompression.check_first_yield,
         loads.check_absorbing,
+        clumps.check_loaded_clumps,
     ):
         check(assembly, errors)
     if not errors.items:

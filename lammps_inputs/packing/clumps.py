@@ -9,6 +9,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.cylinders import nearest_image
 
@@ -50,3 +51,12 @@ def largest_extent(assembly: Assembly) -> float:
         middle = places[np.argmin(np.linalg.norm(places - centre, axis=1))]
         largest = max(largest, float(np.linalg.norm(places - middle, axis=1).max()))
     return largest
+
+
+def refuse_clumps(assembly: Assembly) -> None:
+    """Raise InputError for a packing with clumps, for what is computed of single grains."""
+    for number, ids in assembly.clumps.items():
+        raise InputError(
+            f"{assembly.case.name}: packing: found clump {number} of {len(ids)} grains, expected "
+            "single grains; take the column clump out"
+        )

@@ -344,7 +344,8 @@ def _of_pairs(assembly: Assembly) -> list[Encounter]:
         masses = assembly.mass_of(first), assembly.mass_of(second)
         law = pair_contact(assembly, first, second)
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
-        share = max(masses) / sum(masses)
+        # a grain of a clump meets others with more than its own mass
+        share = 1.0 if assembly.clumps else max(masses) / sum(masses)
         effective = math.prod(masses) / sum(masses)
         collisions.append(
             Encounter(law, _limited(assembly, law, energy * share), 2 * effective, loss=loss)

@@ -28,6 +28,7 @@ from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.clumps import refuse_clumps
 from granwave.lammps_inputs.packing.motion import held_ids
 from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
@@ -110,6 +111,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
         )
+    refuse_clumps(assembly)
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(

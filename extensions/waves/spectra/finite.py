@@ -13,6 +13,7 @@ from granwave.lammps_inputs.contact.static_load import dead_loads
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.clumps import refuse_clumps
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import PLATE
@@ -49,6 +50,7 @@ def whole(assembly: Assembly) -> Bodies:
 def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     case = assembly.case
     support = case.boundary.bottom_support
+    refuse_clumps(assembly)
     if assembly.bars:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and "
