@@ -67,8 +67,14 @@ def _check_clump(grains: Grains, number: int, ids: Sequence[int], errors: ErrorL
         ids = (ids[0], other)
     else:
         return True
-    errors.add(grains.key(*ids), fault)
+    _add(errors, grains, ids, fault)
     return False
+
+
+def _add(errors: ErrorList, grains: Grains, ids: Sequence[int], fault: Mismatch) -> None:
+    """Add an error of some grains of a clump, under the key and the file that gave them."""
+    key = grains.key(*ids)
+    errors.add(key, f"{grains.file}: {fault}" if key == "packing.file" else fault)
 
 
 def _check_period(grains: Grains, period: tuple[float, float], errors: ErrorList) -> None:
@@ -82,7 +88,7 @@ def _check_period(grains: Grains, period: tuple[float, float], errors: ErrorList
             axis = int(np.argmax(wide))
             found = f"clump {number}, wider than half the period of {period[axis]:g} m along "
             fault = Mismatch(found + "xy"[axis], "smaller clumps", "repeat the grains")
-            errors.add(grains.key(*ids), fault)
+            _add(errors, grains, ids, fault)
             return
 
 
