@@ -15,6 +15,7 @@ from granwave.lammps_inputs.checks import (
     loads,
     packing,
     precompression,
+    region_walls,
     strikers,
     times,
 )
@@ -110,6 +111,7 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         precompression.check_first_yield,
         loads.check_absorbing,
         clumps.check_loaded_clumps,
+        region_walls.check_region_walls,
     ):
         check(assembly, errors)
     if not errors.items:

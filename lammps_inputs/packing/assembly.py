@@ -268,11 +268,12 @@ class Assembly:
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
         distance from the origin. A file of grains that lies farther from the origin than it is
         large is moved to it, along each axis; results are in the coordinates of the file. The axis
-        of a tube, or of bars, stays where it is.
+        of a tube, or of bars, stays where it is, and so does all beside walls of regions.
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)
-        if not isinstance(self.lattice, Places) or self.case.packing.restart:
+        stays = self.case.packing.restart or self.case.wall
+        if not isinstance(self.lattice, Places) or stays:
             return origin
         size = max(float((high - low).max()), self.lattice.diameter)
         outside = np.maximum(np.maximum(low, -high), 0.0)
