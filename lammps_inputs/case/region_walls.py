@@ -38,7 +38,7 @@ _FORM = (
     '"sphere 0 0 0 0.05", "block -0.1 0.1 -0.1 0.1 0 0.2", "cylinder z 0 0 0.05 0 0.1" or '
     '"cone z 0 0 0.05 0.01 0 0.1 open 1 open 2"'
 )
-_INFINITE = {"INF": math.inf, "-INF": -math.inf}
+_INFINITE = "INF"  # as a lower bound it is that below
 
 
 @dataclasses.dataclass(frozen=True)
@@ -95,19 +95,25 @@ def read_shape(text: str) -> RegionShape:
     schema.refuse_if(style in _WITH_AXIS and axis not in ("x", "y", "z"), _FORM)
     n_values = _VALUES[style]
     schema.refuse_if(len(words) < n_values, _FORM)
-    values = _numbers(words[:n_values])
+    values = _numbers(words[:n_values], style)
     side, open_faces = _options(words[n_values:])
     shape = RegionShape(style, axis, values, side == "in", open_faces)
     _check_shape(shape)
     return shape
 
 
-def _numbers(words: Sequence[str]) -> tuple[float, ...]:
-    """Return the numbers of a region."""
-    try:
-        return tuple(_INFINITE[word] if word in _INFINITE else float(word) for word in words)
-    except ValueError:
-        raise schema.ValidationError(_FORM) from None
+def _numbers(words: Sequence[str], style: str) -> tuple[float, ...]:
+    """Return the numbers of a region of a style."""
+    lower = {"block": (0, 2, 4), "cylinder": (3,)}.get(style, ())
+    numbers = []
+    for place, word in enumerate(words):
+        try:
+            number = math.inf if word == _INFINITE else float(word)
+        except ValueError:
+            raise schema.ValidationError(_FORM) from None
+        schema.refuse_if(word != _INFINITE and not math.isfinite(number), _FORM)
+        numbers.append(-number if word == _INFINITE and place in lower else number)
+    return tuple(numbers)
 
 
 def _options(words: Sequence[str]) -> tuple[str, tuple[int, ...]]:
@@ -157,7 +163,7 @@ def _check_outside(shape: RegionShape) -> None:
     is_endless = shape.style == "cylinder" and not any(map(math.isfinite, shape.values[-2:]))
     schema.refuse_if(
         shape.style != "sphere" and not is_endless,
-        'side out of a sphere, or of a cylinder with the bounds "-INF INF"',
+        "side out of a sphere, or of a cylinder with the bounds INF INF",
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 from granwave.lammps_inputs.case.schema import ErrorList, numbered, show
 from granwave.lammps_inputs.errors import Mismatch
 from granwave.lammps_inputs.packing.assembly import Assembly
-from granwave.lammps_inputs.packing.walls import Wall, walls
+from granwave.lammps_inputs.packing.walls import walls
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
 
@@ -31,25 +31,20 @@ def check_region_walls(assembly: Assembly, errors: ErrorList) -> None:
     errors.check(*((True, "wall.1.region", fault) for fault in faults))
     if faults:
         return
-    for number, key in enumerate(numbered("wall", case.wall), start=1):
-        own = [
-            wall for wall in walls(assembly) if wall.face and wall.face.region == f"wall{number}"
-        ]
-        _check_places(assembly, own, f"{key}.region", errors)
-
-
-def _check_places(assembly: Assembly, faces: list[Wall], key: str, errors: ErrorList) -> None:
-    """Check that grains are inside of a region, and none stands in its faces."""
-    ids = assembly.ids
     positions = assembly.positions()[assembly.present]
     radii = assembly.sphere_diameters() / 2
-    gaps = np.min([face.gaps(positions, radii) for face in faces], axis=0)
-    found = show(assembly.case.wall[int(key.split(".")[1]) - 1].region)
-    if not np.isfinite(gaps).any():
-        errors.add(key, Mismatch(f"{found}, in which there is no grain", "a region around grains"))
-        return
-    deepest = int(np.argmin(gaps))
-    depth = -float(gaps[deepest])
-    if depth > TOUCHING * assembly.case.packing.diameter:
-        sphere = f"grain {ids[deepest]} stands {depth:.3g} m deep in its wall"
-        errors.add(key, Mismatch(f"{found}: {sphere}", remedy="move the grain or the wall"))
+    is_around = False
+    for number, (key, entry) in enumerate(numbered("wall", case.wall).items(), start=1):
+        region = f"wall{number}"
+        faces = [wall for wall in walls(assembly) if wall.face and wall.face.region == region]
+        gaps = np.min([face.gaps(positions, radii) for face in faces], axis=0)
+        is_around = is_around or bool(np.isfinite(gaps).any())
+        deepest = int(np.argmin(gaps))
+        depth = -float(gaps[deepest])
+        if depth > TOUCHING * case.packing.diameter:
+            sphere = f"grain {assembly.ids[deepest]} stands {depth:.3g} m deep in its wall"
+            fault = Mismatch(f"{show(entry.region)}: {sphere}", remedy="move the grain or the wall")
+            errors.add(f"{key}.region", fault)
+    if not is_around:
+        found = f"{show(case.wall[0].region)}, in which there is no grain"
+        errors.add("wall.1.region", Mismatch(found, "a region around grains"))

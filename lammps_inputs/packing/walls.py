@@ -207,7 +207,7 @@ def _faces_of_regions(case: Case) -> list[Wall]:
         region = f"wall{number}"
         faces = entry.shape.faces
         for face in faces:
-            name = region if len(faces) == 1 else f"{region}_{face}"
+            name = region if len(faces) == 1 else f"{region}{face}"
             of_region = RegionFace(region, entry.region, entry.shape, face)
             wall = Wall(name, 0, 1, 0.0, material=entry.material, face=of_region)
             found.append(dataclasses.replace(wall, friction=entry.friction))
