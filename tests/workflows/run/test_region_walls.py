@@ -61,7 +61,7 @@ def test_a_plane_of_a_region_is_the_bottom(tmp_path: Path, wall: dict[str, Any])
 
 
 def test_a_cylinder_is_the_tube(tmp_path: Path) -> None:
-    grains = f"{HEAD}0.002,0.001,0,0.01,3,1,0\n0,0,0.03,0.01,0,0,0\n"
+    grains = f"{HEAD}0.0024,0.0012,0,0.01,3,1,0\n0,0,0.03,0.01,0,0,0\n"
     sides = {"tube": {"radius": 0.0078}, "material": "steel"}
     tube = {"bottom": "free", "sides": sides}
     cylinder = [{"region": "cylinder z 0 0 0.0078 INF INF", "material": "steel"}]
