@@ -1,6 +1,6 @@
 """``[[wall]]``: walls that are faces of a region, in the words of the command ``region`` of LAMMPS.
 
-    region = "plane 0 0 0.05 0 0 -1"                     a point, and the normal towards the grains, m
+    region = "plane 0 0 0.05 0 0 -1"                     a point, and the normal to the grains, m
     region = "block -0.02 0.02 -0.02 0.02 0 0.1"         bounds along x, y and z
     region = "sphere 0 0 0 0.05"                         centre and radius
     region = "cylinder z 0 0 0.05 0 0.1"                 axis, its place, radius, ends
@@ -22,7 +22,7 @@ from granwave.lammps_inputs.case.material import Material, material_field
 WHOLE = "all"  # the one face of a plane, of a sphere, and of the outside of a cylinder
 SIDE = "side"
 _ENDS = ("lo", "hi")
-_FACES_OF_BLOCK = tuple(f"{axis}{end}" for axis in "xyz" for end in _ENDS)
+_FACES_OF_BLOCK = ("xlo", "xhi", "ylo", "yhi", "zlo", "zhi")
 #: Number of values of each style, after its axis if it has one.
 _VALUES = {"plane": 6, "sphere": 4, "block": 6, "cylinder": 5, "cone": 6}
 _WITH_AXIS = ("cylinder", "cone")

@@ -35,8 +35,8 @@ class Wall:
         Name of the wall: bottom, plate, xlo, xhi, ylo, yhi or tube; of a face of a region that of
         the region, with that of the face if it has several.
     axis
-        Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial, and
-        of a face of a region, whose first direction is its normal.
+        Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial,
+        and of a face of a region, whose first direction is its normal.
     outward
         Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1
         otherwise.

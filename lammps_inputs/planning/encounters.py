@@ -389,7 +389,8 @@ def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | Non
     if (assembly.has_cylinders or aside) and any(boundary.has_planes(axis) for axis in "xy"):
         grains = [grain for grain in example.tolist() if aside or assembly.shape_of(grain)]
         flats += [(grain, boundary.sides_material, None, "") for grain in grains]
-    flats += [(n, wall.material, None, "") for wall in case.wall for n in example.tolist()]
+    for wall in case.wall:
+        flats += [(n, wall.material, None, "") for n in example.tolist()]
     held = [n for n, (one, _) in enumerate(assembly.strikers, lattice.n_spheres + 1) if one.walls]
     for material in (boundary.bottom_material, boundary.sides_material):
         flats += [(n, material, None, "") for n in held]

@@ -1,4 +1,4 @@
-"""Faces of regions of LAMMPS as walls: equal to planes and tubes, closed forms, every face, refusals."""
+"""Faces of regions of LAMMPS as walls: equal to planes and tubes, closed forms, refusals."""
 
 from __future__ import annotations
 
@@ -40,7 +40,8 @@ def state(lmp: Any) -> np.ndarray:
 
 
 def wall(region: str, face: str, law: str = HERTZ) -> str:
-    return f"region shape {region} units box\nfix wall all wall/gran/hysteretic region shape {face} {law}"
+    fix = f"fix wall all wall/gran/hysteretic region shape {face} {law}"
+    return f"region shape {region} units box\n{fix}"
 
 
 @pytest.mark.parametrize("law", [HERTZ, FRICTION, YIELDS])
@@ -126,7 +127,8 @@ def test_every_face_reflects(
     flight = distance - R - 1e-5
     velocity = 2.0 * normal
     thrown(lmp, tuple(flight * normal), tuple(velocity), 5000, wall(region, face))
-    x, v = lmp.numpy.extract_atom("x")[0], lmp.numpy.extract_atom("v")[0]
+    x = lmp.numpy.extract_atom("x")[0]
+    v = lmp.numpy.extract_atom("v")[0]
     assert v == pytest.approx(-velocity, abs=2e-5)
     assert x @ normal < flight
     assert value(lmp, "f_wall") == 0
