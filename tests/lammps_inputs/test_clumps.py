@@ -9,7 +9,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from granwave.lammps_inputs import build_packing
+from granwave.lammps_inputs import build_packing, plan
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.grains import parse_grains
 from granwave.lammps_inputs.deck.deck import write_deck
@@ -67,6 +67,11 @@ def test_spheres_of_a_clump_have_no_contact() -> None:
     assert assembly.in_clumps.tolist() == [1, 2, 3]
     touching = TRIMER.replace("0.003,0,-0.012", "0,0,-0.010")
     assert assemble(clumps_of(touching)).contacts().tolist() == [[1, 4]]
+
+
+def test_grains_that_are_apart_are_told_without_those_of_a_clump(caplog: Any) -> None:
+    plan(clumps_of())
+    assert "no two grains touch at the start, the closest are 0.00237 m apart" in caplog.text
 
 
 def test_added_grains_number_the_clumps_of_their_copies() -> None:
