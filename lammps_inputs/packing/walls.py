@@ -14,6 +14,7 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.places import balanced_overlap
@@ -212,6 +213,15 @@ def _faces_of_regions(case: Case) -> list[Wall]:
             wall = Wall(name, 0, 1, 0.0, material=entry.material, face=of_region)
             found.append(dataclasses.replace(wall, friction=entry.friction))
     return found
+
+
+def refuse_region_walls(case: Case) -> None:
+    """Raise InputError for a case with walls of regions, for what knows planes and tubes alone."""
+    if case.wall:
+        raise InputError(
+            f"{case.name}: wall.1: found a wall of a region, expected walls by [boundary]; "
+            "take [[wall]] out"
+        )
 
 
 def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:

@@ -30,7 +30,13 @@ from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.clumps import refuse_clumps
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import Wall, pressed_walls, touched_by, walls
+from granwave.lammps_inputs.packing.walls import (
+    Wall,
+    pressed_walls,
+    refuse_region_walls,
+    touched_by,
+    walls,
+)
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 
 _ALONG = 1e-9  # largest deviation of the cosine from 1 for a cylinder along x, y or z
@@ -112,6 +118,7 @@ def unit_cell(assembly: Assembly) -> UnitCell:
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
         )
     refuse_clumps(assembly)
+    refuse_region_walls(case)
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(

@@ -16,7 +16,7 @@ from granwave.lammps_inputs.packing.assembly import Assembly
 from granwave.lammps_inputs.packing.clumps import refuse_clumps
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import PLATE
+from granwave.lammps_inputs.packing.walls import PLATE, refuse_region_walls
 
 _PUSHED = 1e-4  # overlap with a striker over the largest one in the packing
 
@@ -51,6 +51,7 @@ def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     case = assembly.case
     support = case.boundary.bottom_support
     refuse_clumps(assembly)
+    refuse_region_walls(case)
     if assembly.bars:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and "
