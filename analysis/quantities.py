@@ -138,6 +138,8 @@ ENTRIES = (
     Quantity("name", note="Name of the case."),
     Quantity("n_spheres", "Spheres", note="With strikers, and cylinders where there are any."),
     Quantity("n_cylinders", "Cylinders among the grains", short="cylinders", note="Only of packings that hold any."),
+    Quantity("n_clumps", "Clumps",
+             note="Groups of grains that move as one rigid body; only of packings with any."),
     Quantity("n_contacts", "Contacts at the start",
              "Pairs of spheres that touch before the run; smaller spheres on the sites of a lattice leave gaps."),
     Quantity("n_loaded_contacts", "Contacts that bore a force",
@@ -427,7 +429,8 @@ FRICTION_SHARES = ("plastic_fraction", "friction_fraction")
 
 #: Rows at the terminal at the end of a run.
 RUN_ROWS = _quantities(
-    "n_spheres", "n_cylinders", "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s",
+    "n_spheres", "n_cylinders", "n_clumps",
+    "n_contacts", "n_loaded_contacts", "end_time_s", "end_reason", "timestep_s",
     "n_steps", "energy_input_J", "dissipated_fraction", *FRICTION_SHARES, "rolling_fraction", "twisting_fraction",
     "adhesion_fraction", "viscous_fraction", "holder_fraction",
     "absorbed_fraction",

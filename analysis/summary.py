@@ -112,6 +112,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
     rebound = restitution(result)
     record = result.record
     n_cylinders = result.assembly.n_cylinders
+    n_clumps = len(result.assembly.clumps)
     end_time = float(result["energy/time"][-1])
     wall_time = record.get("wall_time_s")
     n_steps = int(result["energy/timesteps" if "energy/timesteps" in result else "energy/step"][-1])
@@ -152,6 +153,7 @@ def summary_of(result: Result, processes: Processes = ALONE) -> Summary:
         **_sensors(result),
         **line_summary(result),
         **({"n_cylinders": n_cylinders} if n_cylinders else {}),
+        **({"n_clumps": n_clumps} if n_clumps else {}),
         "wave_speed_m_s": wave_speed_of(result),
         "impactor_velocity_m_s": float(result["energy/struck_velocity"][-1]),
         "restitution": rebound,

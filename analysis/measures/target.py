@@ -193,6 +193,8 @@ def no_bare_target(assembly: Assembly) -> str:
         return "there is nothing below the packing"
     if not load.driven and not impactors_of(assembly, target.material):
         return "nothing moves towards the target"
+    if not load.driven and np.isin(struck_of(assembly), assembly.in_clumps).any():
+        return "a clump moves towards the target"
     return ""
 
 

@@ -242,7 +242,7 @@ def _contacts_of(
 
     low, high = start.box.T
     periods = tuple(length * goes_on for length, goes_on in zip(high - low, sides, strict=True))
-    if assembly.has_cylinders:  # they touch at other distances
+    if assembly.has_cylinders or assembly.clumps:  # they touch at other distances, or never
         touching = np.unique(assembly.contacts(), axis=0)
     else:
         touching = pairs.touching_pairs(

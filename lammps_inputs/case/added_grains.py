@@ -142,6 +142,19 @@ class AddedGrains:
     group: str | None = schema.typed(
         "name of their group, for [[hold]]", schema.LABEL, default=None
     )
+    clump: int | None = schema.typed(
+        "number of the clump of these grains: all grains of one number move as one rigid body; "
+        "with repeat that of the first places, and each copy has the next number",
+        schema.CountType(form="a whole number from 1 up"),
+        default=None,
+    )
+
+    def clumps(self, n: int) -> NDArray[np.int64]:
+        """Return the numbers of the clumps of ``n`` grains at these places: (n,); 0 without one."""
+        if self.clump is None:
+            return np.zeros(n, dtype=np.int64)
+        times = 1 if self.repeat is None else self.repeat.times
+        return self.clump + np.repeat(np.arange(times, dtype=np.int64), n // times)
 
     def most_places(self, n_own: int) -> int:
         """Return an upper bound on the number of places, next to so many grains."""
@@ -308,7 +321,8 @@ def with_added_grains(
             if places is not None:
                 name = _name_of(entry.material, materials)
                 group = entry.group or ""
-                parts.append(_grains_at(places, entry.diameter, name, group, shape_of(entry)))
+                part = _grains_at(places, entry.diameter, name, group, shape_of(entry))
+                parts.append(dataclasses.replace(part, clump=entry.clumps(len(places))))
     grains = _joined(parts)
     return PackingSection(
         kind=FILE,
@@ -419,6 +433,7 @@ def _joined(parts: Sequence[Grains]) -> Grains:
         file=own.file,
         lines=own.lines,
         added_from=np.cumsum([1, *map(len, parts)]).tolist()[1:-1],
+        clump=np.concatenate([part.clump for part in parts]),
     )
 
 

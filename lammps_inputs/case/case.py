@@ -40,6 +40,7 @@ from granwave.lammps_inputs.case.material import (
 )
 from granwave.lammps_inputs.case.packing import PackingSection
 from granwave.lammps_inputs.case.precompression import PRECOMPRESSION, Precompression
+from granwave.lammps_inputs.case.region_walls import RegionWall
 from granwave.lammps_inputs.case.run import (
     AUTO_FRAMES,
     FRAMES_OF_A_FILM,
@@ -92,6 +93,7 @@ _TABLES: dict[str, type | None] = {
     "[[striker]]": Striker,
     "[[hold]]": Hold,
     "[[guide]]": Guide,
+    "[[wall]]": RegionWall,
     "[[absorb]]": Absorb,
     "[[sensor]]": Sensor,
     "[[line]]": Line,
@@ -179,6 +181,7 @@ class Case:
     striker: tuple[Striker, ...] = ()
     hold: tuple[Hold, ...] = ()
     guide: tuple[Guide, ...] = ()
+    wall: tuple[RegionWall, ...] = ()
     absorb: tuple[Absorb, ...] = ()
     sensor: tuple[Sensor, ...] = ()
     line: tuple[Line, ...] = ()
@@ -215,6 +218,7 @@ class Case:
         return (
             any(one.friction for one in self.contact_laws)
             or bool(self.boundary.friction)
+            or any(wall.friction for wall in self.wall)
             or self.has_resistance
         )
 
@@ -254,9 +258,12 @@ class Case:
 
     @property
     def has_rotation(self) -> bool:
-        """True if spheres rotate: with friction, or with an initial spin of a sphere or striker."""
+        """True if spheres rotate: with friction, in clumps, or with an initial spin of a sphere or
+        striker.
+        """
         return (
             self.has_friction
+            or self.packing.has_clumps
             or any(self.load.spin)
             or any(any(striker.spin) for striker in self.striker)
         )

@@ -7,6 +7,7 @@
     axis_x, axis_y, axis_z               any direction
     material                             name of a preset or of a [materials.NAME]; by default that of the packing
     group                                a word, for [[hold]]
+    clump                                a number; grains of one number move as one rigid body
     vx, vy, vz                           initial velocity, m/s
 
 Columns stand in any order under a line of their names. Tables of other programs, and other
@@ -29,6 +30,7 @@ from granwave.lammps_inputs.case.hints import POSSIBLE, plain
 from granwave.lammps_inputs.case.material import Shape, read_shapes, shape_columns
 from granwave.lammps_inputs.case.schema import LABEL_FORM, LARGEST_COUNT, show
 from granwave.lammps_inputs.files import csv_cell
+from granwave.lammps_inputs.readers.columns import CLUMP
 from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.registry import read_grain_table
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
@@ -87,6 +89,8 @@ class Grains:
         Initial velocities: (n, 3), m/s.
     shape
         Shapes: (n,); by default all are spheres.
+    clump
+        Numbers of clumps, 0 for grains in none: (n,); by default none is in one.
     period
         Periods along x and y of the file that they come from, m; None if it has none. Not part of
         the table, as those below.
@@ -120,11 +124,14 @@ class Grains:
     reading: FileReading | None = None
     added_from: Sequence[int] = ()
     found: Grains | None = None
+    clump: NDArray[np.int64] = dataclasses.field(default_factory=lambda: np.zeros(0, np.int64))
 
     def __post_init__(self) -> None:
-        """Make the columns tuples."""
+        """Make the columns of words tuples, and give every grain a shape and a clump."""
         self.material, self.group = tuple(self.material), tuple(self.group)
         self.shape = tuple(self.shape) or (None,) * len(self)
+        if not len(self.clump):
+            self.clump = np.zeros(len(self), dtype=np.int64)
 
     def __len__(self) -> int:
         return len(self.diameter)
@@ -150,6 +157,8 @@ class Grains:
         columns |= shape_columns(self.shape)
         named = (("material", self.material), ("group", self.group))
         columns |= {name: map(csv_cell, words) for name, words in named if any(words)}
+        if self.clump.any():
+            columns[CLUMP] = map(str, self.clump.tolist())
         if self.velocity.any():
             columns |= {
                 name: map(repr, v)
@@ -163,6 +172,21 @@ class Grains:
         """Most frequent diameter, the larger one of several, m."""
         diameters, counts = np.unique(self.diameter, return_counts=True)
         return float(diameters[counts == counts.max()].max())
+
+    @cached_property
+    def clumps(self) -> dict[int, tuple[int, ...]]:
+        """Ids of the grains of each clump, by its number; a number of a single grain is none."""
+        rows = np.flatnonzero(self.clump)
+        order = rows[np.argsort(self.clump[rows], kind="stable")]
+        numbers, first = np.unique(self.clump[order], return_index=True)
+        members = np.split(1 + order, first[1:])
+        parts = zip(numbers.tolist(), members, strict=True) if len(numbers) else ()
+        return {number: tuple(ids.tolist()) for number, ids in parts if len(ids) > 1}
+
+    def of_different_clumps(self, rows: NDArray[np.int64]) -> NDArray[np.bool_]:
+        """Select the pairs of rows (n, 2) of grains that are not of one clump: (n,)."""
+        first, second = self.clump[rows].T
+        return np.asarray((first == 0) | (first != second))
 
     def key(self, *ids: int) -> str:
         """Return the key of a case that gave some grains, of the last of them that were added."""
@@ -377,6 +401,7 @@ def _grains(table: GrainTable, diameter: float | None) -> Grains:
         shape=_shapes(table),
         lines=() if table.lines is None else table.lines,
         half_unit=table.half_unit,
+        clump=np.zeros(n, dtype=np.int64) if table.clump is None else table.clump.copy(),
     )
 
 

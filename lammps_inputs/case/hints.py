@@ -150,7 +150,7 @@ _KEY_OF_WORD = {
         "tilt": "slope inclination lean leaning",
         "offset": "eccentricity off_centre off_center",
         "misalignment": "misaligned jitter",
-        "bottom": "wall floor base ground support",
+        "bottom": "floor base ground support",
         "sides": "side lateral side_walls periodic",
         "precompression": "preload precompress prestress preloading static_load",
         "amplitude": "peak peak_force load_force force_amplitude",

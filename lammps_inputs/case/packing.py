@@ -359,6 +359,11 @@ class PackingSection:
         """True if contacts go on from a bed that was settled, whole or with their springs."""
         return self.restart is not None or self.springs is not None
 
+    @property
+    def has_clumps(self) -> bool:
+        """True if grains of a file move as clumps."""
+        return self.grains is not None and bool(self.grains.clumps)
+
     def lattice(self, *, periodic: bool = False) -> Lattice:
         """Return the lattice of the packing; that of grains of a file is none."""
         top_row = self.top_row if self.rule.is_plane_crystal else "equal"

@@ -9,11 +9,13 @@ from granwave.lammps_inputs.case.packing import check_memory_of_sites, check_siz
 from granwave.lammps_inputs.case.schema import ErrorList
 from granwave.lammps_inputs.checks import (
     boundary,
+    clumps,
     grains,
     ids,
     loads,
     packing,
     precompression,
+    region_walls,
     strikers,
     times,
 )
@@ -45,6 +47,7 @@ def check_together(case: Case, errors: ErrorList) -> None:
         grains.check_places,
         grains.check_loaded,
         grains.check_held,
+        clumps.check_clumps,
         ids.check_ids,
         strikers.check_strikers,
         times.check_history,
@@ -107,6 +110,8 @@ def check_case(case: Case, errors: ErrorList) -> Assembly | None:
         loads.check_struck,
         precompression.check_first_yield,
         loads.check_absorbing,
+        clumps.check_loaded_clumps,
+        region_walls.check_region_walls,
     ):
         check(assembly, errors)
     if not errors.items:

@@ -246,7 +246,7 @@ def check_pairs(case: Case, errors: ErrorList) -> None:
     """Check the laws of the ``[[pair]]`` tables, and that they name materials of the case."""
     for key, pair in numbered("pair", case.pair).items():
         _check_law(pair.contact, key, errors)
-    bodies = [*case.replace, *case.striker, case.bar, case.incident_bar]
+    bodies = [*case.replace, *case.striker, *case.wall, case.bar, case.incident_bar]
     materials = [
         case.material,
         *(body.material for body in bodies if body is not None),

@@ -98,6 +98,6 @@ def _depths_in_walls(
     reach = extents(radius, [assembly.shape_of(sphere)])[0]
     depths = {}
     for wall in planes:
-        towards = reach[:1] if wall.tube else reach[wall.axis : wall.axis + 1]
+        towards = reach[:1] if wall.tube or wall.face else reach[wall.axis : wall.axis + 1]
         depths[wall.name] = -float(wall.gaps(centre[None], towards)[0])
     return depths

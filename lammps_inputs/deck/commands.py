@@ -313,15 +313,13 @@ def wall_commands(
         Existing walls that change their places; their groups, and the held grains, stay.
     """
     case = assembly.case
-    lines = _groups(assembly) if only is None else []
+    lines = [*_groups(assembly), *_regions(assembly)] if only is None else []
     for wall in walls(assembly) if only is None else only:
         if wall.held_layer:
             lines.append(f"group           held id {id_ranges(assembly.lattice.last_layer)}")
             lines.append(f"fix             {prefix}held held setforce 0.0 0.0 0.0")
             continue
-        place = coordinate(assembly, wall)
-        low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
-        style = f"tube {place}" if wall.tube else f"{'xyz'[wall.axis]}plane {low} {high}"
+        style = _wall_style(assembly, wall)
         line = ["line plane-strain"] if assembly.has_cylinders and assembly.plane_strain else []
         for name, group, material in wall.fixes:
             contact = case.contact_between(material, wall.material)
@@ -351,6 +349,24 @@ def wall_commands(
         zeros = joined("0.0" if axis in hold.axes else "NULL" for axis in "xyz")
         lines += [f"fix             {prefix}{name} {name} setforce {zeros}"] if hold.axes else []
     return lines
+
+
+def _regions(assembly: Assembly) -> list[str]:
+    """Return the commands that define the regions of walls."""
+    faces = [wall.face for wall in walls(assembly) if wall.face is not None]
+    words = {face.region: face.words for face in faces}
+    return [f"region          {region} {text} units box" for region, text in words.items()]
+
+
+def _wall_style(assembly: Assembly, wall: Wall) -> str:
+    """Return the words of the wall fix that say where a wall is."""
+    if wall.face is not None:
+        return f"region {wall.face.region} {wall.face.name}"
+    place = coordinate(assembly, wall)
+    if wall.tube:
+        return f"tube {place}"
+    low, high = ("NULL", place) if wall.outward > 0 else (place, "NULL")
+    return f"{'xyz'[wall.axis]}plane {low} {high}"
 
 
 def coordinate(assembly: Assembly, wall: Wall) -> str:

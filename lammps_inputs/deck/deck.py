@@ -33,6 +33,7 @@ from granwave.lammps_inputs.files import (
 from granwave.lammps_inputs.load_case import stored_case
 from granwave.lammps_inputs.own_files import AnyPath
 from granwave.lammps_inputs.packing.assembly import Assembly, Species
+from granwave.lammps_inputs.packing.clumps import together
 from granwave.lammps_inputs.packing.motion import own_velocities, struck_of
 from granwave.lammps_inputs.packing.places import Places
 from granwave.lammps_inputs.packing.walls import walls
@@ -79,6 +80,9 @@ def write_data(assembly: Assembly, path: Path, processes: Processes = ALONE) -> 
             centres = np.array([centre for _, centre in assembly.strikers])
             centres -= assembly.deck_origin
             file.write(_rows(assembly, np.arange(n + 1, assembly.last_sphere + 1), centres))
+        if assembly.clumps:
+            file.write("\nMolecules # id, number of its clump\n\n")
+            file.writelines(f"{number} {clump}\n" for number, clump in _clump_of_each(assembly))
         for bar in bars:
             roles = (Species(bar.material, role, bar.name) for role in ("node", "face"))
             node, face = (1 + assembly.species.index(one) for one in roles)
@@ -135,8 +139,19 @@ def _title(assembly: Assembly) -> str:
 def _batch(assembly: Assembly, first: int) -> str:
     last = min(first + _BATCH - 1, assembly.lattice.n_spheres)
     here = np.flatnonzero(assembly.sites.present[first - 1 : last])
-    centres = assembly.sites.positions(first, last)[here] - assembly.deck_origin
-    return _rows(assembly, here + first, centres)
+    centres = assembly.sites.positions(first, last)
+    if assembly.clumps:
+        whole = assembly.sites.positions(1, assembly.lattice.n_spheres)
+        centres = together(assembly, whole)[first - 1 : last]
+    return _rows(assembly, here + first, centres[here] - assembly.deck_origin)
+
+
+def _clump_of_each(assembly: Assembly) -> Iterator[tuple[int, int]]:
+    """Iterate over the ids of all spheres, each with the number of its clump, 0 without one."""
+    numbers = np.zeros(assembly.last_sphere, dtype=np.int64)
+    for number, ids in assembly.clumps.items():
+        numbers[np.array(ids) - 1] = number
+    yield from zip(assembly.ids.tolist(), numbers[assembly.ids - 1].tolist(), strict=True)
 
 
 def _rows(assembly: Assembly, ids: NDArray[np.int64], centres: NDArray[np.float64]) -> str:

@@ -19,6 +19,7 @@ from granwave.lammps_inputs.script_words import joined, num
 MOVING_BED = "v_moving_bed"  # kinetic energy in a restart file, but for spheres that are struck
 POTENTIAL = "c_potential"  # potential energy of dead loads, zero at the positions of the data file
 STATIC = "v_static"  # elastic and potential energy at the start of the run
+CLUMPS = "clumps"  # group of the grains of all clumps
 GRAVITY = 9.81  # m/s^2, of beads on their holder
 _TICK = "# A tick: the step counter counts these, and fix step, below, says how many of them a step takes."
 _HALF_INERTIA = 0.2  # half the moment of inertia of a sphere over m R^2
@@ -89,15 +90,17 @@ def integration(assembly: Assembly) -> list[str]:
         lines.append(f"group           upright union {joined(upright)}")
         lines += [f"group           upright subtract upright {joined(still)}"] if still else []
         apart.append("upright")
-    group = "mobile" if still or apart else "all"
+    clumps = [CLUMPS] if assembly.clumps else []
+    others = [*still, *apart, *clumps]
+    group = "mobile" if others else "all"
     style = "nve/sphere" if turning else "gran/nve"
-    lines += (
-        [f"group           mobile subtract all {joined([*still, *apart])}"]
-        if still or apart
-        else []
-    )
+    lines += [f"group           mobile subtract all {joined(others)}"] if others else []
     lines.append(f"fix             motion {group} {style}")
-    return [*lines, *(f"fix             motion_{name} {name} nve" for name in apart)]
+    lines += [f"fix             motion_{name} {name} nve" for name in apart]
+    return [
+        *lines,
+        *(f"fix             motion_{name} {name} rigid/small molecule" for name in clumps),
+    ]
 
 
 def _prescribed(assembly: Assembly) -> list[str]:

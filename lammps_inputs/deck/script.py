@@ -10,9 +10,15 @@ import re
 from collections.abc import Iterable
 
 from granwave.lammps_inputs.case.case import Case
-from granwave.lammps_inputs.deck.commands import contacts, cylinder_commands, wall_commands
+from granwave.lammps_inputs.deck.commands import (
+    command,
+    contacts,
+    cylinder_commands,
+    id_ranges,
+    wall_commands,
+)
 from granwave.lammps_inputs.deck.ledger import ledger, thermo
-from granwave.lammps_inputs.deck.motion import adaptive_timestep, motion
+from granwave.lammps_inputs.deck.motion import CLUMPS, adaptive_timestep, motion
 from granwave.lammps_inputs.deck.output import (
     dumps_at_end,
     frames,
@@ -23,6 +29,7 @@ from granwave.lammps_inputs.deck.output import (
 )
 from granwave.lammps_inputs.deck.static_stage import dead_load_commands, first_half, second_half
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.clumps import largest_extent
 from granwave.lammps_inputs.packing.cylinders import in_grains
 from granwave.lammps_inputs.planning.encounters import fastest
 from granwave.lammps_inputs.planning.schedule import BLOCK_THRESHOLD, Schedule
@@ -62,6 +69,7 @@ _NAMES = (
 _WORDS = "|".join(re.escape(name).replace(r"\{\}", r'[^\s"]+') for name in _NAMES)
 _FILES = re.compile(rf"(?<!\S)(?:{_WORDS})(?!\S)")
 _HARMFUL = re.compile(r"""[^ -~]|["&]""")  # not ASCII, or joins lines even in a comment
+_OF_CLUMPS = "molecules"  # fix that holds the number of the clump of each grain
 _SKIN = 0.1  # skin distance of the neighbour list, diameters
 _MOST_STEPS_BETWEEN_CHECKS = 10
 # distance between checks of the list at the highest speed, over the skin
@@ -157,9 +165,20 @@ def _system(assembly: Assembly, restart_from: str) -> list[str]:
         "newton          off",
         f"boundary        {sides} m",
         *(["bond_style      harmonic"] if bars else []),
-        f"read_restart    {restart_from}" if restart_from else READ_DATA,
+        *_spheres_from(assembly, restart_from),
         *lines,
     ]
+
+
+def _spheres_from(assembly: Assembly, restart_from: str) -> list[str]:
+    """Return the commands that read the spheres, and the numbers of their clumps."""
+    spheres = f"read_restart    {restart_from}" if restart_from else READ_DATA
+    if not assembly.clumps:
+        return [spheres]
+    numbers = f"fix             {_OF_CLUMPS} all property/atom mol ghost yes"
+    if restart_from:
+        return [spheres, numbers]
+    return [numbers, f"{spheres} fix {_OF_CLUMPS} NULL Molecules"]
 
 
 def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
@@ -180,6 +199,20 @@ def _neighbours(assembly: Assembly, schedule: Schedule) -> list[str]:
         f"neigh_modify    delay 0 every {every} check yes",
         *(f"neigh_modify    exclude type {a} {b}" for a, b in sorted(apart)),
         *(["comm_modify     vel yes"] if by_velocity else []),
+        *_clumps(assembly, skin),
+    ]
+
+
+def _clumps(assembly: Assembly, skin: float) -> list[str]:
+    """Return the commands for the group of the grains of clumps, which do not press each other."""
+    if not assembly.clumps:
+        return []
+    reach = largest_extent(assembly) + 2 * skin
+    return [
+        "# Clumps: grains of one molecule move as one rigid body, and do not press each other.",
+        *command(f"group           {CLUMPS} id", *id_ranges(assembly.in_clumps).split()),
+        f"neigh_modify    exclude molecule/intra {CLUMPS}",
+        f"comm_modify     cutoff {num(reach)}",
     ]
 
 

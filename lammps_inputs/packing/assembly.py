@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import dataclasses
 import inspect
+import itertools
 import math
 from collections.abc import Callable, Sequence
 from functools import cached_property, wraps
@@ -181,6 +182,17 @@ class Assembly:
         return self.species[self.body[sphere - 1]].shape
 
     @property
+    def clumps(self) -> dict[int, tuple[int, ...]]:
+        """Ids of the grains of each clump, by its number; empty without clumps."""
+        grains = self.case.packing.grains
+        return {} if grains is None else grains.clumps
+
+    @property
+    def in_clumps(self) -> NDArray[np.int64]:
+        """Ids of the grains of all clumps, in rising order."""
+        return np.sort(np.array([*itertools.chain(*self.clumps.values())], dtype=np.int64))
+
+    @property
     def shapes(self) -> tuple[Shape, ...]:
         """Shapes of the grains of the packing, each once."""
         return tuple(dict.fromkeys(shape for _, shape in self.sites.bodies))
@@ -256,11 +268,11 @@ class Assembly:
         LAMMPS adds a step of some nanometres to each coordinate, whose rounding grows with the
         distance from the origin. A file of grains that lies farther from the origin than it is
         large is moved to it, along each axis; results are in the coordinates of the file. The axis
-        of a tube, or of bars, stays where it is.
+        of a tube, or of bars, stays where it is, and so does all beside walls of regions.
         """
         low, high = self.lattice_bounds()
         origin = np.zeros(3)
-        if not isinstance(self.lattice, Places):
+        if not isinstance(self.lattice, Places) or self.case.wall:
             return origin
         size = max(float((high - low).max()), self.lattice.diameter)
         outside = np.maximum(np.maximum(low, -high), 0.0)

@@ -157,7 +157,8 @@ class Places:
     def _near(self) -> tuple[NDArray[np.int64], NDArray[np.float64]]:
         """Touching and overlapping pairs, sorted: ids (n, 2), i < j, and gaps (n,), m."""
         slack = TOUCHING * self.diameter
-        pairs = 1 + near_pairs(self.grains.position, reaches(self.grains), slack, self.period)
+        rows = near_pairs(self.grains.position, reaches(self.grains), slack, self.period)
+        pairs = 1 + rows[self.grains.of_different_clumps(rows)]
         gaps = self.apart(pairs) - self.grains.diameter[pairs - 1].sum(axis=1) / 2
         close = gaps <= slack
         pairs = pairs[close]

@@ -112,7 +112,8 @@ class GrainGaps:
 
 
 def gaps_up_to(grains: Grains, largest: float, period: Period = None) -> GrainGaps:
-    """Return the gaps of all pairs of grains that overlap, or are at most so far apart.
+    """Return the gaps of all pairs of grains that overlap, or are at most so far apart; grains of
+    one clump are no pair.
 
     Parameters
     ----------
@@ -122,6 +123,7 @@ def gaps_up_to(grains: Grains, largest: float, period: Period = None) -> GrainGa
         Periods along x and y, m.
     """
     pairs = near_pairs(grains.position, reaches(grains), largest, period)
+    pairs = pairs[grains.of_different_clumps(pairs)]
     gap = _gaps(grains, grains.position, pairs, period)
     near = gap <= largest
     return GrainGaps(pairs[near], gap[near])

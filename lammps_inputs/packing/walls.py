@@ -1,4 +1,6 @@
-"""Planes around a packing, rigid or of a material, each touching the outermost spheres of its side."""
+"""Planes around a packing, each touching the outermost spheres of its side, and faces of regions;
+rigid or of a material.
+"""
 
 from __future__ import annotations
 
@@ -12,9 +14,11 @@ from granwave._contact_laws import elliptic_radius
 from granwave.lammps_inputs.case.boundary import Backing, Support, Touched
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.case.material import Material
+from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.packing.assembly import Assembly, kept_by_assembly
 from granwave.lammps_inputs.packing.cylinders import extents
 from granwave.lammps_inputs.packing.places import balanced_overlap
+from granwave.lammps_inputs.packing.region_faces import RegionFace
 from granwave.lammps_inputs.packing.sites import Sites
 from granwave.lammps_inputs.packing_kind import TOUCHING
 
@@ -24,14 +28,16 @@ PLATE = "plate"  # name of the wall that is a plate on the free top, and of its 
 
 @dataclasses.dataclass(frozen=True)
 class Wall:
-    """A wall: a plane, or the last layer held in place.
+    """A wall: a plane, a tube, a face of a region, or the last layer held in place.
 
     Attributes
     ----------
     name
-        Name of the wall: bottom, plate, xlo, xhi, ylo, yhi or tube.
+        Name of the wall: bottom, plate, xlo, xhi, ylo, yhi or tube; of a face of a region that of
+        the region, with that of the face if it has several.
     axis
-        Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial.
+        Axis of the normal: 0, 1 or 2 for x, y or z; 0 of a tube, whose first direction is radial,
+        and of a face of a region, whose first direction is its normal.
     outward
         Sign of the outward normal: +1 if the packing lies at lower coordinates along ``axis``, -1
         otherwise.
@@ -51,6 +57,10 @@ class Wall:
     overlap
         Overlap of spheres that touch it, m; with cohesion the overlap at which contacts bear no
         force.
+    face
+        Face of a region; None for other walls.
+    friction
+        Coefficient of friction of the wall; None for that of boundary or contact law.
     fixes
         Its LAMMPS fixes, one for each material: name, group and material of the grains.
     """
@@ -65,6 +75,8 @@ class Wall:
     support: Support | None = None
     plate: tuple[float, float] | None = None
     overlap: float = 0.0
+    face: RegionFace | None = None
+    friction: float | None = None
     fixes: tuple[tuple[str, str, Material], ...] = dataclasses.field(
         default=(), repr=False, compare=False
     )
@@ -72,6 +84,8 @@ class Wall:
     @property
     def key(self) -> str:
         """Key of ``[precompression]`` that moves it: x, y or tube; z for walls that stay."""
+        if self.face is not None:
+            return "z"
         return "tube" if self.tube else "xyz"[self.axis]
 
     @property
@@ -89,11 +103,15 @@ class Wall:
         """Return the gaps between the wall and spheres at positions (n, 3), negative for overlaps:
         (n,), m.
         """
+        if self.face is not None:
+            return self.face.distances(positions) - radii
         reach = np.hypot(*positions.T[:2]) if self.tube else positions[:, self.axis] * self.outward
         return np.asarray(self.coordinate * self.outward - (reach + radii))
 
     def nearest(self, positions: NDArray[np.float64]) -> NDArray[np.float64]:
         """Return the nearest points of the wall to positions (n, 3): (n, 3), m."""
+        if self.face is not None:
+            return self.face.nearest(positions)
         found = positions.copy()
         if self.tube:
             found[:, :2] *= (self.coordinate / np.hypot(*positions.T[:2]))[:, None]
@@ -105,6 +123,8 @@ class Wall:
         """Return the radii of spheres that are as stiff on a plane as these are on the wall: (n,),
         m.
         """
+        if self.face is not None:
+            return self.face.effective_radii(radii)
         return (
             np.asarray(elliptic_radius(1 / radii, 1 / radii - 1 / self.coordinate))
             if self.tube
@@ -155,6 +175,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
             inwards = moves.get(letter, 0.0) - max(boundary.gap, 0.0)
             found.append(Wall(f"{letter}lo", axis, -1, low + inwards, material=material))
             found.append(Wall(f"{letter}hi", axis, 1, high - inwards, material=material))
+    found += _faces_of_regions(case)
     placed = []
     for wall in (
         found
@@ -162,6 +183,7 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
         as_it_is = (
             wall.held_layer
             or wall.tube
+            or wall.face is not None
             or not case.packing.rule.is_lattice
             or (wall.axis < 2 and boundary.gap)
         )
@@ -179,6 +201,29 @@ def walls(assembly: Assembly) -> tuple[Wall, ...]:
     return tuple(placed)
 
 
+def _faces_of_regions(case: Case) -> list[Wall]:
+    """Return the faces of the regions of ``[[wall]]``, without their fixes."""
+    found = []
+    for number, entry in enumerate(case.wall, start=1):
+        region = f"wall{number}"
+        faces = entry.shape.faces
+        for face in faces:
+            name = region if len(faces) == 1 else f"{region}{face}"
+            of_region = RegionFace(region, entry.region, entry.shape, face)
+            wall = Wall(name, 0, 1, 0.0, material=entry.material, face=of_region)
+            found.append(dataclasses.replace(wall, friction=entry.friction))
+    return found
+
+
+def refuse_region_walls(case: Case) -> None:
+    """Raise InputError for a case with walls of regions, for what knows planes and tubes alone."""
+    if case.wall:
+        raise InputError(
+            f"{case.name}: wall.1: found a wall of a region, expected walls by [boundary]; "
+            "take [[wall]] out"
+        )
+
+
 def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
     """Return the walls that move in to a force, by x, y or tube."""
     stage = assembly.case.precompression
@@ -190,7 +235,7 @@ def pressed_walls(assembly: Assembly) -> dict[str, list[Wall]]:
 def touched_by(assembly: Assembly, wall: Wall) -> NDArray[np.bool_] | None:
     """Select the sites of the packing on which a wall acts: (n_sites,); None if it acts on all."""
     only = assembly.case.boundary.sides_touch
-    if only is None or wall.name == "bottom":
+    if only is None or wall.name == "bottom" or wall.face is not None:
         return None
     return touched(assembly.case, assembly.sites, only)
 
@@ -296,6 +341,8 @@ def touched_groups(
 
 def wall_friction(case: Case, wall: Wall, material: Material) -> float:
     """Return the coefficient of friction between a wall and spheres of a material."""
+    if wall.friction is not None:
+        return wall.friction
     if case.boundary.friction is not None:
         return case.boundary.friction
     return case.contact_between(material, wall.material).friction

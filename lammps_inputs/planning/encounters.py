@@ -233,6 +233,7 @@ def encounters(assembly: Assembly) -> list[Encounter]:
     """Return the collisions that bound the overlaps of a run."""
     case = assembly.case
     plain = assembly.like and case.boundary.bottom_material is None and case.load.gives_velocity
+    plain = plain and not case.wall
     found = _of_impact(assembly) if plain else _of_any(assembly)
     found = [one for one in found if one.law.name != NO_FORCE]
     if case.precompression is not None:
@@ -344,7 +345,8 @@ def _of_pairs(assembly: Assembly) -> list[Encounter]:
         masses = assembly.mass_of(first), assembly.mass_of(second)
         law = pair_contact(assembly, first, second)
         loss = _loss(assembly, assembly.material_of(first), assembly.material_of(second))
-        share = max(masses) / sum(masses)
+        # a grain of a clump meets others with more than its own mass
+        share = 1.0 if assembly.clumps else max(masses) / sum(masses)
         effective = math.prod(masses) / sum(masses)
         collisions.append(
             Encounter(law, _limited(assembly, law, energy * share), 2 * effective, loss=loss)
@@ -387,6 +389,8 @@ def _flats(assembly: Assembly) -> list[tuple[int, Material | None, Backing | Non
     if (assembly.has_cylinders or aside) and any(boundary.has_planes(axis) for axis in "xy"):
         grains = [grain for grain in example.tolist() if aside or assembly.shape_of(grain)]
         flats += [(grain, boundary.sides_material, None, "") for grain in grains]
+    for wall in case.wall:
+        flats += [(n, wall.material, None, "") for n in example.tolist()]
     held = [n for n, (one, _) in enumerate(assembly.strikers, lattice.n_spheres + 1) if one.walls]
     for material in (boundary.bottom_material, boundary.sides_material):
         flats += [(n, material, None, "") for n in held]

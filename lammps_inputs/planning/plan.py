@@ -9,6 +9,8 @@ import math
 from collections.abc import Callable
 from pathlib import Path
 
+import numpy as np
+
 from granwave.lammps_inputs.case.case import Case
 from granwave.lammps_inputs.contact.initial_dents import dents_of_result, earlier_result
 from granwave.lammps_inputs.contact.law import sphere_contact
@@ -209,7 +211,12 @@ def _note_gaps(assembly: Assembly) -> None:
     radius = case.packing.grains.diameter / 2
     n_near = min(_NEAREST + 1, len(position))
     distance, near = KDTree(position).query(position, n_near)
-    gap = float((distance - radius[near] - radius[:, None])[:, 1:].min())
+    rows = np.repeat(np.arange(len(position))[:, None], n_near - 1, axis=1)
+    pairs = np.stack([rows, near[:, 1:]], axis=2).reshape(-1, 2)
+    gaps = distance[:, 1:].ravel() - radius[pairs].sum(axis=1)
+    gap = float(gaps[case.packing.grains.of_different_clumps(pairs)].min(initial=math.inf))
+    if math.isinf(gap):
+        return
     _LOG.warning(
         "%s: packing: no two grains touch at the start, the closest are %.3g m apart, %.3g of the "
         "smallest diameter; were coordinates rounded, or are units mixed?",

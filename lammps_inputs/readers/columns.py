@@ -33,22 +33,25 @@ RADIUS = "radius"
 DIAMETER = "diameter"
 ID = "id"
 TYPE = "type"
+CLUMP = "clump"
+LARGEST_CLUMP = 2**31 - 1  # a molecule of LAMMPS
 WORDS = ("material", "group", "shape", "axis")
 KINDS: dict[str, str] = {
     **dict.fromkeys((*PLACE, DIAMETER, RADIUS, "length"), LENGTH),
     **dict.fromkeys(VELOCITIES, VELOCITY),
     **dict.fromkeys(SPINS, ANGULAR_VELOCITY),
-    **dict.fromkeys((*AXIS_PARTS, ID), ""),
+    **dict.fromkeys((*AXIS_PARTS, ID, CLUMP), ""),
     "mass": MASS,
     "density": DENSITY,
 }
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
-              "group", *VELOCITIES, *SPINS, ID, TYPE, "mass", "density")  # fmt: skip
+              "group", CLUMP, *VELOCITIES, *SPINS, ID, TYPE, "mass", "density")  # fmt: skip
 #: Columns of which nothing is needed, and no warning is given.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
 )
-_MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0)}  # of spheres
+# of spheres, and of grains in no clump
+_MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0), CLUMP: 0.0}
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
          "centre", "centroid", "point", "points", "c"),
@@ -295,16 +298,35 @@ class ColumnReader:
 
     def ids(self) -> NDArray[np.int64] | None:
         """Return the ids: (n,); None if the table has none."""
-        values = self.numbers(ID)
+        return self.whole_numbers(ID)
+
+    def whole_numbers(self, quantity: str) -> NDArray[np.int64] | None:
+        """Return a quantity of whole numbers: (n,); None if the table has none."""
+        values = self.numbers(quantity)
         if values is None:
             return None
         broken = np.flatnonzero(values != np.round(values))
         if len(broken):
             row = int(broken[0])
+            place = self.table.place(row)
             raise ValueError(
-                f"{self.table.place(row)}: found {values[row]:g} for id, expected a whole number"
+                f"{place}: found {values[row]:g} for {quantity}, expected a whole number"
             )
         return values.astype(np.int64)
+
+    def clumps(self) -> NDArray[np.int64] | None:
+        """Return the numbers of the clumps, 0 for none: (n,); None if the table has none."""
+        numbers = self.whole_numbers(CLUMP)
+        if numbers is None:
+            return None
+        wrong = np.flatnonzero((numbers < 0) | (numbers > LARGEST_CLUMP))
+        if len(wrong):
+            row = int(wrong[0])
+            raise ValueError(
+                f"{self.table.place(row)}: found {numbers[row]} for {CLUMP}, expected a number "
+                f"from 1 to {LARGEST_CLUMP} of grains that move as one body, or 0 for none"
+            )
+        return numbers
 
     def grains(self, form: str, notes: list[str]) -> GrainTable:
         """Return the grains of the table, of a format that is called ``form``."""
@@ -324,6 +346,7 @@ class ColumnReader:
             mass=self.numbers("mass"),
             velocity=self.vector(VELOCITIES),
             spin=self.vector(SPINS),
+            clump=self.clumps(),
             words=words,
             numbers={name: values for name, values in numbers.items() if values is not None},
             lines=self.table.lines,

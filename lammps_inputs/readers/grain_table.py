@@ -46,6 +46,8 @@ class GrainTable:
         (n, 3), m/s; None if the file has none.
     spin
         Angular velocities: (n, 3), rad/s; None if the file has none.
+    clump
+        Numbers of clumps, 0 for grains in none: (n,); None if the file has none.
     words
         Further columns of words, such as material and group, by name: (n,) each.
     numbers
@@ -72,6 +74,7 @@ class GrainTable:
     mass: NDArray[np.float64] | None = None
     velocity: NDArray[np.float64] | None = None
     spin: NDArray[np.float64] | None = None
+    clump: NDArray[np.int64] | None = None
     words: dict[str, list[str]] = dataclasses.field(default_factory=dict)
     numbers: dict[str, NDArray[np.float64]] = dataclasses.field(default_factory=dict)
     bounds: NDArray[np.float64] | None = None
@@ -158,7 +161,7 @@ class GrainTable:
         """Return the grains of some rows, in their order."""
         arrays = ("position", "half_unit", "radius", "ids", "density", "mass", "velocity", "spin")
         changed: dict[str, object] = {}
-        for name in (*arrays, "lines"):
+        for name in (*arrays, "clump", "lines"):
             values = getattr(self, name)
             changed[name] = None if values is None else values[order]
         rows = order.tolist()

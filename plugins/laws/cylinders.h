@@ -21,10 +21,13 @@
 #ifndef GRANWAVE_CYLINDERS_H
 #define GRANWAVE_CYLINDERS_H
 
+#include "curved_wall.h"
 #include "material.h"
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
+#include <string>
 #include <unordered_map>
 
 namespace granwave {
@@ -167,18 +170,18 @@ class CylinderPair {
 };
 
 /* Rigid or elastic tube around the z axis: overlap, direction, and stiffness of the elliptic contacts of spheres in it. */
-class Tube {
+class Tube : public CurvedWall {
  public:
-  explicit Tube(double radius) : radius_(radius) {}
+  explicit Tube(double radius) : radius_(radius), name_("tube of radius " + short_text(radius)) {}
 
-  double circumference() const { return 2.0 * PI * radius_; }
-  bool holds(double radius) const { return radius < radius_; }
-  double radius() const { return radius_; }
+  double circumference() const override { return 2.0 * PI * radius_; }
+  bool holds(double radius) const override { return radius < radius_; }
+  const char *name() const override { return name_.c_str(); }
 
-  double overlap(const double *x, double radius) const { return from_axis(x) + radius - radius_; }
+  double overlap(const double *x, double radius) override { return from_axis(x) + radius - radius_; }
 
   /* Unit normal at a sphere, into the tube; zero on the axis, which no sphere that touches the tube reaches. */
-  void inward(const double *x, double normal[3]) const
+  void inward(const double *x, double normal[3]) override
   {
     const double distance = from_axis(x);
     normal[0] = distance > 0.0 ? -x[0] / distance : 0.0;
@@ -187,14 +190,15 @@ class Tube {
   }
 
   /* Location of a sphere along the tube: arc and z. */
-  void place(const double *x, double found[2]) const
+  void place(const double *x, double found[3]) override
   {
     found[0] = radius_ * std::atan2(x[1], x[0]);
     found[1] = x[2];
+    found[2] = 0.0;
   }
 
   /* Turn a force at a sphere into its components outward, around and along the tube. */
-  void cylindrical(const double *x, double force[3]) const
+  void components(const double *x, double force[3]) override
   {
     double normal[3];
     inward(x, normal);
@@ -204,7 +208,7 @@ class Tube {
   }
 
   /* Radius of the sphere that is as stiff on a plane as one of this radius in the tube; of one that does not fit its own. */
-  double effective_radius(double radius)
+  double effective_radius(double radius) override
   {
     if (!(radius > 0.0 && holds(radius))) return radius;
     const auto [known, fresh] = found_.try_emplace(radius, 0.0);
@@ -214,7 +218,15 @@ class Tube {
 
  private:
   double radius_;
+  std::string name_;
   std::unordered_map<double, double> found_;    // by radius of the spheres
+
+  static std::string short_text(double value)
+  {
+    char text[32];
+    std::snprintf(text, sizeof(text), "%.6g", value);
+    return text;
+  }
 
   static double from_axis(const double *x) { return std::sqrt(x[0] * x[0] + x[1] * x[1]); }
 };

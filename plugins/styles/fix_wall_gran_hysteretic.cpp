@@ -17,17 +17,27 @@ using namespace granwave;
 FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) : Fix(lmp, narg, arg)
 {
   if (narg < 7)
-    error->all(FLERR, "Illegal fix {}: expected xplane|yplane|zplane LO HI or tube RADIUS, a law and its constants", STYLE);
+    error->all(FLERR,
+               "Illegal fix {}: expected xplane|yplane|zplane LO HI, tube RADIUS or region ID FACE, a law and its constants",
+               STYLE);
   std::fill_n(plane, 2, INFINITE);
   plane[0] = -INFINITE;
   int used_words = 6;
   if (std::strcmp(arg[3], "tube") == 0) {
     used_words = 5;
-    tube = std::make_unique<Tube>(positive_number(lmp, STYLE, "radius of the tube", arg[4]));
+    curved = std::make_unique<Tube>(positive_number(lmp, STYLE, "radius of the tube", arg[4]));
+  } else if (std::strcmp(arg[3], "region") == 0) {
+    try {
+      auto wall_of_region = std::make_unique<RegionWall>(lmp, arg[4], arg[5]);
+      face = wall_of_region.get();
+      curved = std::move(wall_of_region);
+    } catch (const std::invalid_argument &fault) {
+      error->all(FLERR, "Illegal fix {}: {}", STYLE, fault.what());
+    }
   } else {
     axis = arg[3][0] - 'x';
     if (axis < 0 || axis > 2 || std::strcmp(arg[3] + 1, "plane") != 0)
-      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane or tube, found {}", STYLE, arg[3]);
+      error->all(FLERR, "Illegal fix {}: expected xplane, yplane, zplane, tube or region, found {}", STYLE, arg[3]);
     for (int side = 0; side < 2; side++)
       if (std::strcmp(arg[4 + side], "NULL") != 0) plane[side] = utils::numeric(FLERR, arg[4 + side], false, lmp);
     if (!(plane[0] < plane[1])) error->all(FLERR, "Illegal fix {}: LO must be below HI, found {} {}", STYLE, arg[4], arg[5]);
@@ -38,7 +48,8 @@ FixWallGranHysteretic::FixWallGranHysteretic(LAMMPS *lmp, int narg, char **arg) 
       std::size_t used = 0;
       support = std::make_unique<Support>(std::vector<std::string>(at + 1, words.end()), used);
       words.erase(at, at + 1 + used);
-      if (tube) throw std::invalid_argument("support moves a plane, found a tube");
+      if (face) throw std::invalid_argument("support moves a plane, found a region");
+      if (curved) throw std::invalid_argument("support moves a plane, found a tube");
       if (std::isfinite(plane[0]) && std::isfinite(plane[1]))
         throw std::invalid_argument("support moves one plane, found two: take a fix for each");
       if (!std::isfinite(plane[0]) && !std::isfinite(plane[1]))
@@ -104,13 +115,20 @@ void FixWallGranHysteretic::init()
     error->all(FLERR, "Fix {} with a loss requires atom attribute rmass (atom_style sphere)", STYLE);
   if (has.friction && !(atom->omega_flag && atom->torque_flag))
     error->all(FLERR, "Fix {} with friction requires atom attributes omega and torque (atom_style sphere)", STYLE);
-  if (tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis])
+  const bool is_tube = curved && !face;
+  if (!face && (is_tube ? domain->periodicity[0] || domain->periodicity[1] : domain->periodicity[axis]))
     error->all(FLERR, "Fix {}: the box is periodic across the wall", STYLE);
-  if (domain->triclinic && (tube || axis < 2) && (domain->xz != 0.0 || (axis == 0 ? domain->xy : domain->yz) != 0.0))
+  if (!face && domain->triclinic && (is_tube || axis < 2) &&
+      (domain->xz != 0.0 || (axis == 0 ? domain->xy : domain->yz) != 0.0))
     error->all(FLERR, "Fix {} {}: the box is tilted across the wall, which a periodic boundary would then shift", STYLE, id);
   if (support || has_dashpot())
     require_mechanical_units(lmp, fmt::format("Fix {} {} with {}", STYLE, id, support ? "a support" : "a dashpot"));
   grows = radii_may_change(lmp);
+  try {
+    if (face) face->init();
+  } catch (const std::invalid_argument &fault) {
+    error->all(FLERR, "Fix {} {}: {}", STYLE, id, fault.what());
+  }
   init_cylinders();
   if (has_dashpot()) masses.find(lmp, this);
   reset_dt();
@@ -202,7 +220,7 @@ double FixWallGranHysteretic::level(int side) const
 
 double FixWallGranHysteretic::depth(int i, int side) const
 {
-  if (tube) return side == 0 ? -INFINITE : tube->overlap(atom->x[i], atom->radius[i]);
+  if (curved) return side == 0 ? -INFINITE : curved->overlap(atom->x[i], atom->radius[i]);
   const double along = atom->x[i][axis], radius = atom->radius[i];
   return side == 0 ? level(0) + radius - along : along + radius - level(1);
 }
@@ -210,17 +228,18 @@ double FixWallGranHysteretic::depth(int i, int side) const
 /* Unit normal of a wall at sphere i, into the packing. */
 void FixWallGranHysteretic::inward(int i, int side, double normal[3]) const
 {
-  if (tube) return tube->inward(atom->x[i], normal);
+  if (curved) return curved->inward(atom->x[i], normal);
   normal[0] = normal[1] = normal[2] = 0.0;
   normal[axis] = side == 0 ? 1.0 : -1.0;
 }
 
 /* Location of sphere i along the wall. */
-void FixWallGranHysteretic::place_of(int i, double place[2]) const
+void FixWallGranHysteretic::place_of(int i, double place[3]) const
 {
-  if (tube) return tube->place(atom->x[i], place);
+  if (curved) return curved->place(atom->x[i], place);
   place[0] = atom->x[i][(axis + 1) % 3];
   place[1] = atom->x[i][(axis + 2) % 3];
+  place[2] = 0.0;
 }
 
 /* Sum the force on the plane over all processors, bitwise identical on each. */
@@ -265,8 +284,8 @@ void FixWallGranHysteretic::evaluate()
       if (near[i]) part(i);
       continue;
     }
-    const double overlap[2] = {tube ? -INFINITE : at[0] + radius[i] - x[i][axis],
-                               tube ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
+    const double overlap[2] = {curved ? -INFINITE : at[0] + radius[i] - x[i][axis],
+                               curved ? depth(i, 1) : x[i][axis] + radius[i] - at[1]};
     const bool touches[2] = {joins(i, 0, overlap[0]), joins(i, 1, overlap[1])};
     if (!touches[0] && !touches[1] && !near[i]) continue;
     near[i] = touches[0] || touches[1];
@@ -277,10 +296,10 @@ void FixWallGranHysteretic::evaluate()
       Contact contact{};
       if (touches[side]) {
         contact = compute_normal(i, side, overlap[side], now, 2 * n + side);
-        if (tube) {
+        if (curved) {
           double push[3];
           inward(i, side, push);
-          for (int d = 0; d < 2; d++) f[i][d] += push[d] * contact.force;
+          for (int d = 0; d < 3; d++) f[i][d] += push[d] * contact.force;
           wall_force[0] += contact.force;    // outward
         } else {
           const double push = contact.force * (side == 0 ? 1.0 : -1.0);

@@ -1,10 +1,11 @@
 // SPDX-License-Identifier: GPL-2.0-only
-/* Fix wall/gran/hysteretic: plane walls normal to an axis, or a tube around z, with the contact laws and the persistent dents of pair style
-   gran/hysteretic, with friction, and with the support of a movable plane (support.h).
+/* Fix wall/gran/hysteretic: plane walls normal to an axis, a tube around z, or a face of a region, with the contact laws and the
+   persistent dents of pair style gran/hysteretic, with friction, and with the support of a movable plane (support.h).
 
    fix ID group wall/gran/hysteretic xplane|yplane|zplane LO HI law ... [friction MU] [line half-space|plane-strain] [support ...]
        (law_arguments.h, support.h; LO, HI a coordinate or NULL)
    fix ID group wall/gran/hysteretic tube RADIUS law ... [friction MU]
+   fix ID group wall/gran/hysteretic region ID FACE law ... [friction MU]    (region_wall.h)
 
    Types of fix gran/cylinder touch a plane that is parallel to their axis along a line, elastically (elastic_contact.h), and none
    that they stand on.
@@ -28,6 +29,7 @@ FixStyle(wall/gran/hysteretic,FixWallGranHysteretic);
 #include "../laws/support.h"
 #include "fix_gran_cylinder.h"
 #include "moved_mass.h"
+#include "region_wall.h"
 #include "update.h"
 
 #include <map>
@@ -111,7 +113,7 @@ class FixWallGranHysteretic : public Fix {
   };
 
   struct Side {    // dent of a sphere on one of the walls; all members are doubles, for communication
-    double dent = 0.0, place[2] = {}, lost_before = 0.0, touching = 0.0;
+    double dent = 0.0, place[3] = {}, lost_before = 0.0, touching = 0.0;
     double initial = 0.0;    // initial dent, if beyond the elastic limit
   };
   static constexpr int N_SIDE = sizeof(Side) / sizeof(double),
@@ -136,7 +138,7 @@ class FixWallGranHysteretic : public Fix {
   double level(int side) const;
   double depth(int i, int side) const;
   void inward(int i, int side, double normal[3]) const;
-  void place_of(int i, double place[2]) const;
+  void place_of(int i, double place[3]) const;
   void init_cylinders();
   void admit_type(int type);
   bool is_line(int i) const;
@@ -153,7 +155,7 @@ class FixWallGranHysteretic : public Fix {
   void friction_force(int i, int side, double force[3]);
   void compute_resistance(int i, int side, const Contact &);
   void report_losses(int i);
-  double distance_squared(const double from[2], const double to[2]) const;
+  double distance_squared(const double from[3], const double to[3]) const;
   double *at_walls(int i) { return histories.data() + static_cast<std::size_t>(i) * n_history(); }
   Side *sides(int i) { return reinterpret_cast<Side *>(at_walls(i)); }
   granwave::TangentialSpring *springs(int i)
@@ -183,8 +185,9 @@ class FixWallGranHysteretic : public Fix {
   int n_state() const { return N_REPORTED + granwave::Front::LEVELS + n_history(); }
 
   int axis = 2;
-  std::unique_ptr<granwave::Tube> tube;    // in place of planes
-  double plane[2];                         // positions at rest of the lower and upper wall, infinite if absent
+  std::unique_ptr<granwave::CurvedWall> curved;    // in place of planes
+  granwave::RegionWall *face = nullptr;            // the same, if it is a face of a region
+  double plane[2];                                 // positions at rest of the lower and upper wall, infinite if absent
   granwave::ContactLaw law;
   granwave::Material body{}, wall{};                       // materials of the spheres and of the wall
   bool plane_strain = false;                               // of cylinders

@@ -12,16 +12,17 @@ using namespace LAMMPS_NS;
 using namespace granwave;
 
 /* Squared distance between two locations on the wall, to the nearest image. */
-double FixWallGranHysteretic::distance_squared(const double from[2], const double to[2]) const
+double FixWallGranHysteretic::distance_squared(const double from[3], const double to[3]) const
 {
-  double distance[2] = {to[0] - from[0], to[1] - from[1]};
+  double distance[3] = {to[0] - from[0], to[1] - from[1], to[2] - from[2]};
   const auto wrap = [&](int d, double period, double other) {
     const double turns = period > 0.0 ? std::round(distance[d] / period) : 0.0;
     distance[d] -= period * turns;
     distance[1 - d] -= other * turns;
   };
-  if (tube) {
-    wrap(0, tube->circumference(), 0.0);
+  if (face) return distance[0] * distance[0] + distance[1] * distance[1] + distance[2] * distance[2];
+  if (curved) {
+    wrap(0, curved->circumference(), 0.0);
     wrap(1, domain->periodicity[2] ? domain->prd[2] : 0.0, 0.0);
   } else {
     const int along[2] = {(axis + 1) % 3, (axis + 2) % 3};
@@ -65,9 +66,9 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     error->one(FLERR, "Sphere {} reaches {:.3g} into the wall of fix {}, more than its radius {:.3g}: {}", atom->tag[i],
                overlap, id, radius, causes_of_overlap(lmp, speed_of(lmp, i), radius, "it was placed into it"));
   }
-  if (tube && !tube->holds(radius))
-    error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the tube of radius {:.6g}", STYLE, id,
-               atom->tag[i], radius, tube->radius());
+  if (curved && !curved->holds(radius))
+    error->one(FLERR, "Fix {} {}: sphere {} of radius {:.6g} does not fit into the {}", STYLE, id, atom->tag[i], radius,
+               curved->name());
   const ScaledLaw &scaled = scaled_law(i);
   const double effective = scaled.effective_radius();
   if (!(overlap < scaled.largest_overlap()))
@@ -79,7 +80,7 @@ FixWallGranHysteretic::Contact FixWallGranHysteretic::compute_normal(int i, int 
     if (side.dent > 0.0) {
       const double circle_sq =
           std::isfinite(scaled.yield_overlap()) ? scaled.loading_circle(side.dent, extra(i, which)) : effective * side.dent;
-      double place[2];
+      double place[3];
       place_of(i, place);
       if (distance_squared(side.place, place) > circle_sq) {
         side.lost_before = lost(i, which, scaled);
@@ -248,9 +249,9 @@ void FixWallGranHysteretic::compute_tangential(int i, int which, double overlap,
     atom->f[i][d] += force[d];
     atom->torque[i][d] += lever * torque[d];
   }
-  // on the wall: along x, y, z, or outward, around and along a tube
+  // on the wall: along x, y, z, or outward, around and along a tube, or outward
   double on_wall[3] = {-force[0], -force[1], -force[2]};
-  if (tube) tube->cylindrical(atom->x[i], on_wall);
+  if (curved) curved->components(atom->x[i], on_wall);
   for (int d = 0; d < 3; d++) wall_force[d] += on_wall[d];
   if (contact.force == state[FORCE]) state[TANGENTIAL] = std::sqrt(dot(force, force));
 }

@@ -40,8 +40,8 @@ void FixWallGranHysteretic::list_spheres()
   listed_level = level(moving);
   spheres.clear();
   for (int i = 0; i < atom->nlocal; i++)
-    if (near[i] || (tube ? !(depth(i, 1) < -neighbor->skin)
-                         : !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1])))
+    if (near[i] || (curved ? !(depth(i, 1) < -neighbor->skin)
+                           : !(x[i][axis] - radius[i] > reach[0] && x[i][axis] + radius[i] < reach[1])))
       spheres.push_back(i);
   listed = true;
 }
@@ -73,7 +73,9 @@ void FixWallGranHysteretic::admit_type(int type)
   if (cylinder.is_sphere() || admitted[type]) return;
   admitted[type] = 1;
   if (has.cohesion) error->one(FLERR, "Fix {} {}: cohesion is of spheres, found cylinders of type {}", STYLE, id, type);
-  if (tube) error->one(FLERR, "Fix {} {}: a tube holds spheres, found cylinders of type {}", STYLE, id, type);
+  if (curved)
+    error->one(FLERR, "Fix {} {}: a {} holds spheres, found cylinders of type {}", STYLE, id, face ? "region" : "tube",
+               type);
   const double along = std::fabs(cylinder.axis[axis]);
   stands[type] = along > 1.0 - ROUNDING_OF_AXIS;
   has_lines = has_lines || !stands[type];
@@ -96,7 +98,7 @@ const ScaledLaw &FixWallGranHysteretic::scaled_law(int i)
   if (last.radius == radius) return last.scaled;
   last.radius = radius;
   if (!cylinders || !is_line(i)) {
-    const double effective = tube ? tube->effective_radius(radius) : radius;
+    const double effective = curved ? curved->effective_radius(radius) : radius;
     return last.scaled = ScaledLaw(law, effective, effective, INFINITE);
   }
   auto found = lines.find({type, radius});

@@ -174,6 +174,8 @@ def _plan_rows(assembly: Assembly, plan: Plan, inputs: ImpactInput | None, rows:
     yield "case", plan.name
     yield assembly.grains_called, grains
     yield from grain_file_rows(values["packing_file"])
+    if values["n_clumps"]:
+        yield "clumps", f"{values['n_clumps']}, of {values['n_grains_in_clumps']} grains in all"
     yield "contacts at the start", f"{plan.n_contacts}"
     across = " and ".join(f"{width:.4g}" for width in values["packing_width_m"])
     yield (

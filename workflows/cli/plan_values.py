@@ -164,6 +164,8 @@ def packing_values(assembly: Assembly, plan: Plan) -> dict[str, Any]:
         "struck": _struck(assembly),
         "nulls": {"peak_reduction": no_reduction} if no_reduction else {},
         "n_cylinders": assembly.n_cylinders,
+        "n_clumps": len(assembly.clumps),
+        "n_grains_in_clumps": len(assembly.in_clumps),
         "n_contacts": plan.n_contacts,
         "coordination": coordination,
         "packing_file": grain_file_values(assembly),

@@ -390,7 +390,7 @@ class _Run:
                 logger.info("%s: static stage, until the packing is in balance ...", self.case.name)
             setup = part(script, "setup")
             from_data = not (saved or self.case.packing.restart)
-            if from_data and not self.assembly.bars:
+            if from_data and not (self.assembly.bars or self.assembly.clumps):
                 before, _, setup = setup.partition(f"{READ_DATA}\n")
                 engine.commands(before)
                 make_spheres(engine, self.assembly)

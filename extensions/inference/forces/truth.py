@@ -310,6 +310,8 @@ def _refuse_unseen(result: Result, directory: str) -> None:
     hindrances = {
         "periodic sides": assembly.lattice.periodic,
         "bars": bool(assembly.bars),
+        "clumps": bool(assembly.clumps),
+        "walls of regions": bool(assembly.case.wall),
         "a tube": any(wall.tube for wall in walls(assembly)),
     }
     for name, is_present in hindrances.items():

@@ -416,7 +416,7 @@ def _walls(result: Result) -> Iterator[Any]:
     low = low - margin
     high = high + margin
     for wall in walls(result.assembly):
-        if wall.held_layer:
+        if wall.held_layer or wall.face is not None:
             continue
         if wall.tube:
             ends = low[2] / _MILLI + result.origin[2], high[2] / _MILLI + result.origin[2]

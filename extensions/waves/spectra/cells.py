@@ -24,8 +24,9 @@ from granwave.lammps_inputs.contact.initial_dents import LARGEST
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.lattices import Lattice
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.clumps import refuse_clumps
 from granwave.lammps_inputs.packing.motion import held_ids
-from granwave.lammps_inputs.packing.walls import Wall
+from granwave.lammps_inputs.packing.walls import Wall, refuse_region_walls
 from granwave.lammps_inputs.packing_kind import TOUCHING, PackingKind
 from granwave.lammps_inputs.statics.bodies import Array, Bodies, Ints
 from granwave.lammps_inputs.statics.packing_bodies import moving, packing_bodies, turns_about
@@ -107,6 +108,8 @@ def unit_cell(assembly: Assembly) -> UnitCell:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, which does not repeat"
         )
+    refuse_clumps(assembly)
+    refuse_region_walls(case)
     if not isinstance(lattice, Lattice):
         if case.packing.cell is None:
             raise InputError(

@@ -9,9 +9,10 @@ from granwave.extensions.waves.spectra.network import Network
 from granwave.lammps_inputs.deck.static_stage import largest_move
 from granwave.lammps_inputs.errors import InputError, RunError
 from granwave.lammps_inputs.packing.assembly import Assembly
+from granwave.lammps_inputs.packing.clumps import refuse_clumps
 from granwave.lammps_inputs.packing.cylinders import distances
 from granwave.lammps_inputs.packing.places import Places
-from granwave.lammps_inputs.packing.walls import PLATE
+from granwave.lammps_inputs.packing.walls import PLATE, refuse_region_walls
 from granwave.lammps_inputs.statics.bodies import Array, Bodies
 from granwave.lammps_inputs.statics.packing_bodies import loaded_bodies
 
@@ -34,6 +35,8 @@ def whole(assembly: Assembly) -> Bodies:
 def refuse_parts(assembly: Assembly, *, damped: bool = False) -> None:
     case = assembly.case
     support = case.boundary.bottom_support
+    refuse_clumps(assembly)
+    refuse_region_walls(case)
     if assembly.bars:
         raise InputError(
             f"{case.name}: {assembly.bars[0].name}: found an elastic bar, expected grains and "
