@@ -2,6 +2,7 @@
 
 grain_table   what a reader returns
 source        a file that is read: its bytes, its text, and what the user said of it
+packed        files that are packed, or of kinds that hold no grains
 columns       columns of a file as quantities of grains, by usual names and units
 registry      readers by the name of their format; reading of any file
 table, lammps_dump, lammps_data, yade, mercury, vtk_files, h5md, ase_files
