@@ -51,16 +51,19 @@ _UNUSED = re.compile(
 _MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0)}  # of spheres
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
-         "centre", "centroid", "point", "points", "c"),
+         "centre", "centroid", "barycenter", "barycentre", "point", "points", "c"),
     "v": ("v", "vel", "velocity", "velocities"),
     "omega": ("omega", "w", "om", "angular_velocity", "angularvelocity", "angvel", "spin"),
 }  # fmt: skip
 _OTHER_NAMES = {
-    RADIUS: "r rad radii sphere_radius particle_radius grain_radius",
-    DIAMETER: "d dia diam diameters sphere_diameter particle_diameter grain_diameter",
-    ID: "ids particle_id grain_id atom_id sphere_id tag",
+    RADIUS: "r rad radii",
+    DIAMETER: (
+        "d dia diam diameters equivalent_diameter equivalent_diameter_area "
+        "equivalent_spherical_diameter equiv_diameter equivdiameter eq_diameter eqdiameter"
+    ),
+    ID: "ids tag label",
     TYPE: "types atom_type type_id material_id mat_id matid indspecies species phase",
-    "mass": "m masses particle_mass",
+    "mass": "m masses",
     "density": "rho",
 }
 
@@ -73,6 +76,8 @@ def _vector_names(quantity: str, letter: str, number: int) -> Iterable[str]:
         yield f"{stem}_{number}"
         if len(stem) > 1 or quantity:
             yield f"{stem}{letter}"
+        if len(stem) > 1:
+            yield f"{letter}{stem}"
 
 
 def _all_names() -> dict[str, str]:
@@ -89,6 +94,8 @@ def _all_names() -> dict[str, str]:
 
 
 _QUANTITY_OF_NAME = _all_names()
+_BEFORE_NAME = re.compile(r"(?:q[0-9]+_)?(?:particle|grain|sphere|atom|body)_")
+_NUMBERED = re.compile(r"(.*[^0-9])([0-3])")  # a component, such as Points_0
 
 
 @dataclasses.dataclass(frozen=True)
@@ -114,9 +121,26 @@ def quantity_of(head: str) -> tuple[str, str]:
     """Return quantity and unit of the head of a column; the quantity is empty if unknown."""
     for name, unit in ((head, ""), split_unit(head)):
         plain = re.sub(r"[\s:.\-]+", "_", name.strip().strip("'\"").lower()).strip("_")
-        if plain in _QUANTITY_OF_NAME:
-            return _QUANTITY_OF_NAME[plain], unit
+        for word in (plain, _BEFORE_NAME.sub("", plain, count=1)):
+            if word in _QUANTITY_OF_NAME:
+                return _QUANTITY_OF_NAME[word], unit
     return "", ""
+
+
+def counted_from_zero(heads: Sequence[str]) -> list[str]:
+    """Return heads whose components are numbered from 1 (Centroid_1 ... 3), with those from 0."""
+    numbers: dict[str, set[str]] = {}
+    matches = [_NUMBERED.fullmatch(head) for head in heads]
+    for match in matches:
+        if match is not None:
+            numbers.setdefault(match[1], set()).add(match[2])
+    names: list[str] = []
+    for head, match in zip(heads, matches, strict=True):
+        if match is not None and numbers[match[1]] == {"1", "2", "3"}:
+            names.append(f"{match[1]}{int(match[2]) - 1}")
+        else:
+            names.append(head)
+    return names
 
 
 def find_columns(
@@ -139,8 +163,12 @@ def find_columns(
     place = f"line {table.head_line}"
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
-    for index, head in enumerate(table.heads):
-        quantity, unit = quantity_of(head)
+    names = counted_from_zero(table.heads)
+    for index, (head, name) in enumerate(zip(table.heads, names, strict=True)):
+        quantity, unit = quantity_of(name)
+        unit = unit or _unit_below(table, index)
+        if head.strip() in options.names.values():
+            continue  # the user says what it is
         if not quantity:
             if head and not _UNUSED.fullmatch(head.lower()):
                 unknown.append(head)
@@ -155,6 +183,9 @@ def find_columns(
                 f"{place}: found the columns {earlier.head} and {head} for {quantity}; choose one: "
                 f"packing.columns = {{{quantity} = {show(head)}}}"
             )
+    for size, other in ((RADIUS, DIAMETER), (DIAMETER, RADIUS)):
+        if size in options.names and other not in options.names:
+            columns.pop(other, None)
     columns |= _named_columns(table, options)
     used = {column.head for column in columns.values()}
     if left_out := [head for head in dict.fromkeys(unknown) if head not in used]:
@@ -181,8 +212,14 @@ def _named_columns(table: TextTable, options: FileOptions) -> dict[str, GrainCol
                 f"one of {', '.join(heads) or f'1 to {n_columns}'}"
             )
         head = heads[index] if heads else str(name)
-        columns[quantity] = GrainColumn(index, head, split_unit(head)[1] if heads else "")
+        unit = split_unit(head)[1] if heads else ""
+        columns[quantity] = GrainColumn(index, head, unit or _unit_below(table, index))
     return columns
+
+
+def _unit_below(table: TextTable, index: int) -> str:
+    """Return the unit of a column in the row below the names; empty if there is none."""
+    return table.units[index] if index < len(table.units) else ""
 
 
 def require_columns(
@@ -198,7 +235,11 @@ def require_columns(
             f"packing.columns = {show(example)}"
         )
     if DIAMETER in columns and RADIUS in columns:
-        raise ValueError(f"{place}: found the column diameter (or radius for it) twice")
+        head = show(columns[DIAMETER].head)
+        raise ValueError(
+            f"{place}: found the column diameter (or radius for it) twice; choose one: "
+            f"packing.columns = {{{DIAMETER} = {head}}}"
+        )
     needed = PLACE if diameter is not None else (*PLACE, DIAMETER)
     for name in needed:
         if name in columns or (name == DIAMETER and RADIUS in columns):
