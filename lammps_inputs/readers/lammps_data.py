@@ -22,7 +22,7 @@ from granwave.lammps_inputs.readers.columns import (
 from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.lammps_dump import power_of_style
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
-from granwave.lammps_inputs.tables.layout import BLANKS, Layout
+from granwave.lammps_inputs.tables.layout import BLANKS, Layout, with_plain_exponents
 from granwave.lammps_inputs.tables.text_table import table_of
 from granwave.lammps_inputs.tables.units import in_si
 
@@ -38,6 +38,7 @@ _SPHERE = ["diameter", "density"]
 _IMAGES = ["ix", "iy", "iz"]
 _STYLES = {
     "sphere": ["id", "type", *_SPHERE, *_PLACE],
+    "granular": ["id", "type", *_SPHERE, *_PLACE],  # of LIGGGHTS and LAMMPS before 2010
     "bpm/sphere": ["id", "mol", "type", *_SPHERE, *_PLACE],
     "atomic": ["id", "type", *_PLACE],
 }
@@ -110,7 +111,7 @@ def _section(text: str, section: re.Match[str], n_rows: int, name: str) -> Layou
         raise ValueError(
             f"found {len(rows)} of {n_rows} rows in the section {name}: the data file is truncated"
         )
-    return Layout(numbers, rows, BLANKS, ".")
+    return Layout(numbers, with_plain_exponents(rows), BLANKS, ".")
 
 
 def _lines_from(text: str, start: int) -> Sequence[str]:
@@ -136,8 +137,14 @@ def _heads(comment: str, layout: Layout, options: FileOptions) -> list[str]:
 
 
 def _of_style(words: list[str], n_columns: int) -> list[str]:
-    """Return the names of the columns of a style; of a file that says none, those of spheres."""
-    style = words[0] if words else "sphere"
+    """Return the names of the columns of a style; of a file that says none, those of spheres, or of
+    atoms without sizes.
+    """
+    n_of_atomic = len(_STYLES["atomic"])
+    has_no_sizes = n_columns in (n_of_atomic, n_of_atomic + len(_IMAGES))
+    style = "atomic" if has_no_sizes else "sphere"
+    if words:
+        style = words[0]
     if style == "hybrid":
         unknown = [word for word in words[1:] if word not in _OF_HYBRID]
         if not unknown:
