@@ -52,7 +52,7 @@ _MAY_BE_EMPTY = {"length": 0.0, **dict.fromkeys(AXIS_PARTS, 0.0)}  # of spheres
 _STEMS = {
     "": ("pos", "position", "p", "coord", "coords", "coordinate", "coordinates", "center",
          "centre", "centroid", "barycenter", "barycentre", "point", "points", "c"),
-    "v": ("v", "vel", "velocity", "velocities"),
+    "v": ("v", "vel", "velo", "velocity", "velocities"),
     "omega": ("omega", "w", "om", "angular_velocity", "angularvelocity", "angvel", "spin"),
 }  # fmt: skip
 _OTHER_NAMES = {

@@ -249,6 +249,8 @@ class _LegacyReader:
             self._keep(words[1], self._numbers(n_parts * self.n_points, words[2]), n_parts)
         elif keyword in ("VECTORS", "NORMALS"):
             self._keep(words[1], self._numbers(3 * self.n_points, words[2]), 3)
+        elif keyword == "TENSORS":
+            self._numbers(9 * self.n_points, words[2])
         elif keyword == "FIELD":
             for _ in range(int(words[2])):
                 self._read_array(self._line() or [])
