@@ -7,7 +7,6 @@ https://docs.lammps.org/dump.html
 from __future__ import annotations
 
 import dataclasses
-import itertools
 import re
 
 import numpy as np
@@ -35,6 +34,9 @@ _ATOMS = "ITEM: ATOMS"
 _BOX = "ITEM: BOX BOUNDS"
 _ENTRIES = "ITEM: ENTRIES"
 _UNITS = re.compile(r"^ITEM: UNITS[ \t]*\r?\n[ \t]*(\S+)", re.MULTILINE)
+_FRAME = re.compile(  # LAMMPS writes its units and the time above the step
+    rf"^(?:ITEM: (?:UNITS|TIME)[ \t]*\r?\n.*\n)*({_STEP})", re.MULTILINE
+)
 _GENERAL = ["abc", "origin"]  # of a box whose edges have any direction
 _PERIODIC = "pp"
 _SCALED = {"xs": "x", "ys": "y", "zs": "z", "xsu": "x", "ysu": "y", "zsu": "z"}
@@ -56,15 +58,17 @@ def read(source: GrainSource) -> GrainTable:
         There is no such step, it is truncated, or it lacks places or sizes.
     """
     text = source.text
-    starts = [match.start() for match in re.finditer(f"^{_STEP}", text, re.MULTILINE)]
+    matches = list(_FRAME.finditer(text))
+    starts = [match.start() for match in matches]
+    places = [match.start(1) for match in matches]
     if not starts:
         raise ValueError(f"found no {_STEP}, expected a dump of LAMMPS with one or more steps")
     ends = [*starts[1:], len(text)]
-    chosen = _chosen(text, starts, source.options.step)
+    chosen = _chosen(text, places, source.options.step)
     first_line = text.count("\n", 0, starts[chosen]) + 1
     frame = _DumpFrame.read(text[starts[chosen] : ends[chosen]], first_line)
-    frame.check_complete(_step_of(text, starts[chosen - 1]) if chosen else None)
-    units = _UNITS.search(text, 0, starts[0])  # LAMMPS writes them once, above the first step
+    frame.check_complete(_step_of(text, places[chosen - 1]) if chosen else None)
+    units = _UNITS.search(text, 0, places[0])  # once in a file
     if units is not None and not frame.units:
         frame.units = units[1]
     grains = frame.grains(source.options, len(starts))
@@ -94,20 +98,15 @@ def _step_of(text: str, start: int) -> int:
     return int(lines[1])
 
 
-def _chosen(text: str, starts: list[int], step: int | None) -> int:
+def _chosen(text: str, places: list[int], step: int | None) -> int:
     """Return the number of the frame that is read, from 0."""
     if step is None:
-        return len(starts) - 1
-    steps = [_step_of(text, start) for start in starts]
+        return len(places) - 1
+    steps = [_step_of(text, place) for place in places]
     if step not in steps:
         some = ", ".join(map(str, steps[:5])) + (f" ... {steps[-1]}" if len(steps) > 5 else "")
         raise ValueError(f"found no step {step} (packing.step), expected one of {some}")
     return len(steps) - 1 - steps[::-1].index(step)
-
-
-def _is_no_item(line: str) -> bool:
-    """Return True for a row of an atom."""
-    return not line.startswith(_ITEM)
 
 
 @dataclasses.dataclass(frozen=True, eq=False)
@@ -215,8 +214,7 @@ class _DumpFrame:
             if item.startswith(_ATOMS):
                 frame.heads = tuple(item.removeprefix(_ATOMS).split())
                 frame.head_line = first_line + k
-                rows = itertools.takewhile(_is_no_item, lines[k + 1 :])
-                frame.rows = tuple(row for row in rows if row.strip())
+                frame.rows = tuple(line for line in lines[k + 1 :] if line.strip())
                 return frame
             if item.startswith(_ENTRIES):
                 raise ValueError(
