@@ -5,7 +5,7 @@ from __future__ import annotations
 import dataclasses
 import itertools
 import re
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -263,9 +263,9 @@ class ColumnReader:
         Columns by quantity.
     options
         What the user said of the file.
-    power
-        Power of ten of the lengths of the file, if neither the user nor the name of the column
-        gives it.
+    powers
+        Powers of ten of the units of the file by kind of quantity, if neither the user nor the name
+        of the column gives them.
     """
 
     def __init__(
@@ -273,11 +273,13 @@ class ColumnReader:
         table: TextTable,
         columns: dict[str, GrainColumn],
         options: FileOptions,
-        power: int = 0,
+        powers: Mapping[str, int] | None = None,
     ) -> None:
         self.table = table
         self.columns = columns
-        self.power = options.power(power)
+        self.powers = dict(powers or {})
+        if options.units:
+            self.powers |= dict.fromkeys((LENGTH, VELOCITY), options.power())
 
     def scale(self, quantity: str) -> int:
         """Return the power of ten of the unit of a quantity."""
@@ -292,7 +294,7 @@ class ColumnReader:
             )
         if unit:
             return units[unit]
-        return self.power if kind in (LENGTH, VELOCITY) else 0
+        return self.powers.get(kind, 0)
 
     def numbers(self, quantity: str) -> NDArray[np.float64] | None:
         """Return a quantity: (n,); None if there is none."""

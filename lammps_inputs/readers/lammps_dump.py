@@ -24,7 +24,14 @@ from granwave.lammps_inputs.readers.grain_table import GrainTable
 from granwave.lammps_inputs.readers.source import FileOptions, GrainSource
 from granwave.lammps_inputs.tables.layout import BLANKS, Layout
 from granwave.lammps_inputs.tables.text_table import TextTable, table_of
-from granwave.lammps_inputs.tables.units import in_si
+from granwave.lammps_inputs.tables.units import (
+    ANGULAR_VELOCITY,
+    DENSITY,
+    LENGTH,
+    MASS,
+    VELOCITY,
+    in_si,
+)
 
 NAME = "lammps-dump"
 LABEL = "LAMMPS dump"
@@ -40,8 +47,14 @@ _FRAME = re.compile(  # LAMMPS writes its units and the time above the step
 _GENERAL = ["abc", "origin"]  # of a box whose edges have any direction
 _PERIODIC = "pp"
 _SCALED = {"xs": "x", "ys": "y", "zs": "z", "xsu": "x", "ysu": "y", "zsu": "z"}
-#: Powers of ten of the metre by the style of the units; styles without a length of their own lack.
-UNIT_STYLES = {"si": 0, "cgs": -2, "micro": -6, "nano": -9}
+#: Powers of ten of the SI units by the style of the units (https://docs.lammps.org/units.html);
+#: styles without a length of their own lack.
+UNIT_STYLES: dict[str, dict[str, int]] = {
+    "si": {},
+    "cgs": {LENGTH: -2, VELOCITY: -2, MASS: -3, DENSITY: 3},
+    "micro": {LENGTH: -6, VELOCITY: 0, MASS: -15, DENSITY: 3, ANGULAR_VELOCITY: 6},
+    "nano": {LENGTH: -9, VELOCITY: 0, MASS: -21, DENSITY: 6, ANGULAR_VELOCITY: 9},
+}
 
 
 def recognises(source: GrainSource) -> bool:
@@ -77,10 +90,19 @@ def read(source: GrainSource) -> GrainTable:
     return grains
 
 
-def power_of_style(style: str, options: FileOptions) -> int:
-    """Return the power of ten of the lengths of a style of units; raise ValueError without one."""
-    if options.units or not style:
-        return options.power()
+def powers_of_style(style: str, options: FileOptions) -> dict[str, int]:
+    """Return the powers of ten of the units of a style by kind of quantity; none of a file that
+    names no style.
+
+    Raises
+    ------
+    ValueError
+        The style has no length of its own, and the user gives none.
+    """
+    if options.units:
+        return dict.fromkeys((LENGTH, VELOCITY), options.power())
+    if not style:
+        return {}
     if style not in UNIT_STYLES:
         raise ValueError(
             f"found the units {style}, expected {', '.join(UNIT_STYLES)}; give the unit of the "
@@ -273,11 +295,11 @@ class _DumpFrame:
         columns = find_columns(table, options, notes, repeated=True)
         scaled = self._scaled(table, columns)
         self._require(columns, options)
-        power = power_of_style(self.units, options)
+        powers = powers_of_style(self.units, options)
         of_steps = f", step {self.step}" + (f" of {n_steps} steps" if n_steps > 1 else "")
-        grains = ColumnReader(table, columns, options, power).grains(LABEL + of_steps, notes)
+        grains = ColumnReader(table, columns, options, powers).grains(LABEL + of_steps, notes)
         if self.box is not None:
-            self._add_box(self.box, grains, scaled, power)
+            self._add_box(self.box, grains, scaled, powers.get(LENGTH, 0))
         elif scaled:
             raise ValueError("found scaled places without a box; dump x, y, z")
         return grains

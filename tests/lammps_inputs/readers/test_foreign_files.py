@@ -174,6 +174,26 @@ def test_units_of_a_dump_are_above_its_first_step(tmp_path: Path) -> None:
     assert "found the units lj" in fault(tmp_path / "lj", f"ITEM: UNITS\nlj\n{DUMP}")
 
 
+@pytest.mark.parametrize(("style", "length", "velocity", "density"), [
+    ("si", 1.0, 1.0, 1.0), ("cgs", 1e-2, 1e-2, 1e3), ("micro", 1e-6, 1.0, 1e3),
+    ("nano", 1e-9, 1.0, 1e6),
+])  # fmt: skip
+def test_units_of_lammps(
+    style: str, length: float, velocity: float, density: float, tmp_path: Path
+) -> None:
+    """Velocities of micro and nano are micrometres a microsecond and nanometres a nanosecond."""
+    head = f"LAMMPS data file via write_data, timestep = 0, units = {style}"
+    motion = "\nVelocities\n\n1 0 0 7 0 0 0\n2 0 0 0 0 0 0\n"
+    grains = read(tmp_path / "g", data(SPHERES, "Atoms # sphere", head) + motion)
+    assert grains.position == pytest.approx(length * np.array(PLACES))
+    assert grains.velocity[0] == pytest.approx([0, 0, 7 * velocity])
+    assert grains.reading is not None
+    assert grains.reading.density == pytest.approx((2500 * density, 2500 * density))
+    rows = "1 .01 .02 .005 0 0 7 .005\n2 .01 .02 .015 0 0 0 .005\n"
+    text = f"ITEM: UNITS\n{style}\n" + dump("id x y z vx vy vz radius", rows)
+    assert np.allclose(read(tmp_path / "d", text).velocity, grains.velocity, rtol=1e-15)
+
+
 def test_a_number_that_may_be_cut_is_noted(tmp_path: Path) -> None:
     grains = read(tmp_path / "g", DUMP[:-1])
     assert grains.reading is not None
