@@ -11,6 +11,7 @@ import zipfile
 from pathlib import Path
 from typing import Any
 
+import h5py
 import numpy as np
 import pytest
 
@@ -192,6 +193,30 @@ def test_units_of_lammps(
     rows = "1 .01 .02 .005 0 0 7 .005\n2 .01 .02 .015 0 0 0 .005\n"
     text = f"ITEM: UNITS\n{style}\n" + dump("id x y z vx vy vz radius", rows)
     assert np.allclose(read(tmp_path / "d", text).velocity, grains.velocity, rtol=1e-15)
+
+
+def h5md(unit: Any, steps_of_velocity: list[int]) -> bytes:
+    """Return a trajectory of two steps, whose velocities have steps of their own."""
+    content = io.BytesIO()
+    with h5py.File(content, "w") as file:
+        group = file.create_group("particles/all")
+        places = 1e3 * np.array(PLACES)
+        group["position/value"] = np.stack([0 * places, places])
+        group["position/value"].attrs["unit"] = unit
+        group["position/step"] = [0, 100]
+        group["velocity/value"] = np.ones((len(steps_of_velocity), 2, 3))
+        group["velocity/step"] = steps_of_velocity
+        group["radius"] = [5.0, 5.0]
+    return content.getvalue()
+
+
+def test_h5md_with_units_of_c_and_elements_of_other_steps(tmp_path: Path) -> None:
+    grains = read(tmp_path / "a", h5md(np.bytes_("mm"), [0, 50, 100]))
+    assert grains.position == pytest.approx(np.array(PLACES))
+    assert grains.velocity.tolist() == [[1e-3] * 3] * 2
+    assert not read(tmp_path / "b", h5md("mm", [0, 50])).velocity.any()
+    message = fault(tmp_path / "c", h5md("Angstrom", [100]))
+    assert 'found positions in the unit "Angstrom", expected m, dm' in message
 
 
 def test_a_number_that_may_be_cut_is_noted(tmp_path: Path) -> None:
