@@ -23,7 +23,8 @@ def decoded_table(raw: bytes) -> str:
         try:
             return raw.decode("utf-16")
         except UnicodeDecodeError:
-            raise ValueError("found UTF-16 that is damaged, expected text; save it again") from None
+            text = "found UTF-16 that is damaged, expected text; save it as UTF-8"
+            raise UnicodeError(text) from None
     try:
         return decoded(raw)
     except UnicodeError:

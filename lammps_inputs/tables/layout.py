@@ -17,6 +17,7 @@ from pathlib import Path
 
 from granwave.lammps_inputs.errors import InputError
 from granwave.lammps_inputs.files import read_number, read_user_text
+from granwave.lammps_inputs.tables.encoding import decoded_table
 
 BLANKS = " "
 _SEPARATORS = (";", "\t", ",", BLANKS)  # the first that fits
@@ -148,15 +149,24 @@ def with_decimal_point(cell: str) -> str:
     return cell.replace(",", ".") if _DECIMAL_COMMA.fullmatch(cell) else cell
 
 
+def read_layout(path: Path) -> Layout:
+    """Read the layout of a table; raise InputError if the file cannot be read or is no text."""
+    return layout_of(read_user_text(path, "CSV file", decode=decoded_table))
+
+
 def read_rows(path: Path) -> list[Row]:
     """Read the rows of a small table, with decimal points.
 
     Raises
     ------
     InputError
-        The file cannot be read, is not UTF-8, or has a line that cannot be taken apart.
+        The file cannot be read, is no text, or has a line that cannot be taken apart.
     """
-    layout = layout_of(read_user_text(path, "CSV file"))
+    return rows_of(read_layout(path), path)
+
+
+def rows_of(layout: Layout, path: Path) -> list[Row]:
+    """Return the rows of a layout, with decimal points; raise InputError as `read_rows`."""
     try:
         return [(number, layout.cells(row)) for row, number in enumerate(layout.numbers)]
     except ValueError as error:
