@@ -44,6 +44,7 @@ KINDS: dict[str, str] = {
 }
 QUANTITIES = (*PLACE, DIAMETER, RADIUS, "shape", "length", "axis", *AXIS_PARTS, "material",
               "group", *VELOCITIES, *SPINS, ID, TYPE, "mass", "density")  # fmt: skip
+_LARGEST_ID = 2.0**63
 #: Columns of which nothing is needed, and no warning is given.
 _UNUSED = re.compile(
     r"[fti][xyz]|[xyz]su?|force_[xyz012]|torque_[xyz012]|tq[xyz]|mol|element|q|mask"
@@ -183,6 +184,8 @@ def find_columns(
                 f"{place}: found the columns {earlier.head} and {head} for {quantity}; choose one: "
                 f"packing.columns = {{{quantity} = {show(head)}}}"
             )
+        elif not repeated:
+            unknown.append(head)
     for size, other in ((RADIUS, DIAMETER), (DIAMETER, RADIUS)):
         if size in options.names and other not in options.names:
             columns.pop(other, None)
@@ -341,7 +344,7 @@ class ColumnReader:
         values = self.numbers(ID)
         if values is None:
             return None
-        broken = np.flatnonzero(values != np.round(values))
+        broken = np.flatnonzero((values != np.round(values)) | (np.abs(values) >= _LARGEST_ID))
         if len(broken):
             row = int(broken[0])
             raise ValueError(
@@ -349,10 +352,22 @@ class ColumnReader:
             )
         return values.astype(np.int64)
 
+    def _note_units(self, notes: list[str]) -> None:
+        """Note lengths without a unit next to others with one, unless the user gives it."""
+        names = [name for name in (*PLACE, RADIUS, DIAMETER) if name in self.columns]
+        without = [self.columns[name].head for name in names if not self.columns[name].unit]
+        if without and len(without) < len(names) and LENGTH not in self.powers:
+            several = "s" if len(without) > 1 else ""
+            notes.append(
+                f"column{several} without a unit ({', '.join(without)}) next to others with one; "
+                "read in metres, or in packing.units"
+            )
+
     def grains(self, form: str, notes: list[str]) -> GrainTable:
         """Return the grains of the table, of a format that is called ``form``."""
         position = self.vector(PLACE)
         assert position is not None
+        self._note_units(notes)
         words = {name: self.words(name) for name in WORDS if name in self.columns}
         further = ("length", *AXIS_PARTS)
         numbers = {name: self.numbers(name) for name in further}

@@ -11,6 +11,8 @@ import zipfile
 import zlib
 from collections.abc import Callable
 
+_TAR = b"ustar"
+_PLACE_OF_TAR = 257  # bytes before the signature
 _ZIP = b"PK\x03\x04"
 _UNPACKERS: dict[bytes, tuple[str, Callable[[bytes], bytes]]] = {
     b"\x1f\x8b": (".gz", gzip.decompress),
@@ -65,9 +67,18 @@ def unpacked(raw: bytes) -> bytes:
     """
     for start, (ending, unpack) in _UNPACKERS.items():
         if raw.startswith(start):
-            return _without_package(raw, ending, unpack)
+            return _checked(_without_package(raw, ending, unpack))
     if raw.startswith(_ZIP):
-        return _without_package(raw, ".zip", _file_of_zip)
+        return _checked(_without_package(raw, ".zip", _file_of_zip))
+    return _checked(raw)
+
+
+def _checked(raw: bytes) -> bytes:
+    """Return the content of a file; raise ValueError if it is of a kind that holds no grains."""
+    if raw.startswith(_TAR, _PLACE_OF_TAR):
+        raise ValueError(
+            "found an archive (.tar), expected a file of grains; unpack it and name the file"
+        )
     for kind in _OTHER_KINDS:
         if raw[: len(kind.start)].lower() == kind.start.lower():
             raise ValueError(f"found {kind.label}, expected a file of grains; {kind.remedy}")

@@ -245,7 +245,7 @@ class _LegacyReader:
             self.of_points = keyword == "POINT_DATA"
         elif keyword == "SCALARS":
             n_parts = int(words[3]) if len(words) > 3 else 1
-            self._line()  # LOOKUP_TABLE
+            self._pass_lookup_table()
             self._keep(words[1], self._numbers(n_parts * self.n_points, words[2]), n_parts)
         elif keyword in ("VECTORS", "NORMALS"):
             self._keep(words[1], self._numbers(3 * self.n_points, words[2]), 3)
@@ -268,6 +268,13 @@ class _LegacyReader:
         values = self._numbers(int(parts) * int(rows), kind)
         if int(rows) == self.n_points:
             self._keep(name, values, int(parts))
+
+    def _pass_lookup_table(self) -> None:
+        """Pass over the line LOOKUP_TABLE, which some programs leave out."""
+        place = self.place
+        words = self._line() or [""]
+        if words[0].upper() != "LOOKUP_TABLE":
+            self.place = place
 
     def _pass_metadata(self) -> None:
         """Pass over the lines of a block METADATA, which ends with an empty line."""
@@ -354,15 +361,17 @@ def _read_piece(
     element = piece.find("Points/DataArray")
     if element is None or piece.get("NumberOfPoints") == "0":
         return None
-    points = reader.values(element).reshape(-1, 3)
+    points = reader.rows(element, len(PLACE))
     if not len(points):
         return None
     texts = (element.text or "").split() if element.get("format") == "ascii" else []
     arrays: Arrays = {}
     for array in piece.iterfind("PointData/DataArray"):
-        n_parts = int(array.get("NumberOfComponents") or 1)
-        values = reader.values(array)
-        arrays[array.get("Name") or ""] = values if n_parts == 1 else values.reshape(-1, n_parts)
+        n_parts = array.get("NumberOfComponents") or "1"
+        name = array.get("Name") or ""
+        if not n_parts.isdigit():
+            raise ValueError(f"found {show(n_parts)} components of {name}, expected a number")
+        arrays[name] = reader.rows(array, int(n_parts))
     return points, arrays, texts
 
 
@@ -384,8 +393,10 @@ class _XmlReader:
         self.is_raw = is_raw
         is_little = root.get("byte_order", "LittleEndian") == "LittleEndian"
         self.order: Literal["<", ">"] = "<" if is_little else ">"
-        self.header = np.dtype(_XML_TYPES[root.get("header_type") or "UInt32"])
-        self.header = self.header.newbyteorder(self.order)
+        header_type = root.get("header_type") or "UInt32"
+        if header_type not in _XML_TYPES:
+            raise ValueError(f"found header_type {show(header_type)}, expected UInt32 or UInt64")
+        self.header = np.dtype(_XML_TYPES[header_type]).newbyteorder(self.order)
         compressor = root.get("compressor", "")
         if compressor not in ("", "vtkZLibDataCompressor"):
             raise ValueError(
@@ -393,6 +404,21 @@ class _XmlReader:
                 "save the file without compression"
             )
         self.is_packed = bool(compressor)
+
+    def rows(self, element: ElementTree.Element, n_parts: int) -> NDArray[np.generic]:
+        """Return an array of one or more numbers a point: (n,) or (n, n_parts); raise ValueError as
+        `values`.
+        """
+        values = self.values(element)
+        if n_parts <= 1:
+            return values
+        if len(values) % n_parts:
+            name = element.get("Name") or "Points"
+            raise ValueError(
+                f"found {len(values)} numbers of {name}, expected {n_parts} for each point: the "
+                "file is damaged"
+            )
+        return values.reshape(-1, n_parts)
 
     def values(self, element: ElementTree.Element) -> NDArray[np.generic]:
         """Return the numbers of an array.

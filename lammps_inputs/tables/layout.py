@@ -93,8 +93,8 @@ def layout_of(text: str) -> Layout:
         if row:
             numbers.append(number)
             rows.append(row)
-        elif line.strip() and not rows:
-            comments.append(line.strip().lstrip("#%/").strip())
+        elif not rows and (comment := line.strip().lstrip("#%/").strip()):
+            comments.append(comment)
     return _layout(numbers, with_plain_exponents(rows), comments)
 
 

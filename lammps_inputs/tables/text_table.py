@@ -31,6 +31,7 @@ if TYPE_CHECKING:
 
 _EXACT_BY_DEFAULT = (3, 1)  # first pandas that reads every bit without being asked to
 _THOUSANDS = re.compile(r"[-+]?[0-9]{1,3}(?:[.,' ][0-9]{3})+(?:[.,][0-9]*)?")
+_UNIT_IN_BRACKETS = re.compile(r"\([^()]+\)|\[[^\[\]]+\]")
 _UNIT_CELL = re.compile(r"[^0-9\s]{0,2}[^\s]{0,7}")  # short, and no number
 _QUOTING_LENGTH = 100_000  # characters from which a row is taken apart by `csv`, which has a limit
 
@@ -164,6 +165,8 @@ def text_table_of(layout: Layout, heads: Sequence[str] = ()) -> TextTable:
         It is none; the message names the line.
     """
     first = layout.cells(0)
+    if layout.separator == BLANKS:
+        first = _with_units(first)
     is_headed = not any(map(is_number, first))
     names = list(heads)
     if is_headed and not names:
@@ -191,6 +194,17 @@ def table_of(layout: Layout, heads: Sequence[str], head_line: int, *, start: int
     return TextTable(heads, head_line, lines, layout, _frame(layout, rows, len(expected)))
 
 
+def _with_units(words: Sequence[str]) -> list[str]:
+    """Return names between blanks, each with the unit in brackets behind it: ``x (mm)``."""
+    names: list[str] = []
+    for word in words:
+        if names and _UNIT_IN_BRACKETS.fullmatch(word):
+            names[-1] = f"{names[-1]} {word}"
+        else:
+            names.append(word)
+    return names
+
+
 def _units_below(layout: Layout) -> list[str]:
     """Return the units in the row below the names; none without a unit of length among them."""
     if len(layout.rows) < 3:
@@ -208,7 +222,7 @@ def _heads_in_comment(layout: Layout, n: int) -> list[str]:
         return []
     line = layout.comments[-1]
     words = line.split(layout.separator) if layout.separator in line.strip() else line.split()
-    words = line.split() if layout.separator == BLANKS else words
+    words = _with_units(line.split()) if layout.separator == BLANKS else words
     has_names = len(words) == n and not any(map(is_number, words))
     return [word.strip() for word in words] if has_names else []
 

@@ -7,6 +7,7 @@ import bz2
 import gzip
 import io
 import lzma
+import tarfile
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -59,6 +60,9 @@ OLD_MERCURY = "0 0 0 0.005 0 0 0 0 0 0 1 10 3"
 ARCHIVE = io.BytesIO()
 with zipfile.ZipFile(ARCHIVE, "w") as archive:
     archive.writestr("bed.dump", DUMP)
+TAR = io.BytesIO()
+with tarfile.open(fileobj=TAR, mode="w") as packages:
+    packages.addfile(tarfile.TarInfo("bed.dump"))
 SPREADSHEET = io.BytesIO()
 with zipfile.ZipFile(SPREADSHEET, "w") as archive:
     archive.writestr("xl/workbook.xml", "<workbook/>")
@@ -119,6 +123,10 @@ FORMS: dict[str, tuple[str | bytes, dict[str, Any]]] = {
                         + ROWS.replace(",", "\t").encode("utf-16-le"), {}),
     "row of units": (f"x;y;z;d;n\nmm;mm;mm;mm;-\n{MILLIMETRES.replace(chr(10), ';1' + chr(10))}", {}),
     "row of units in brackets": (f"x;y;z;d\n[mm];[mm];[mm];[mm]\n{MILLIMETRES}", {}),
+    "units between blanks": (f"x (mm) y (mm) z (mm) d (mm)\n{MILLIMETRES.replace(';', ' ')}", {}),
+    "units in a comment": (f"#\n# x [mm] y [mm] z [mm] d [mm]\n#\n{MILLIMETRES.replace(';', ' ')}", {}),
+    "VTK without LOOKUP_TABLE": ("# vtk DataFile Version 3.0\n\nASCII\nDATASET POLYDATA\nPOINTS 2 float\n"
+                                 ".01 .02 .005 .01 .02 .015\nPOINT_DATA 2\nSCALARS radius float\n.005\n.005\n", {}),
     "names in capitals": (f"X [MM];Y [MM];Z [MM];D [MM]\n{MILLIMETRES}", {}),
     "title": (f"Centres of sample 3\n\nx,y,z,r\n{ROWS}", {}),
     "title with commas": (f"Centres,,,\nof 2026,,,\nx,y,z,r\n{ROWS},,,\n", {}),
@@ -231,6 +239,20 @@ def test_text_above_a_table_is_noted(tmp_path: Path) -> None:
     assert grains.reading.notes == ["text down to line 2 left out, above the names of the columns"]
 
 
+def test_lengths_without_a_unit_next_to_others_are_noted(tmp_path: Path) -> None:
+    text = "x (mm),y,z,r\n10,0.02,0.005,0.005\n10,0.02,0.015,0.005\n"
+    grains = read(tmp_path / "g.csv", text)
+    assert grains.position == pytest.approx(np.array(PLACES))
+    assert grains.reading is not None
+    assert grains.reading.notes == [
+        "columns without a unit (y, z, r) next to others with one; read in metres, or in packing.units"
+    ]
+    text = "x (mm),y,z,r\n10,20,5,5\n10,20,15,5\n"
+    grains = read(tmp_path / "g.csv", text, units="mm")
+    assert grains.reading is not None
+    assert not grains.reading.notes
+
+
 def test_whole_types_of_vtk_have_no_decimals(tmp_path: Path) -> None:
     grains = read(tmp_path / "g", vtu())
     assert grains.reading is not None
@@ -253,6 +275,13 @@ def test_whole_types_of_vtk_have_no_decimals(tmp_path: Path) -> None:
      "found places of which some are scaled in a tilted box"),
     ("x;y;z;d\n0,5;0;0;1\n1.000;0;0;1\n",
      'line 3: found "1.000" for x, expected a finite number, without a sign of thousands'),
+    ("id,x,y,z,r\n99999999999999999999,0,0,0,1\n", "line 2: found 1e+20 for id, expected a whole"),
+    (gzip.compress(TAR.getvalue()), "found an archive (.tar), expected a file of grains; unpack it"),
+    ('<VTKFile header_type="Foo"/>', 'found header_type "Foo", expected UInt32 or UInt64'),
+    (vtu().replace("0.01 0.02 0.005", "0.01 0.02"),
+     "found 2 numbers of Points, expected 3 for each point: the file is damaged"),
+    (vtu().replace('Name="Diameter" NumberOfComponents="1"', 'Name="Diameter" NumberOfComponents="x"'),
+     'found "x" components of Diameter, expected a number'),
     ("x,y,z,r,d\n0,0,0,1,2\n", 'choose one: packing.columns = {diameter = "d"}'),
     ("3\n\nA 0 0 0\nB 0 0 1\n", "line 1: found 2 of 3 grains: the file is truncated"),
     ("2\n\nA 0 0 0 1\nB 0 0 1 1\n", "type x y z and 1 without a name, expected a property radius"),
