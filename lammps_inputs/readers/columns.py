@@ -161,40 +161,44 @@ def find_columns(
     ValueError
         A column is there twice, or is not there although the user named it.
     """
-    place = f"line {table.head_line}"
     columns: dict[str, GrainColumn] = {}
     unknown: list[str] = []
     names = counted_from_zero(table.heads)
     for index, (head, name) in enumerate(zip(table.heads, names, strict=True)):
-        quantity, unit = quantity_of(name)
-        unit = unit or _unit_below(table, index)
         if head.strip() in options.names.values():
             continue  # the user says what it is
-        if not quantity:
-            if head and not _UNUSED.fullmatch(head.lower()):
-                unknown.append(head)
-            continue
+        quantity, unit = quantity_of(name)
+        column = GrainColumn(index, head, unit or _unit_below(table, index))
         earlier = columns.get(quantity)
-        if earlier is None or (quantity == head and earlier.head != head):
-            columns[quantity] = GrainColumn(index, head, unit)
-        elif not repeated and head == earlier.head:
-            raise ValueError(f"{place}: found the column {head} twice")
-        elif not repeated and earlier.head != quantity:
-            raise ValueError(
-                f"{place}: found the columns {earlier.head} and {head} for {quantity}; choose one: "
-                f"packing.columns = {{{quantity} = {show(head)}}}"
-            )
+        if not quantity:
+            unknown.append(head)
+        elif earlier is None or (quantity == head and earlier.head != head):
+            columns[quantity] = column
         elif not repeated:
+            _refuse_second(table, quantity, earlier, head)
             unknown.append(head)
     for size, other in ((RADIUS, DIAMETER), (DIAMETER, RADIUS)):
         if size in options.names and other not in options.names:
             columns.pop(other, None)
     columns |= _named_columns(table, options)
     used = {column.head for column in columns.values()}
-    if left_out := [head for head in dict.fromkeys(unknown) if head not in used]:
+    needless = [head for head in unknown if not head or _UNUSED.fullmatch(head.lower())]
+    if left_out := [head for head in dict.fromkeys(unknown) if head not in {*used, *needless}]:
         several = "s" if len(left_out) > 1 else ""
         notes.append(f"column{several} left out: {', '.join(left_out)}")
     return columns
+
+
+def _refuse_second(table: TextTable, quantity: str, earlier: GrainColumn, head: str) -> None:
+    """Raise ValueError for a second column of a quantity, unless the first has its very name."""
+    place = f"line {table.head_line}"
+    if head == earlier.head:
+        raise ValueError(f"{place}: found the column {head} twice")
+    if earlier.head != quantity:
+        raise ValueError(
+            f"{place}: found the columns {earlier.head} and {head} for {quantity}; choose one: "
+            f"packing.columns = {{{quantity} = {show(head)}}}"
+        )
 
 
 def _named_columns(table: TextTable, options: FileOptions) -> dict[str, GrainColumn]:

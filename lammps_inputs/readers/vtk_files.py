@@ -333,8 +333,8 @@ def _read_xml(
     sources = [element.get("file") or element.get("Source") for element in root.iter()]
     if names := [name for name in sources if name]:
         raise ValueError(
-            f"found a list of other files ({', '.join(names[:3])}{' ...' * (len(names) > 3)}), "
-            "expected points; give one of them, or save all as one file"
+            f"found a list of other files ({names[0]} ...), expected points; give one "
+            "of them, or save all as one file"
         )
     reader = _XmlReader(root, blob, is_raw=b'encoding="raw"' in source.content[start:][:200])
     pieces = [_read_piece(reader, piece) for piece in root.iter("Piece")]
@@ -342,12 +342,11 @@ def _read_xml(
     if not filled:
         return None, {}, None
     points = np.concatenate([piece[0] for piece in filled])
-    names_of_all = set.intersection(*(set(piece[1]) for piece in filled))
-    arrays = {
-        name: np.concatenate([piece[1][name] for piece in filled])
-        for name in filled[0][1]
-        if name in names_of_all
-    }
+    arrays: Arrays = {}
+    for name in filled[0][1]:
+        parts = [piece[1][name] for piece in filled if name in piece[1]]
+        if len(parts) == len(filled):
+            arrays[name] = np.concatenate(parts)
     texts: list[str] = []
     for piece in filled:
         texts += piece[2]

@@ -1,9 +1,9 @@
 """Trajectories in XYZ and extended XYZ, as OVITO and ASE write them: a number of grains, a comment,
 and a row for each grain.
 
-The comment of extended XYZ names the columns (``Properties=species:S:1:pos:R:3:radius:R:1``) and has
-the box (``Lattice``, ``Origin``, ``pbc``). Plain XYZ has the name of a type and x, y, z, unless its
-comment is a list of names; further columns have none.
+The comment of extended XYZ names the columns (``Properties=species:S:1:pos:R:3:radius:R:1``) and
+has the box (``Lattice``, ``Origin``, ``pbc``). Plain XYZ has the name of a type and x, y, z, unless
+its comment is a list of names; further columns have none.
 
 https://www.ovito.org/manual/reference/file_formats/input/xyz.html
 """

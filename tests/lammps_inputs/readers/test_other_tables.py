@@ -60,7 +60,8 @@ CURVE = ((0.0, 1e-6, 2e-6, 3e-6, 4e-6), (0.0, 10.0, 30.0, 50.0, 80.0))
 @pytest.mark.parametrize("text", [
     "overlap_um,force_N\n0,0\n1,10\n2,30\n3,50\n4,80\n",
     "Displacement (mm);Load (kN)\n0,000;0,00\n0,001;0,01\n0,002;0,03\n0,003;0,05\n0,004;0,08\n",
-    "Time\tExtension\tLoad\n(s)\t(mm)\t(N)\n0\t0\t0\n1\t0.001\t10\n2\t0.002\t30\n3\t0.003\t50\n4\t.004\t80\n",
+    "Time\tExtension\tLoad\n(s)\t(mm)\t(N)\n0\t0\t0\n1\t0.001\t10\n2\t0.002\t30\n"
+    "3\t0.003\t50\n4\t.004\t80\n",
     '"Specimen 1",,\n\n"Extension","Load"\n"[mm]","[N]"\n"0.000","0.0"\n".001","10"\n".002","30"\n'
     '".003","50"\n".004","80"\n',
     "Versuch 3\noverlap (\u00b5m);force (N)\n0;0\n1;10\n2;30\n3;50\n4;8.0D+01\n",
